@@ -132,7 +132,8 @@ async def test_a_group_or_a_room_in_a_right_that_nobody_has_is_told_with_its_key
     async with virtual_house_of(world=world(), config=config) as house, Node(house.runtime.graph, "doctor") as node:
         await house.run_for("310s")
         assert await troubles(node, "control") == (
-            "apps.light_service.act: 'act: group=\"Evenin\"': no device is in a group 'evenin'; did you mean evening?",
-            "apps.light_service.act: 'act: lights in halll': no device is in 'halll'; did you mean hall?",
+            "[apps.light_service] act: 'act: group=\"Evenin\"': "
+            "no device is in a group 'evenin'; did you mean evening?",
+            "[apps.light_service] act: 'act: lights in halll': no device is in 'halll'; did you mean hall?",
             "door.scope: 'ask: group=Noon': no device is in a group 'noon'; `homebot group list` shows all",
         )

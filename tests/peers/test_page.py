@@ -193,6 +193,39 @@ async def test_what_always_asks_is_done_once_the_person_at_the_page_agrees(page:
         assert own.problems() == []
 
 
+async def test_a_routine_gets_the_right_that_it_lacks_and_is_run_once_the_person_at_the_page_agrees(
+    page: OpenPage,
+) -> None:
+    """A tap on "run now" unlocked the front door."""
+    world = World.of(SimulatedDoorLock("front_door"))
+    fields = {"[name=name]": "Let in", "[name=when]": "7:00", "[name=steps]": "front door unlock"}
+    yes, no = ".agreement button", ".agreement button:nth-of-type(2)"
+    async with page(world, token="hunter2") as own:
+        await own.open("#token=hunter2", shows="1 device")
+        await own.open("#/routines", shows="There is no routine yet.")
+        await own.click(".choices button")
+        for field, text in {**fields, "textarea.code": 'act = "light"'}.items():
+            await own.write(field, text)
+        await own.click("form .buttons button")
+        await own.shows("let this routine command light?", ".agreement")
+        await own.click(yes)
+        await own.shows("is refused", ".bad")
+        for answer in (no, yes):
+            await own.click(".bad + .choices button")
+            await own.shows("let this routine command Front door?", ".agreement")
+            await own.shows("is refused", ".bad")
+            await own.click(answer)
+        await own.shows('may command\nlight, id="locks/front_door"', "dl")
+        await own.hides("is refused")
+        for answer in (no, yes):
+            await own.click("section > .choices button")
+            await own.shows("Let in: Front door (it is a door lock)?", ".agreement")
+            assert world.devices["front_door"].device.state() == "locked"
+            await own.click(answer)
+        await own.open("#/device/locks%2Ffront_door", shows="unlocked")
+        assert own.problems() == []
+
+
 async def test_a_lamp_is_turned_on_with_the_keyboard_alone(page: OpenPage) -> None:
     def press(browser: Any) -> None:
         for _ in range(30):

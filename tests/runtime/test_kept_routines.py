@@ -13,6 +13,7 @@ from structlog.testing import capture_logs
 from homebot.clock import LoopClock
 from homebot.config import load_config, parse_config
 from homebot.devices.app_messages import (
+    ChangeAppResponse,
     ChangeRoutine,
     ChangeRoutineRequest,
     ChangeRoutineResponse,
@@ -21,12 +22,14 @@ from homebot.devices.app_messages import (
     ListRoutines,
     ProposeRoutine,
     ProposeRoutineRequest,
+    Reload,
+    ReloadRequest,
     RoutineChange,
     RoutineInfo,
     RoutinesRequest,
 )
 from homebot.devices.health import GetHealth, HealthRequest
-from homebot.devices.names import CHANGE_ROUTINE, HOME_PLACE, LIST_ROUTINES, PROPOSE_ROUTINE, RUNTIME_HEALTH
+from homebot.devices.names import CHANGE_ROUTINE, HOME_PLACE, LIST_ROUTINES, PROPOSE_ROUTINE, RELOAD, RUNTIME_HEALTH
 from homebot.devices.own_services import right_to_call
 from homebot.errors import ConfigError
 from homebot.graph import Node
@@ -50,9 +53,16 @@ class Owner:
         self._propose = node.create_client(ProposeRoutine, PROPOSE_ROUTINE)
         self._list = node.create_client(ListRoutines, LIST_ROUTINES)
         self._health = node.create_client(GetHealth, RUNTIME_HEALTH)
+        self._reload = node.create_client(Reload, RELOAD)
 
-    async def change(self, change: RoutineChange, name: str = "", text: str = "") -> ChangeRoutineResponse:
-        return await self._change.call(ChangeRoutineRequest(name=name, change=change, text=text))
+    async def change(
+        self, change: RoutineChange, name: str = "", text: str = "", *act: str, unless_asks: bool = False
+    ) -> ChangeRoutineResponse:
+        request = ChangeRoutineRequest(name=name, change=change, text=text, act=act, unless_asks=unless_asks)
+        return await self._change.call(request)
+
+    async def reload(self) -> ChangeAppResponse:
+        return await self._reload.call(ReloadRequest())
 
     async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
         return await self._propose.call(request)
@@ -168,12 +178,80 @@ async def test_a_wrong_text_leaves_the_old_one(tmp_path: Path) -> None:
         assert (await owner.routines())["Evening"].text == EVENING
 
 
+async def test_a_right_that_it_was_given_is_kept_with_it_until_it_is_taken_away(tmp_path: Path) -> None:
+    """Only an app or a routine of the configuration could have one."""
+
+    async def act(owner: Owner) -> tuple[str, ...]:
+        return (await owner.routines())["Evening"].act
+
+    async with homebot(tmp_path) as owner:
+        await owner.change("new", "", EVENING, "lock", 'id="a"')
+        assert await act(owner) == ("ordinary", "lock", 'id="a"')
+        assert (await owner.reload()).success
+        assert await act(owner) == ("ordinary", "lock", 'id="a"')
+    async with homebot(tmp_path) as owner:
+        await owner.change("edit", "Evening", "", "plug", "lock")
+        found = (await owner.routines())["Evening"]
+        assert found.text == f'{EVENING}act = ["ordinary", "lock", "id=\\"a\\"", "plug"]\n'
+        wrong = await owner.change("edit", "Evening", found.text.replace("off", "of"), "light")
+        assert (wrong.success, await act(owner)) == (False, found.act)
+        await owner.change("edit", "Evening", found.text.replace("Evening", "Late"))
+        assert (await owner.routines())["Late"].act == found.act
+        await owner.change("edit", "Late", EVENING)
+        assert await act(owner) == ()
+        await owner.change("edit", "Evening", "", "lock")
+        await owner.change("remove", "Evening")
+        await owner.change("new", text=EVENING)
+        assert await act(owner) == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ('act = "light"\n', 'act = ["light", "lock"]\n'),
+        ('act = [\n  "light",  # these\n]\n', 'act = ["light", "lock"]\n'),
+        ('mode = "queued"', 'mode = "queued"\nact = ["ordinary", "lock"]\n'),
+        ("[[routines.do]]\nif = ['on weekdays']\ndo = ['all lights on']", 'act = ["ordinary", "lock"]\n'),
+    ],
+)
+async def test_a_right_is_added_however_its_text_is_written(tmp_path: Path, text: str, expected: str) -> None:
+    written = (EVENING if "routines.do" not in text else EVENING.replace('do = ["all lights off"]\n', "")) + text
+    async with homebot(tmp_path) as owner:
+        assert (await owner.change("new", "", written, "lock")).success
+        assert (await owner.routines())["Evening"].text.endswith(expected)
+
+
+async def test_an_app_of_the_configuration_has_its_own_rights_and_not_those_of_a_routine_of_its_name(
+    tmp_path: Path,
+) -> None:
+    async with homebot(tmp_path) as owner:
+        await owner.change("new", "", EVENING, "lock")
+    async with homebot(tmp_path, routines=[CONFIGURED | {"name": "Evening"}]) as owner:
+        assert (await owner.routines())["Evening"].act == ()
+
+
+async def test_a_right_is_given_on_the_page_once_the_owner_agrees_and_by_no_proposal(tmp_path: Path) -> None:
+    given = f'{EVENING}act = ["ordinary", "lock"]\n'
+    async with homebot(tmp_path) as owner:
+        for change, name in (("new", ""), ("edit", "Evening")):
+            asked = await owner.change(change, name, given, unless_asks=True)  # type: ignore[arg-type]
+            assert (asked.success, asked.message) == (False, "a person must agree: lock")
+            assert (await owner.change(change, name, EVENING, unless_asks=True)).success  # type: ignore[arg-type]
+        assert (await owner.routines())["Evening"].act == ()
+        await owner.change("edit", "Evening", given)
+        assert (await owner.change("edit", "Evening", given, unless_asks=True)).success, "it has that right"
+        proposed = await owner.propose(ProposeRoutineRequest(text=given.replace("Evening", "Late")))
+        assert proposed.message == "the text: routines.late.act: only the owner gives a right; leave it out"
+        assert [*await owner.routines()] == ["Noon", "Evening"]
+
+
 @pytest.mark.parametrize(
     ("change", "name", "text", "problem"),
     [
         ("new", "", EVENING.replace("Evening", "Noon"), "a routine or app noon is there already"),
         ("new", "", EVENING.replace("Evening", "Apps"), "is the name of one of homebot's own nodes"),
-        ("new", "", f'{EVENING}act = "lock"\n', "routines.evening.act: unknown key"),
+        ("new", "", f"{EVENING}act = 5\n", "routines.evening.act: must be a query such as 'light in hall'"),
+        ("new", "", f'{EVENING}act = "(lock"\n', "routines.evening.act: "),
         ("new", "", EVENING.replace('"Evening"', '"Evening\\nremoved Noon"'), "a name is one line"),
         ("new", "", f"{EVENING}[door]\n", "the text: door: is no part of a routine"),
         ("new", "", "", "has no table"),

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
+from homebot.apps.grants import without_act
 from homebot.cli.commands.replay import command_text
 from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import DoorClient, open_door, with_client
@@ -60,7 +61,8 @@ def _settings(given: Config) -> dict[str, RoutineSettings]:
     """Return the routines of *given* by the names of their apps; raise ConfigError with all mistakes."""
     tables = dict(routines_of(given))
     read = [
-        partial(parse_settings, RoutineSettings, one, given.source, f"routines.{app}") for app, one in tables.items()
+        partial(parse_settings, RoutineSettings, without_act(one), given.source, f"routines.{app}")
+        for app, one in tables.items()
     ]
     return dict(zip(tables, read_all(read), strict=True))
 

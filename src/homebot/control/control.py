@@ -248,6 +248,10 @@ class Control:
         """Return why a command would be refused now; None if it would not."""
         return self._layer.executor.preview(request, device, part)
 
+    def why_asked(self, request: CommandRequest, device: Device, part: DevicePart) -> Awaitable[str]:
+        """Return why a person must agree to a command; empty if none must, or it would be refused."""
+        return self._layer.executor.why_asked(request, device, part)
+
     def record_note(self, devices: Iterable[str], issuer: str, text: str) -> None:
         """Record what *issuer* did with *devices* for a goal other than by commands, as *text* says."""
         for device in devices:
@@ -269,6 +273,12 @@ class Control:
         if self._begun.is_set() or (settings is not None and settings.needs_house):
             self._layer.update_policies(settings, approves_all=self._approves_all)
         return not self._approves_all and (settings is None or settings.approvals)
+
+    def forget_rights(self) -> None:
+        """Judge the rights of nodes anew, after a change of the grants."""
+        if self._begun.is_set():
+            self._layer.policies.rights.cache_clear()
+        self._begin_check()
 
     async def detected(self) -> tuple[str, ...]:
         """Return the motion sensors that have ever detected a person: the presence guard trusts only them."""

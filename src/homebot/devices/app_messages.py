@@ -4,6 +4,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
+from homebot.devices.device import KeyValue
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt32
@@ -136,6 +137,8 @@ class RoutineInfo(Message):
         of_habit: Whether it was made of a habit that homebot found.
         problem: Why it does not run at all; empty if it does.
         hints: Names, values and meetings with others for which it cannot work now, with suggestions; only if asked for.
+        act: Queries for the devices that it may command; empty by default: all that do not always ask.
+        lacks: Those that it lacks for its steps, only if asked for.
     """
 
     name: str
@@ -154,6 +157,8 @@ class RoutineInfo(Message):
     of_habit: bool = False
     problem: str = ""
     hints: tuple[str, ...] = ()
+    act: tuple[str, ...] = ()
+    lacks: tuple[str, ...] = ()
 
 
 class RoutinesRequest(Message):
@@ -198,13 +203,18 @@ class ChangeRoutineRequest(Message):
 
     Attributes:
         name: Its name, or that of its node; not used for ``new``.
-        text: For ``new`` and ``edit``: its table ``[[routines]]`` in TOML; for ``new`` it may be several.
+        text: For ``new`` and ``edit``: its table ``[[routines]]`` in TOML; for ``new`` it may be several, for ``edit``
+            empty for the one that is kept.
+        act: Queries for further devices that it may command, for its key ``act``.
+        unless_asks: Whether to do nothing if a person must agree first, as ``asks`` of the answer says.
         issuer: The client that asks; set by the door.
     """
 
     name: ShortText = ""
     change: RoutineChange
     text: Annotated[str, Field(max_length=60_000)] = ""
+    act: _Texts = ()
+    unless_asks: bool = False
     issuer: str = ""
 
 
@@ -213,10 +223,13 @@ class ChangeRoutineResponse(Message):
 
     Attributes:
         message: The change, or why there was none.
+        asks: The reasons for ``unless_asks`` to do nothing: the parts that always ask, each with the
+            reason, or the devices that it may command from then on.
     """
 
     success: bool = True
     message: str = ""
+    asks: tuple[KeyValue, ...] = ()
 
 
 class ProposeRoutineRequest(Message):

@@ -21,6 +21,9 @@ LOCAL_CLIENT = "local"
 OWNER_CLIENT = "owner"
 """The name of clients with the one unnamed token."""
 
+EDIT_ROUTINE = "homebot routine edit "
+"""The beginning of the command that changes a routine that homebot keeps."""
+
 CLIENT_RIGHTS = "rights"
 """The name of the policy that refuses clients of the door."""
 
@@ -66,7 +69,8 @@ class ClientRights(NamedTuple):
         asks_on_all: Whether a person must agree to each of its commands.
         act_scope: The six above as they were written, for commands; empty for the rights without a scope.
         robots: The names of the robots that it may act as; :data:`ALL_ROBOTS` for any.
-        table: The table of the configuration that may have the key ``act``, in words; empty if it has none.
+        table: The table of the configuration that may have the key ``act``, in words, or the command that changes a
+            kept routine; empty if it has neither.
     """
 
     kinds: frozenset[Right] = frozenset()

@@ -4,7 +4,7 @@ A device that is not there yet may still come, so these are hints for people and
 """
 
 import re
-from collections.abc import AsyncIterator, Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
 from itertools import chain
@@ -13,11 +13,13 @@ from typing import Final, TypeVar, final
 from homebot.command_words.settings import is_relative
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
+from homebot.control.policies.rights import APPROVAL, OF_RIGHTS
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
+from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.parse import names_in, parse_query
@@ -53,11 +55,13 @@ class HouseChecks:
     """Checks routines against the directory.
 
     Args:
-        refusal: Returns why an effect of the app of a routine is refused for lack of a right; empty if it is not.
+        refusal: Returns the refusal of an effect of the app of a routine; None if it may be sent.
         with_robots: Whether robots that are missing are problems.
     """
 
-    def __init__(self, node: Node, refusal: Callable[[str, Effect], str], *, with_robots: bool = True) -> None:
+    def __init__(
+        self, node: Node, refusal: Callable[[str, Effect], Refused | None], *, with_robots: bool = True
+    ) -> None:
         self._node = node
         self._refusal = refusal
         self._with_robots = with_robots
@@ -69,12 +73,16 @@ class HouseChecks:
         self._meanings: dict[str, Query] = {}
 
     async def problems(
-        self, routines: Iterable[RoutineSettings], names: Collection[str] = ()
+        self,
+        routines: Iterable[RoutineSettings],
+        names: Collection[str] = (),
+        lacking: dict[str, list[str]] | None = None,
     ) -> Mapping[str, list[str]]:
         """Return the problems of each of *routines*, by its name; none if the directory does not answer.
 
         Args:
             names: Those that are asked about, which costs far less; empty for all.
+            lacking: Filled with the rights that each lacks, as queries.
         """
         settings = {one.name: one for one in routines}
         as_written = {
@@ -84,17 +92,20 @@ class HouseChecks:
         }
         found: dict[str, list[str]] = {}
         known: list[RoutineEffects] = []
-        self._answers.clear()
-        self._targeted.clear()
-        self._meanings.clear()
+        self._forget()
         waiting = [name for name in settings if not names or name in names]
         try:
             for name in waiting:  # which grows by those that they concern
                 effects: list[Effect] = []
                 one = settings[name]
                 found[name] = [problem async for problem in self._of(one, effects)]
-                refusals = [(effect.text, self._refusal(app_of_routine(name), effect)) for effect in effects]
-                found[name] += [f"{text!r} is refused: {reason}" for text, reason in refusals if reason]
+                for effect in effects:
+                    refused = self._refusal(app_of_routine(name), effect)
+                    if refused is None or refused.policy not in OF_RIGHTS | {APPROVAL}:
+                        continue
+                    found[name].append(f"{effect.text!r} is refused: {refused.reason}")
+                    if lacking is not None and refused.policy in OF_RIGHTS:
+                        lacking.setdefault(name, []).append(f'id="{effect.device.id}"')
                 if one.enabled:
                     conditions = tuple([await self._resolved(read_condition(text)) for text in one.conditions])
                     triggers = tuple([await self._resolved(read_trigger(text)) for text in one.when])
@@ -114,17 +125,29 @@ class HouseChecks:
 
     async def commanding(self, routines: Iterable[RoutineSettings], device: str) -> frozenset[str]:
         """Return the names of those of *routines* that command the device with the id *device*."""
-        found: set[str] = set()
+        self._forget()
+        return frozenset(
+            [one.name for one in routines if any(effect.device.id == device for effect in await self._effects(one))]
+        )
+
+    async def effects(self, routine: RoutineSettings) -> Sequence[Effect]:
+        """Return the values that the steps of *routine* set."""
+        self._forget()
+        return await self._effects(routine)
+
+    async def named(self, query: str) -> str:
+        """Return the names of the devices that *query* finds; *query* itself if these are many, or none."""
+        with suppress(UsageError):
+            asked = QueryDevicesRequest(query=query_terms(parse_query(query)), limit=_MOST_NAMED + 1)
+            devices = [result.device for result in (await self._query.call(asked)).results]
+            if 0 < len(devices) <= _MOST_NAMED:
+                return ", ".join(device.name or device.id for device in devices)
+        return query
+
+    def _forget(self) -> None:
         self._answers.clear()
         self._targeted.clear()
         self._meanings.clear()
-        for one in routines:
-            effects: list[Effect] = []
-            async for _ in self._of(one, effects):
-                pass
-            if any(effect.device.id == device for effect in effects):
-                found.add(one.name)
-        return frozenset(found)
 
     async def may_repeat(self, step: Do) -> bool:
         """Return whether to take *step* twice is known to be the same as once."""
@@ -136,6 +159,12 @@ class HouseChecks:
             return False
         is_change = any(map(is_relative, (step.command, *[value for _, value in step.values])))
         return bool(effects) and not is_change and not any(one.acts_each_time for one in effects)
+
+    async def _effects(self, routine: RoutineSettings) -> list[Effect]:
+        effects: list[Effect] = []
+        async for _ in self._of_steps(routine, effects):
+            pass
+        return effects
 
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""

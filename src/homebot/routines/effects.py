@@ -9,6 +9,7 @@ from typing import Final
 from homebot.apps.wall_time import read_days, read_time
 from homebot.devices.always_ask import always_asks
 from homebot.devices.capabilities import LIGHTS_UP, acts_each_time
+from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import Device, State, target_of
 from homebot.devices.obedience import changes, related
 from homebot.devices.query.facets import Facets, facets_of
@@ -46,6 +47,11 @@ class Effect:
             return True
         part = self.device.part(self.part)
         return part is None or always_asks(self.device, part)
+
+    def request(self, app: str) -> CommandRequest:
+        """Return the command of *app* for it."""
+        settings = tuple(map(Setting.of, self.settings, self.settings.values()))
+        return CommandRequest(device=self.device.id, part=self.part, settings=settings, issuer=f"/{app}")
 
     def opposes(self, other: "Effect") -> bool:
         """Return whether both are for one part, and each would undo the other."""

@@ -1,11 +1,14 @@
 """Routines as text: tables ``[[routines]]``. Pure."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Final, NamedTuple
 
+from homebot.apps.grants import ACT, scope_of, without_act
 from homebot.config import Table, parse_config, parse_settings, read_all
+from homebot.devices.client_rights import ORDINARY
 from homebot.errors import ConfigError
 from homebot.routine_tables import check_routine_name, located
 from homebot.routines.settings import RoutineSettings
@@ -13,6 +16,7 @@ from homebot.support.toml_file import parse_toml
 from homebot.support.toml_text import toml_value
 
 _HEAD: Final = re.compile(r"^(?=[ \t]*\[\[\s*routines\s*\]\])", re.MULTILINE)
+_ACT: Final = re.compile(rf"^[ \t]*{ACT}[ \t]*=.*$", re.MULTILINE)
 _WIDTH: Final = 100
 
 
@@ -62,12 +66,30 @@ def read_settings(text: str, source: str) -> RoutineSettings:
         ConfigError: As :func:`read_routines`.
     """
     (routine,) = read_routines(text, source)
-    return parse_settings(RoutineSettings, routine.table, source, f"routines.{routine.app}")
+    return parse_settings(RoutineSettings, without_act(routine.table), source, f"routines.{routine.app}")
+
+
+def acts_on(table: Table) -> list[str]:
+    """Return the queries of the key ``act`` of the routine *table*, by default for all that does not always ask."""
+    act = table.get(ACT, ORDINARY)
+    return [str(query) for query in (act if isinstance(act, list) else [act])]
+
+
+def with_act(routine: WrittenRoutine, queries: Iterable[str]) -> str:
+    """Return the text of *routine* with *queries* added to its key ``act``."""
+    table = {**routine.table, ACT: list(dict.fromkeys((*acts_on(routine.table), *queries)))}
+    line = f"{ACT} = {toml_value(table[ACT])}"
+    text = _ACT.sub(lambda _: line, routine.text, 1) if ACT in routine.table else f"{routine.text}{line}\n"
+    with suppress(ConfigError):
+        if parse_config(parse_toml(text, ""), "").apps == {routine.app: table}:
+            return text
+    return routine_text({key: value for key, value in table.items() if key != "class"})  # without its comments
 
 
 def _checked(source: str, app: str, table: Table, text: str) -> WrittenRoutine:
     check_routine_name(app, table, source)
-    name = parse_settings(RoutineSettings, table, source, f"routines.{app}").name
+    scope_of(f"routines.{app}", table, source)
+    name = parse_settings(RoutineSettings, without_act(table), source, f"routines.{app}").name
     return WrittenRoutine(app, name, table, f"{text.strip()}\n")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
+from contextlib import suppress
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, final
@@ -13,10 +14,13 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.apps.created_tasks import APP_NODE
+from homebot.apps.grants import queries_of
 from homebot.clock import Clock, LoopClock
 from homebot.config import Config, Urgency
+from homebot.devices.client_rights import EDIT_ROUTINE
 from homebot.devices.health import Count
 from homebot.devices.house_view import HouseView
+from homebot.errors import ConfigError
 from homebot.graph import Graph, Node
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.counters import Severity
@@ -31,6 +35,7 @@ if TYPE_CHECKING:
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
     from homebot.control import Control
+    from homebot.devices.outcomes import Refused
     from homebot.routines.checks import HouseChecks
     from homebot.routines.effects import Effect
     from homebot.routines.routine import Routine
@@ -92,6 +97,7 @@ class AppHost:
         self._file = file
         self._clock = clock
         self.began_at = clock.now()
+        self._grants, self._tables = plan.grants, plan.tables
         self._notify_settings = plan.notify
         self._notifier: Notifier | None = None
         self._main: Node
@@ -143,7 +149,7 @@ class AppHost:
         """The routines that the owner wrote by a command."""
         from homebot.runtime.kept_routines import KeptRoutines  # noqa: PLC0415 - many homes have none
 
-        return KeptRoutines(self._app_stores().of(_KEPT_ROUTINES))
+        return KeptRoutines(self._app_stores().of(_KEPT_ROUTINES), self._grant)
 
     @property
     def has_kept_routines(self) -> bool:
@@ -174,6 +180,30 @@ class AppHost:
         """Return *config* with the kept routines, if there are any."""
         return self.kept_routines.added_to(config) if self.has_kept_routines else config
 
+    def grant_kept_routines(self) -> None:
+        """Add the rights of the kept routines to those of the configuration."""
+        for app in self.kept_routines if self.has_kept_routines else ():
+            self._grant(app)
+
+    def _grant(self, app: str) -> None:
+        """Bring the rights of a kept routine in line with its text; an app of the configuration keeps its own."""
+        node = f"/{app}"
+        if not self._tables.get(node, EDIT_ROUTINE).startswith(EDIT_ROUTINE):
+            return
+        self._grants.pop(node, None)
+        self._tables.pop(node, None)
+        with suppress(ConfigError):  # a routine with a mistake does not run
+            if app in self.kept_routines:
+                self._tables[node], scope = self.kept_routines.grants(app)
+                self._grants |= {} if scope is None else {node: scope}
+        if (control := self._control()) is not None:
+            control.forget_rights()
+
+    def queries_granted(self, app: str) -> tuple[str, ...] | None:
+        """Return the queries of the key ``act`` of a routine; None if it has none."""
+        scope = self._grants.get(f"/{app}")
+        return None if scope is None else queries_of(scope)
+
     async def routines_commanding(self, device: str) -> frozenset[str]:
         """Return the names of the routines that command a device."""
         return await self._checks.commanding((one.settings for one in self.routines.values()), device)
@@ -184,18 +214,27 @@ class AppHost:
 
         return HouseChecks(self._main, self._refusal, with_robots=self.context.rehearse is None)
 
-    def _refusal(self, app: str, effect: Effect) -> str:
-        """Return why *effect* of *app* is refused for lack of a right; empty if it is not."""
-        from homebot.control.policies.rights import OF_RIGHTS  # noqa: PLC0415 - many homes have no routine
-        from homebot.devices.command_messages import CommandRequest, Setting  # noqa: PLC0415 - as above
-
+    def _refusal(self, app: str, effect: Effect) -> Refused | None:
+        """Return the refusal of *effect* of *app*; None if it may be sent."""
         control, part = self._control(), effect.device.part(effect.part)
         if control is None or part is None or effect.may_be:
-            return ""
-        settings = tuple(map(Setting.of, effect.settings, effect.settings.values()))
-        request = CommandRequest(device=effect.device.id, part=effect.part, settings=settings, issuer=f"/{app}")
-        refused = control.preview(request, effect.device, part)
-        return refused.reason if refused is not None and refused.policy in OF_RIGHTS else ""
+            return None
+        return control.preview(effect.request(app), effect.device, part)
+
+    async def why_asked(self, routine: Routine) -> Mapping[str, str]:
+        """Return why a person must agree to the steps of *routine*, by the names of the parts."""
+        from homebot.command_words.suitable_parts import part_name  # noqa: PLC0415 - many homes have no routine
+
+        control, reasons = self._control(), dict[str, str]()
+        for effect in await self._checks.effects(routine.settings):
+            if control is not None and (part := effect.device.part(effect.part)) is not None:
+                reason = await control.why_asked(effect.request(routine.node.name), effect.device, part)
+                reasons |= {part_name(effect.device, part): reason} if reason else {}
+        return reasons
+
+    async def meant_by(self, query: str) -> str:
+        """Return the names of the devices that *query* finds; *query* itself if these are many, or none."""
+        return await self._checks.named(query)
 
     async def read_stores(self, main: Node) -> None:
         """Read the stores of earlier runs; *main* runs the task that writes them."""
@@ -260,13 +299,19 @@ class AppHost:
                 for problem in await HouseView.of(app.node).names.problems():
                     yield f"{app.node.name}: {problem}"
 
-    async def routine_problems(self, names: Collection[str] = ()) -> Mapping[str, list[str]]:
-        """Return what in each routine, or those *names*, cannot work in the house as it is now, by its name."""
+    async def routine_problems(
+        self, names: Collection[str] = (), lacking: dict[str, list[str]] | None = None
+    ) -> Mapping[str, list[str]]:
+        """Return what in each routine, or those *names*, cannot work in the house as it is now, by its name.
+
+        Args:
+            lacking: Filled with the rights that each lacks, as queries.
+        """
         routines = self.routines
         if not routines:
             return {}
         settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
-        return await self._checks.problems(settings, names)
+        return await self._checks.problems(settings, names, lacking)
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job and handler that was given up."""

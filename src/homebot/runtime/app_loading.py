@@ -16,11 +16,11 @@ from typing import Any, Final, final
 
 from homebot import plugins
 from homebot.apps import App
+from homebot.apps.grants import scope_of
 from homebot.config import Config, Table
 from homebot.errors import ConfigError, PluginError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file
-from homebot.runtime.grants import scope_of
 from homebot.runtime.plan import APPS, PlannedComponent, planned_app
 
 _OWN: Final = __name__.partition(".")[0]
@@ -167,7 +167,7 @@ class AppPlanner:
         self, name: str, table: Table, config: Config, load: Callable[[str, str], type[App]]
     ) -> PlannedComponent[App]:
         planned = planned_app(name, table, config, self._given.get(name), load)
-        if scope_of(f"apps.{name}", table, config) != self._grants.get(f"/{name}"):
+        if scope_of(f"apps.{name}", table, config.source) != self._grants.get(f"/{name}"):
             raise ConfigError(
                 config.source,
                 f"apps.{name}.act",

@@ -4,6 +4,7 @@ from typing import Any, ClassVar, Final, TypeVar, final
 
 from pydantic import ValidationError
 
+from homebot.apps.grants import ACT
 from homebot.config import Config
 from homebot.control.command import IssuedCommand
 from homebot.devices.names import GATEWAY_READING, SENDS_NOTHING
@@ -15,7 +16,6 @@ from homebot.graph.qos import QoSLike
 from homebot.graph.service import Handler
 from homebot.graph.subscription import Callback, Expiring
 from homebot.messages.message import Message, ServiceType
-from homebot.runtime.grants import ACT
 
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)

@@ -1,10 +1,13 @@
 """The routines that people wrote by a command; they are kept with the values of the apps."""
 
-from collections.abc import Iterator, MutableMapping
+import shlex
+from collections.abc import Callable, Iterator, MutableMapping
 from contextlib import contextmanager
 from typing import Any, Final, final
 
+from homebot.apps.grants import scope_of
 from homebot.config import Config
+from homebot.devices.client_rights import EDIT_ROUTINE
 from homebot.errors import ConfigError, UsageError
 from homebot.routines.text import WrittenRoutine, read_routines
 
@@ -19,13 +22,15 @@ class KeptRoutines:
     Args:
         store: By the name of its app, the text of each, the client that proposed it (empty for an approved one), and
             whether it is of a habit.
+        on_change: Called with the name of the app of each routine that was put, or removed.
 
     Attributes:
         problems: Why a routine does not run, by the name of its app.
     """
 
-    def __init__(self, store: MutableMapping[str, Any]) -> None:
+    def __init__(self, store: MutableMapping[str, Any], on_change: Callable[[str], None]) -> None:
         self._store = store
+        self._on_change = on_change
         self.problems: dict[str, str] = {}
 
     def __iter__(self) -> Iterator[str]:
@@ -63,6 +68,7 @@ class KeptRoutines:
             {"habit": True} if of_habit or self.is_of_habit(routine.app) else {}
         )
         self.problems.pop(routine.app, None)
+        self._on_change(routine.app)
 
     @contextmanager
     def restored_on_error(self, app: str) -> Iterator[None]:
@@ -74,6 +80,7 @@ class KeptRoutines:
             self.remove(app)
             if before is not None:
                 self._store[app] = dict(before)
+                self._on_change(app)
             raise
 
     def approve(self, app: str) -> None:
@@ -94,6 +101,16 @@ class KeptRoutines:
         """Remove a routine."""
         self._store.pop(app, None)
         self.problems.pop(app, None)
+        self._on_change(app)
+
+    def grants(self, app: str) -> tuple[str, tuple[str, ...] | None]:
+        """Return the command that gives a routine further rights, and its scope; None for that of every app.
+
+        Raises:
+            ConfigError: Its text is wrong.
+        """
+        routine = self._read(app)
+        return f"{EDIT_ROUTINE}{shlex.quote(routine.name)}", scope_of(f"routines.{app}", routine.table, app)
 
     def added_to(self, config: Config) -> Config:
         """Return *config* with these routines, but without those that are wrong, or have names of its own apps."""

@@ -4,10 +4,10 @@ import re
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from homebot.apps.grants import ACT
 from homebot.config import Config
 from homebot.errors import ConfigError
 from homebot.routine_tables import located
-from homebot.runtime.grants import ACT
 from homebot.support.folding import fold
 
 

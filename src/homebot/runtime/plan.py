@@ -13,6 +13,7 @@ from pydantic import BaseModel, SecretStr
 import homebot.control
 import homebot.places
 from homebot.apps import App
+from homebot.apps.grants import grants_of, scope_of, without_act
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
@@ -23,7 +24,6 @@ from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_door
-from homebot.runtime.grants import grants_of, scope_of, without_act
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -96,7 +96,8 @@ class Plan:
         config: The configuration as it was read.
         control: The control layer's settings; None for the defaults.
         grants: The scope of each app that may not command everything, by the name of its node; a reload updates it.
-        tables: The table of each app or routine that may have the key ``act``, in words, likewise.
+        tables: The table of each app or routine that may have the key ``act``, in words, likewise, or the command that
+            changes a kept routine.
         interfaces: The ROS interfaces that clients may name; None for those built into homebot.
         link: The link to ROS 2 robots; None for none.
         places: The rooms and the owner's statements about devices.
@@ -131,7 +132,7 @@ class Plan:
     @property
     def scopes(self) -> Mapping[str, Iterable[str]]:
         """The rights of apps and clients, by their keys."""
-        apps = {f"apps.{node[1:]}.act": scope for node, scope in self.grants.items()}
+        apps = {f"{self.tables[node]} act": scope for node, scope in self.grants.items()}
         tokens = {f"door.tokens.{name}.scope": one.scope for name, one in self.door.tokens.items()}
         return {**apps, "door.scope": self.door.scope or (), **tokens}
 
@@ -281,7 +282,7 @@ def planned_app(
 
         check_routine_name(name, table, config.source)
     _check_name(key, name, config.source)
-    scope_of(key, table, config)
+    scope_of(key, table, config.source)
     made = load if given is None else lambda *_: given
     app = _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
     if _is_routine(table) and config.home.latitude is None:

@@ -12,6 +12,7 @@ from typing import Any, Final, NamedTuple
 from anyio import to_thread
 from pydantic import SecretStr
 
+from homebot.apps.grants import ACT
 from homebot.bridges.rosbridge import Door
 from homebot.config import Config
 from homebot.control import Control
@@ -21,7 +22,6 @@ from homebot.devices.client_rights import ALL_ROBOTS, read_scope
 from homebot.discovery import Directory
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError, UsageError
-from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
 
@@ -62,11 +62,13 @@ class RunningParts(NamedTuple):
         door: Returns the door; None before it listens.
         control: None before it runs.
         directory: None before it runs.
+        grant_kept_routines: Adds the rights of the kept routines to those of the configuration.
     """
 
     door: Callable[[], Door | None]
     control: Control | None
     directory: Directory | None
+    grant_kept_routines: Callable[[], None]
 
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
@@ -165,6 +167,7 @@ async def _apply(new: Plan, plan: Plan, parts: RunningParts, rooms: HouseRooms |
     plan.grants.update(new.grants)
     plan.tables.clear()
     plan.tables.update(new.tables)
+    parts.grant_kept_routines()
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
     if parts.directory is not None and rooms is not None:
         parts.directory.index.postings.needs_approval = needs_approval

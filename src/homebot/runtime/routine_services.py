@@ -1,9 +1,10 @@
 """Services for clients about the routines: those that run, and those that the owner keeps by a command."""
 
 from collections.abc import Awaitable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from typing import Final, Protocol, final
 
+from homebot.apps.grants import ACT
 from homebot.clock import zone_name
 from homebot.devices.app_messages import (
     ChangeRoutineRequest,
@@ -13,14 +14,17 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
     RoutinesResponse,
 )
+from homebot.devices.client_rights import HARMLESS, ORDINARY
+from homebot.devices.device import KeyValue
 from homebot.devices.habit_messages import HabitProposal
 from homebot.errors import ConfigError, HomebotError, UsageError
-from homebot.routines.text import WrittenRoutine, read_routines
+from homebot.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.kept_routines import KeptRoutines
 from homebot.support.folding import fold
 from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean
+from homebot.support.toml_text import toml_value
 
 CHANGED: Final = "routine.changed"
 
@@ -52,8 +56,14 @@ class RoutineServices:
 
     async def list(self, request: RoutinesRequest) -> RoutinesResponse:
         """Return all routines."""
-        hints = await self._host.routine_problems() if request.check else {}
-        infos = tuple(one.model_copy(update={"hints": tuple(hints.get(one.name, ()))}) for one in self._infos())
+        lacking: dict[str, list[str]] = {}
+        hints = await self._host.routine_problems((), lacking) if request.check else {}
+        infos = tuple(
+            one.model_copy(
+                update={"hints": tuple(hints.get(one.name, ())), "lacks": (*dict.fromkeys(lacking.get(one.name, ())),)}
+            )
+            for one in self._infos()
+        )
         if request.device:
             meant = await self._host.routines_commanding(request.device) if infos else frozenset()
             infos = tuple(one for one in infos if one.name in meant)
@@ -61,7 +71,29 @@ class RoutineServices:
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""
+        try:
+            asks = await self._asks(request) if request.unless_asks else ()
+        except HomebotError as exc:
+            return _failure(exc)
+        if asks:
+            texts = ", ".join(f"{one.key} ({one.value})" if one.value else one.key for one in asks)
+            return ChangeRoutineResponse(success=False, message=f"a person must agree: {texts}", asks=asks)
         return await self._answer(self._change(request), request.issuer)
+
+    async def _asks(self, request: ChangeRoutineRequest) -> tuple[KeyValue, ...]:
+        """Return the parts of a run that always ask, or the devices to which a text gives a right."""
+        if request.change == "run":
+            running = self._host.routines.get(self._named(request.name).app)
+            reasons = {} if running is None else await self._host.why_asked(running)
+            return tuple(KeyValue(key=name, value=reason) for name, reason in reasons.items())
+        if request.change not in {"new", "edit"}:
+            return ()
+        known = {ORDINARY, HARMLESS}
+        with suppress(ConfigError):  # a wrong text gave no right
+            before = read_routines(self._named(request.name).text, _SOURCE) if request.change == "edit" else ()
+            known |= {query for routine in before for query in acts_on(routine.table)}
+        queries = [query for routine in self._read(request) for query in acts_on(routine.table) if query not in known]
+        return tuple([KeyValue(key=await self._host.meant_by(query), value="") for query in dict.fromkeys(queries)])
 
     async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
         """Keep a routine, which waits for the owner to enable it."""
@@ -72,8 +104,7 @@ class RoutineServices:
         try:
             message = await change
         except HomebotError as exc:
-            others = exc.others if isinstance(exc, ConfigError) else ()
-            return ChangeRoutineResponse(success=False, message="\n".join(map(str, (exc, *others))))
+            return _failure(exc)
         _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
         if problem := await self._host.write_stores():
             message += f"\na restart would lose this, as it was not written: {problem}"
@@ -99,19 +130,23 @@ class RoutineServices:
         if len(routines) != 1:
             raise UsageError(f"{_SOURCE} has {len(routines)} routines; propose one at a time")
         name = routines[0].name
+        if ACT in routines[0].table:
+            raise ConfigError(
+                _SOURCE, f"routines.{routines[0].app}.{ACT}", "only the owner gives a right; leave it out"
+            )
         await self._add(routines, request.issuer or "a program")
         text = f"proposed {name}; the owner enables it: homebot routine enable {name!r}"
         return await self._with_hints(text, *routines)
 
     async def _change(self, request: ChangeRoutineRequest) -> str:
         if request.change == "new":
-            routines = read_routines(request.text, _SOURCE)
+            routines = self._read(request)
             await self._add(routines)
             return await self._with_hints(f"added {', '.join(one.name for one in routines)}", *routines)
         meant = self._named(request.name)
         match request.change:
             case "edit":
-                return await self._edit(meant, request.text)
+                return await self._edit(meant, self._read(request))
             case "remove":
                 await self._remove(meant)
                 return f"removed {meant.name}"
@@ -137,9 +172,19 @@ class RoutineServices:
         hints = await self._host.routine_problems([one.name for one in routines])
         return "\n".join((text, *(f"{one.name}: {hint}" for one in routines for hint in hints.get(one.name, ()))))
 
-    async def _edit(self, meant: RoutineInfo, text: str) -> str:
-        self._check_kept(meant)
+    def _read(self, request: ChangeRoutineRequest) -> tuple[WrittenRoutine, ...]:
+        """Return the routines that *request* writes, with the rights that it gives."""
+        text = request.text
+        if request.change == "edit":
+            self._check_kept(meant := self._named(request.name))
+            text = text or meant.text
         routines = read_routines(text, _SOURCE)
+        if request.act:
+            texts = [with_act(routine, request.act) for routine in routines]
+            routines = read_routines("".join(texts), _SOURCE)
+        return routines
+
+    async def _edit(self, meant: RoutineInfo, routines: Sequence[WrittenRoutine]) -> str:
         if len(routines) != 1:
             raise UsageError(f"{_SOURCE} has {len(routines)} routines; {meant.name} is edited alone")
         if routines[0].app != meant.app:
@@ -181,12 +226,20 @@ class RoutineServices:
         running = self._host.routines
         for app, routine in running.items():
             more: dict[str, object] = {"proposed_by": self._kept.proposed_by(app)}
+            info = routine.info()
+            if (act := self._host.queries_granted(app)) is not None:
+                more |= {"act": act, "text": f"{info.text}{ACT} = {toml_value(act)}\n"}
             if app in self._kept:
                 more |= {"is_kept": True, "text": self._kept.text(app), "of_habit": self._kept.is_of_habit(app)}
-            yield routine.info().model_copy(update=more)
+            yield info.model_copy(update=more)
         for app, problem in self._host.wrong_routines.items():
             yield RoutineInfo(name=app, app=app, problem=problem)
         for app in self._kept:
             if app not in running:
                 problem = self._kept.problems.get(app, "it does not run; `homebot app list` says why")
                 yield RoutineInfo(name=app, app=app, is_kept=True, text=self._kept.text(app), problem=problem)
+
+
+def _failure(error: HomebotError) -> ChangeRoutineResponse:
+    others = error.others if isinstance(error, ConfigError) else ()
+    return ChangeRoutineResponse(success=False, message="\n".join(map(str, (error, *others))))

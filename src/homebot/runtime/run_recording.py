@@ -9,6 +9,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.apps import App
+from homebot.apps.grants import ACT, queries_of
 from homebot.clock import zone_name
 from homebot.config import HomeSettings
 from homebot.control import ControlSettings
@@ -21,7 +22,6 @@ from homebot.recording.lines import FORMAT, RecordedApp, RecordingHeader
 from homebot.recording.recording_file import LineSink
 from homebot.recording.secrets import public_settings
 from homebot.recording.session import record_for_client, record_into
-from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 from homebot.version import __version__
@@ -29,7 +29,6 @@ from homebot.version import __version__
 BUSY = "another client is recording; homebot makes one recording for clients at a time"
 
 _READY_WITHIN = 10.0
-_SCOPE = "act: "
 
 
 @final
@@ -105,7 +104,7 @@ class RunRecording:
 def _recorded(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
     settings = public_settings(app.settings)
     if (scope := plan.grants.get(f"/{app.name}")) is not None:
-        settings[ACT] = [one.removeprefix(_SCOPE) for one in scope if one.startswith(_SCOPE)]
+        settings[ACT] = queries_of(scope)
     kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
     return RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings))
 

@@ -252,7 +252,7 @@ class Runtime:
         """Apply the configuration that *read* returns, called in a thread, unless it has a mistake or lacks limits."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        parts = RunningParts(lambda: self.door, self._controller, self._index)
+        parts = RunningParts(lambda: self.door, self._controller, self._index, self.app_host.grant_kept_routines)
         async with self._reloading:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
@@ -300,6 +300,7 @@ class Runtime:
         zone = await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
         home_time.set(lambda: datetime.fromtimestamp(self._clock.now(), zone))
         await self.app_host.read_stores(main)
+        self.app_host.grant_kept_routines()
         stack.push_async_callback(self.app_host.close_stores)
         for component in self._components(gateways):
             if self._start_is_cut:

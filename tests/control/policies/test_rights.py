@@ -159,7 +159,7 @@ def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
         "light_service": f"[apps.light_service] act = {act} gives one",
         "hall": f"[apps.hall] act = {act} gives one",
         "good_night": f"in [[routines]] 'Good night': act = {act} gives one",
-        "a_program": "only an app or a routine in homebot.toml can have one, by its key `act`",
+        "a_program": "only an app or a routine can have one, by its key `act`",
     }
     assert reason == f"{right}, and /{issuer} has none; {lines[issuer]}"
     if issuer not in PLACES:

@@ -22,6 +22,7 @@ from homebot.errors import HomebotError, PeerError, UsageError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
+from homebot.support.toml_text import toml_value
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import RoutineInfo, RoutinesResponse
@@ -34,6 +35,7 @@ _EXAMPLES = """\
   homebot routine enable 'Hall light'
   homebot routine new evening.toml         add the routines of a file; without one, write one in your editor
   homebot routine edit 'Hall light'        change it in your editor
+  homebot routine edit 'Hall light' --act 'lock in hall'    let it command that as well; `act` in its text says all
   homebot routine remove 'Hall light'
   homebot routine export 'Hall light'      write it as an app in Python, hall_light.py, and its test
   homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
@@ -83,10 +85,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command = add_verb(verbs, "new", "add routines, which homebot keeps")
     set_door_command(command, _new, _EXAMPLES)
     command.add_argument("file", metavar="FILE", nargs="?", help="tables [[routines]]; - for the standard input")
+    _add_act(command)
     command = add_verb(verbs, "edit", "change a routine that `new` added")
     set_door_command(command, _edit, _EXAMPLES)
     command.add_argument("name", metavar="NAME", help="its name")
     command.add_argument("file", metavar="FILE", nargs="?", help="its new text; - for the standard input")
+    _add_act(command)
     command = add_verb(verbs, "import", "print the automations of another program as routines")
     set_door_command(command, _import, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="its automations, such as automations.yaml; - for standard input")
@@ -97,6 +101,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         command = add_verb(verbs, change, summary)
         set_door_command(command, partial(_change, change), _EXAMPLES)
         command.add_argument("name", metavar="NAME", help="its name")
+
+
+def _add_act(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--act", metavar="QUERY", action="append", default=[], help="let it command these too, which may always ask"
+    )
 
 
 def _try(options: argparse.Namespace) -> int:
@@ -155,6 +165,8 @@ def show(door: DoorClient, options: argparse.Namespace) -> int:
     for word, texts in (("when", found.when), ("if", found.conditions), ("do", found.steps)):
         for text in texts:
             print_line(f"  {word:<5}{printable(text)}")
+    if found.act:
+        print_line(f"  {'act':<5}{printable(', '.join(found.act))}")
     _print_hints(found)
     now = house_time(door)
     for note in reversed(found.notes):
@@ -163,14 +175,17 @@ def show(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _new(door: DoorClient, options: argparse.Namespace) -> int:
-    return _write(door, {"change": "new"}, options.file, _TEMPLATE)
+    return _write(door, {"change": "new", "act": options.act}, options.file, _TEMPLATE)
 
 
 def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     found = _named(door, options.name)
     if not found.is_kept and options.file is None:
         raise UsageError(f"{found.name} is in the configuration; change it there: homebot app reload {found.app}")
-    return _write(door, {"change": "edit", "name": found.name}, options.file, found.text)
+    request = {"change": "edit", "name": found.name, "act": options.act}
+    if options.act and options.file is None:
+        return _ask(door, request)
+    return _write(door, request, options.file, found.text)
 
 
 def _write(door: DoorClient, request: dict[str, object], file: str | None, text: str) -> int:
@@ -198,7 +213,9 @@ def _import(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _export(door: DoorClient, options: argparse.Namespace) -> int:
+    from homebot.apps.grants import ACT  # noqa: PLC0415 - as below
     from homebot.routines.export import app_files  # noqa: PLC0415 - reads routines
+    from homebot.routines.text import read_routines  # noqa: PLC0415 - as above
 
     found = _named(door, options.name)
     files, app = app_files(found.text, found.name, found.app)
@@ -208,7 +225,9 @@ def _export(door: DoorClient, options: argparse.Namespace) -> int:
         Path(name).write_text(text, "utf-8")
     print(f"wrote {' and '.join(files)}; run it in place of the routine:")
     print(f"  pytest {list(files)[1]} && homebot routine disable {shlex.quote(found.name)}")
-    print(f'  and in homebot.toml: [apps.{found.app}_app] class = "{app}"')
+    print(f'  and in homebot.toml:\n[apps.{found.app}_app]\nclass = "{app}"')
+    if (act := read_routines(found.text, found.name)[0].table.get(ACT)) is not None:
+        print(f"{ACT} = {toml_value(act)}")
     return 0
 
 

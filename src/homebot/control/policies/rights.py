@@ -19,6 +19,7 @@ from homebot.devices.always_ask import (
     why_it_asks,
 )
 from homebot.devices.client_rights import (
+    EDIT_ROUTINE,
     HARMLESS,
     LOCAL_CLIENT,
     LOCAL_RIGHTS,
@@ -80,6 +81,7 @@ def _not_granted(command: IssuedCommand, limit: str, *, needs_approval: bool) ->
         return Verdict(HARMLESS, allowed=False, reason=f"{lacks}; {_tag_advice(command.device)}{advice}")
     own = ", ".join(rights.act_scope) or "nothing"
     own += _place_advice(command.device, own)
+    own += f"; {advice}" if rights.table.startswith(EDIT_ROUTINE) else ""  # others were limited by hand
     return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
 
 
@@ -227,13 +229,15 @@ def _place_advice(device: Device, scope: str) -> str:
 
 
 def _grant_advice(command: IssuedCommand) -> str:
-    """Return the line of the configuration that also lets the issuer command this device, if it has a table there."""
-    rights = command.rights
+    """Return the line of the configuration, or the command, that also lets the issuer command this device."""
+    rights, query = command.rights, f'id="{command.device.id}"'
     if not rights.table:
-        return "only an app or a routine in homebot.toml can have one, by its key `act`"
+        return "only an app or a routine can have one, by its key `act`"
+    if rights.table.startswith(EDIT_ROUTINE):
+        return f"`{rights.table} --act {shlex.quote(query)}` gives one"
     scope = [one.removeprefix("act: ") for one in rights.act_scope]
     own = scope or [ORDINARY if rights.acts_on_ordinary else HARMLESS] * rights.acts_on_harmless
-    queries = [f"'{one}'" if "'" not in one else toml_value(one) for one in (*own, f'id="{command.device.id}"')]
+    queries = [f"'{one}'" if "'" not in one else toml_value(one) for one in (*own, query)]
     return f"{rights.table} act = [{', '.join(queries)}] gives one"
 
 

@@ -1,11 +1,11 @@
 // The routines: on or off, what they do, their last runs, and a form that writes their text.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { tell } from "../acting.js";
+import { agree, tell } from "../acting.js";
 import { ask, call, connection, may } from "../door.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
 import { Managing, Remove } from "../managing.js";
-import { seconds, timeIn, timeText } from "../words.js";
+import { seconds, spoken, timeIn, timeText } from "../words.js";
 import { Habits } from "./habits.js";
 
 const AGAIN = 5000; // ms
@@ -23,8 +23,14 @@ export function Routines() {
     return () => clearInterval(timer);
   }, [isOpen]);
   const change = async (routine, what, more) => {
-    const answer = await ask("/routines/change", { name: routine.name, change: what, ...more });
-    if (answer.success || !more) tell(answer.message, answer.success); // the form tells its own mistakes
+    const asked = { name: routine.name, change: what, ...more };
+    let answer = await ask("/routines/change", { ...asked, unless_asks: true });
+    if (answer.asks?.length) {
+      const names = answer.asks.map(({ key, value }) => spoken(key) + (value && ` (${value})`)).join(", ");
+      await new Promise((yes) => agree(what === "run" ? `${routine.name}: ${names}` : say("let this routine command {names}", { names }), yes));
+      answer = await ask("/routines/change", asked);
+    }
+    if (answer.success || !more?.text) tell(answer.message, answer.success); // the form tells its own mistakes
     look();
     return answer;
   };
@@ -48,7 +54,8 @@ function Routine({ routine, zone, change, onEdit }) {
       <button type="button" class="switch" role="switch" aria-checked=${String(routine.enabled && !routine.problem)} aria-label=${name} disabled=${!may("manage")} onClick=${() => change(routine, routine.enabled ? "disable" : "enable")}></button>
     </div>
     ${[routine.problem, ...routine.hints].filter(Boolean).map((text) => html`<p key=${text} class="bad">${text}</p>`)}
-    <${Parts} of=${routine}>${seconds(routine.next) > 0 && html`<div><dt>${say("next")}</dt><dd>${timeIn(zone, routine.next)}</dd></div>`}<//>
+    ${may("manage") && isKept && routine.lacks.length > 0 && html`<p class="choices"><button type="button" onClick=${() => change(routine, "edit", { act: routine.lacks })}>${say("give it the right")}</button></p>`}
+    <${Parts} of=${routine}>${routine.act.length > 0 && html`<div><dt>${say("may command")}</dt><dd>${routine.act.join(", ")}</dd></div>`}${seconds(routine.next) > 0 && html`<div><dt>${say("next")}</dt><dd>${timeIn(zone, routine.next)}</dd></div>`}<//>
     ${notes.length > 0 && html`<details><summary>${say("last runs")}: ${timeText(notes.at(-1).at)} ${notes.at(-1).text}</summary>
       <ol class="log">${[...notes].reverse().map((one, index) => html`<li class="own" key=${index}><time>${timeText(one.at)}</time><span>${one.text}</span></li>`)}</ol>
     </details>`}

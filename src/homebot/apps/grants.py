@@ -17,11 +17,11 @@ def grants_of(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
         ConfigError: The grants of a table are wrong.
     """
     for name, table in config.apps.items():
-        if (scope := scope_of(f"apps.{name}", table, config)) is not None:
+        if (scope := scope_of(f"apps.{name}", table, config.source)) is not None:
             yield f"/{name}", scope
 
 
-def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
+def scope_of(key: str, table: Table, source: str) -> tuple[str, ...] | None:
     """Return the grants of the table *key*; None if it has none.
 
     Raises:
@@ -31,13 +31,18 @@ def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
         return None
     key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
     if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
-        raise ConfigError(config.source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
+        raise ConfigError(source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
     scope = tuple(f"act: {one}" for one in queries) or ("read",)
     try:
         read_scope(scope)
     except UsageError as exc:
-        raise ConfigError(config.source, key, str(exc)) from exc
+        raise ConfigError(source, key, str(exc)) from exc
     return scope
+
+
+def queries_of(scope: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the value of the key for *scope*."""
+    return tuple(one.removeprefix("act: ") for one in scope if one != "read")
 
 
 def without_act(table: Table) -> Table:
