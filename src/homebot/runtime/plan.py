@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
     from homebot.discovery.reading_limits import LimitsOfDevices
+    from homebot.features.scenes.settings import SceneSettings
     from homebot.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.messages.interfaces.settings import RosSettings
     from homebot.robots.settings import RobotSettings
-    from homebot.scenes.settings import SceneSettings
 
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
@@ -391,7 +391,7 @@ def _groups(config: Config) -> Mapping[str, str]:
 def _scenes(config: Config) -> tuple[SceneSettings, ...]:
     if not config.scenes:
         return ()
-    from homebot.scenes.settings import read_scenes  # noqa: PLC0415 - many homes have none
+    from homebot.features.scenes.settings import read_scenes  # noqa: PLC0415 - many homes have none
 
     return read_scenes(config.scenes, config.source)
 

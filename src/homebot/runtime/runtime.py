@@ -62,13 +62,13 @@ if TYPE_CHECKING:
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.feature_context import FeatureContext, FeatureServer
+    from homebot.features.scenes.scene_services import SceneServices
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
     from homebot.runtime.link_starter import LinkStarter
     from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
-    from homebot.scenes.scene_services import SceneServices
 
 RUNNING = "runtime.running"
 APPS = "runtime.apps"
@@ -492,7 +492,7 @@ class Runtime:
         )
 
     def _serve_scenes(self, main: Node, name: str) -> None:
-        from homebot.scenes.scene_services import SceneServices  # noqa: PLC0415 - many homes have none
+        from homebot.features.scenes.scene_services import SceneServices  # noqa: PLC0415 - many homes have none
 
         self._scenes = self._scenes or SceneServices(main, lambda: self._index, lambda: self._plan.scenes)
         self._scenes.serve(name)

@@ -9,8 +9,8 @@ import anyio
 import pytest
 from tests.control.conftest import Home, ignore
 from tests.features.goals.conftest import Family
+from tests.features.scenes.conftest import Kept, Scenes, served
 from tests.one_task import in_one_task
-from tests.scenes.conftest import Kept, Scenes, served
 
 from homebot.devices.command_messages import Setting
 from homebot.devices.handles import Light

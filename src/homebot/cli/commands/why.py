@@ -10,7 +10,6 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.commands.routine import show as show_routine
-from homebot.cli.commands.scene import show as show_scene
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -33,6 +32,7 @@ from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
 from homebot.errors import PeerError, UsageError
+from homebot.features.scenes.command import show as show_scene
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from homebot.devices.scene_messages import (
     ScenesRequest,
     ScenesResponse,
 )
+from homebot.features.scenes.scene_services import SceneServices
 from homebot.graph import Node
 from homebot.messages.json import message_from_json
-from homebot.scenes.scene_services import SceneServices
 
 __all__ = ["Kept", "Scenes", "home", "home_settings", "kept", "open_home", "scenes", "served"]
 

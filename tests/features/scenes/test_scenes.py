@@ -3,7 +3,7 @@
 import anyio
 import pytest
 from tests.control.conftest import Home, ignore
-from tests.scenes.conftest import Kept, Scenes, served
+from tests.features.scenes.conftest import Kept, Scenes, served
 
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import trigger_text

@@ -3,7 +3,7 @@
 import anyio
 import pytest
 from tests.control.conftest import Home
-from tests.scenes.conftest import Scenes
+from tests.features.scenes.conftest import Scenes
 
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.devices.client_rights import LOCAL_RIGHTS

@@ -9,7 +9,7 @@ from homebot.command_words.settings import check_without_code
 from homebot.config import parse_settings, value_errors
 from homebot.devices.scene_messages import MOST_PARTS
 from homebot.errors import ConfigError, UsageError
-from homebot.scenes.scene_book import check_scene_name
+from homebot.features.scenes.scene_book import check_scene_name
 from homebot.support.folding import fold
 
 _Words = Annotated[str, Field(min_length=1, max_length=1000)]

@@ -5,9 +5,9 @@ import pytest
 from homebot.devices import Device, DevicePart, Endpoint, State
 from homebot.devices.command_messages import Setting
 from homebot.devices.value import PlainValue, Value
+from homebot.features.scenes.scene_words import present_values, read_values, values_text
 from homebot.gateways.announced.gateway_device import simple_part
 from homebot.messages import Time
-from homebot.scenes.scene_words import present_values, read_values, values_text
 
 NOW = Time.from_seconds(100.0)
 

@@ -15,11 +15,11 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.scene_messages import MOST_PARTS, ChangeSceneRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
+from homebot.features.scenes.scene import HouseScenes, Scene, place_of
+from homebot.features.scenes.scene_book import KeptScene, SceneBook
+from homebot.features.scenes.scene_words import present_values, read_values
+from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
-from homebot.scenes.scene import HouseScenes, Scene, place_of
-from homebot.scenes.scene_book import KeptScene, SceneBook
-from homebot.scenes.scene_words import present_values, read_values
-from homebot.scenes.settings import SceneSettings
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 

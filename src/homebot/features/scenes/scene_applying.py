@@ -26,9 +26,9 @@ from homebot.devices.part import check_setting
 from homebot.devices.scene_messages import ApplySceneRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError
+from homebot.features.scenes.scene import HouseScenes, Place, Scene, place_of
+from homebot.features.scenes.scene_book import SceneBook
 from homebot.graph import Node
-from homebot.scenes.scene import HouseScenes, Place, Scene, place_of
-from homebot.scenes.scene_book import SceneBook
 
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""

@@ -16,9 +16,9 @@ from homebot.devices.device import is_commanded, target_of
 from homebot.devices.scene_messages import SceneInfo, ScenePart
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
+from homebot.features.scenes.scene_book import KeptScene, SceneBook
+from homebot.features.scenes.scene_words import values_text
 from homebot.messages import Time
-from homebot.scenes.scene_book import KeptScene, SceneBook
-from homebot.scenes.scene_words import values_text
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 

@@ -24,12 +24,12 @@ from homebot.devices.scene_messages import (
     ScenesResponse,
 )
 from homebot.errors import HomebotError, WireError
+from homebot.features.scenes.scene import HouseScenes
+from homebot.features.scenes.scene_applying import SceneApplying
+from homebot.features.scenes.scene_book import SceneBook
+from homebot.features.scenes.scene_changes import SceneChanges
+from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
-from homebot.scenes.scene import HouseScenes
-from homebot.scenes.scene_applying import SceneApplying
-from homebot.scenes.scene_book import SceneBook
-from homebot.scenes.scene_changes import SceneChanges
-from homebot.scenes.settings import SceneSettings
 from homebot.support.folding import fold
 
 UNREADABLE = "scenes.unreadable"

@@ -17,8 +17,8 @@ from homebot.devices.scene_messages import (
     ScenesRequest,
 )
 from homebot.errors import ConfigError
+from homebot.features.scenes.settings import read_scenes
 from homebot.graph import Node
-from homebot.scenes.settings import read_scenes
 from homebot.testing import VirtualHouse, virtual_house_of
 
 DINNER: dict[str, object] = {"name": "Dinner", "values": {"lamp in hall": "on, 60 %", "hull lamp": "on"}}

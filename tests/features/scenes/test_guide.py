@@ -8,7 +8,7 @@ import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
-from homebot.scenes.settings import read_scenes
+from homebot.features.scenes.settings import read_scenes
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, hold_request
-from tests.scenes.conftest import Scenes
+from tests.features.scenes.conftest import Scenes
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part, SceneValue
