@@ -50,6 +50,7 @@ from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
 from homebot.clock import read_zone
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
+from homebot.feature import feature_tables, find_features
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
@@ -82,6 +83,9 @@ _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SHOWN = 200
 _MOST_ERRORS = 100
+
+_NO_KEYS: Final = frozenset({"features", "folder", "source"})
+"""The fields of a configuration that are no tables of the file."""
 
 _GONE: Final = {"thing_directory": "is gone; programs read and command the devices at the door (docs/agents.md)"}
 """Tables that homebot had once, and the ways to what they offered."""
@@ -172,6 +176,15 @@ _Tables: TypeAlias = Annotated[
 """Tables that are checked one by one, because a wrong one stops nothing else."""
 
 
+_FeatureTables: TypeAlias = Annotated[
+    dict[str, object],
+    AfterValidator(
+        lambda read: {key: tuple(value) if isinstance(value, list) else value for key, value in read.items()}
+    ),
+]
+"""The tables of features, each of which its feature checks."""
+
+
 class Config(BaseModel):
     """The configuration of a homebot, as in ``homebot.toml``.
 
@@ -182,7 +195,7 @@ class Config(BaseModel):
         alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
         devices: The tables ``[devices.NAME]``: the owner's limits of readings.
         groups: The tables ``[[groups]]``: names for the devices that fit a query.
-        scenes: The tables ``[[scenes]]``: values of several devices under one name.
+        features: The tables of features, by key: a table, or a tuple of tables.
         source: The file, or another source of the values, for error messages.
         folder: The base folder of relative paths: that of the file.
     """
@@ -201,11 +214,16 @@ class Config(BaseModel):
     places: Table = Field(default_factory=dict)
     devices: dict[str, Table] = Field(default_factory=dict)
     groups: _Tables = ()
-    scenes: _Tables = ()
+    features: _FeatureTables = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
+
+    def array_of(self, key: str) -> tuple[object, ...]:
+        """Return the tables ``[[KEY]]`` of a feature; None for one that was left out."""
+        tables = self.features[key]
+        return tables if isinstance(tables, tuple) else (tables,)
 
 
 def load_config(path: Path, *, may_be_cut: bool = False) -> Config:
@@ -230,13 +248,12 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
     tables = read_toml(path, may_be_cut=may_be_cut)
     if problem := why_not_trusted(path):
         raise ConfigError(source, "", f"names the code that runs, so others must not be able to change it: {problem}")
-    for name in ("source", "folder"):
+    for name in _NO_KEYS:
         if name in tables:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, routines, groups, scenes, people, door, discovery, "
-                "control, history, notify, alerts, places, devices, robots, ros",
+                unknown_key(name, _known_tables()),
             )
     return tables
 
@@ -255,6 +272,7 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
         raise ConfigError(source, name, _GONE[name])
     tables = _with_routines(tables) if "routines" in tables else tables
     tables = _with_people(tables, source) if PEOPLE in tables else tables
+    tables = _with_features(tables, source)
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
         for name in names:
@@ -263,6 +281,31 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
             except InvalidNameError as exc:
                 raise ConfigError(source, f"{section}.{name}", str(exc)) from exc
     return config
+
+
+def _known_tables() -> list[str]:
+    own = [key for key in Config.model_fields if key not in _NO_KEYS]
+    return [*own, "routines", PEOPLE, *feature_tables()]
+
+
+def _with_features(tables: Mapping[str, object], source: str) -> dict[str, object]:
+    """Return *tables* with those of features under one key.
+
+    If a feature of another package could not be loaded, unknown tables may be its own, and the plan leaves them out.
+    """
+    found: dict[str, object] = {}
+    others: dict[str, object] = {}
+    for key, table in tables.items():
+        row = None if key in Config.model_fields else feature_tables().get(key)
+        if row is None and (key in Config.model_fields or not find_features().problems):
+            others[key] = table
+        elif row is None or isinstance(table, list if row.is_array else Mapping):
+            found[key] = table
+        elif row.is_array:
+            found[key] = [table]
+        else:
+            raise ConfigError(source, key, f"{_table_reason(key, is_element=False)}, got {_shortened(table)}")
+    return {**others, "features": found} if found else others
 
 
 ROUTINE: Final = "routine"
@@ -419,7 +462,7 @@ def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
     """Return the problems of a table of *model*, as text."""
     if error["type"] == "extra_forbidden":
         fields = model.model_fields.items()
-        known = [one.alias or name for name, one in fields if name not in {"source", "folder"}]
+        known = _known_tables() if model is Config else [one.alias or name for name, one in fields]
         return unknown_key(str(error["loc"][-1]), known)
     if error["type"] == "missing":
         return "is missing"

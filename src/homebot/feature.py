@@ -28,10 +28,27 @@ class Verb(NamedTuple):
     Attributes:
         purpose: Its use, in a line.
         add_arguments: The function that adds its arguments to a parser, as ``module:name``.
+        after: The command of the core that it follows in the help; by default it is one of the last.
     """
 
     purpose: str
     add_arguments: str
+    after: str = ""
+
+
+class FeatureTable(NamedTuple):
+    """A table of the configuration, or an array of tables.
+
+    Attributes:
+        reader: The function that checks it and returns its values, as ``module:name``; it is called with the
+            :class:`~homebot.config.Config`, if that has the table.
+        is_array: Whether it is ``[[KEY]]``, of which a wrong element is left out, and not ``[KEY]``.
+        is_live: Whether a reload applies changes, and a replay has it too; otherwise they wait for a restart.
+    """
+
+    reader: str
+    is_array: bool = False
+    is_live: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,10 +61,12 @@ class Feature:
             the node and a :class:`~homebot.feature_context.FeatureContext` when one is first used.
         services: Its services and actions.
         stores: Names of stores of work to finish after a restart: with anything in one, *server* is called at once.
+        tables: Its tables of the configuration, by key.
         verbs: Its commands of the command line, by name.
         messages: Modules with its messages, for clients.
         routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
         tools: A function that adds its tools to the server for agents, with the client of the HTTP API.
+        explains: The function for ``homebot why NAME`` if NAME is no device; called with the client and the options.
         causes: How ``why`` and the journal word a trigger of its kinds, with ``{text}`` for the trigger's text.
     """
 
@@ -55,16 +74,19 @@ class Feature:
     server: str = ""
     services: tuple[OfferedService, ...] = ()
     stores: tuple[str, ...] = ()
+    tables: Mapping[str, FeatureTable] = field(default_factory=dict)
     verbs: Mapping[str, Verb] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
     routes: str = ""
     tools: str = ""
+    explains: str = ""
     causes: Mapping[str, str] = field(default_factory=dict)
 
     def offers(self) -> Iterator[str]:
         """Yield the names that no other feature may offer."""
         yield f"the node {self.name}"
         yield from (f"the service {service.name}" for service in self.services)
+        yield from (f"the table {key}" for key in self.tables)
         yield from (f"the command {verb}" for verb in self.verbs)
         yield from (f"the cause {kind}" for kind in self.causes)
 
@@ -127,6 +149,12 @@ def load(path: str) -> Any:
         return getattr(import_module(module), name)
     except (Exception, SystemExit) as exc:
         raise PluginError(path, f"cannot be loaded: {error_text(exc)}") from exc
+
+
+@cache
+def feature_tables() -> Mapping[str, FeatureTable]:
+    """Return the tables of all features, by key."""
+    return {key: table for feature in all_features() for key, table in feature.tables.items()}
 
 
 def cause_words(kind: str) -> str:

@@ -104,9 +104,13 @@ async def test_a_damaged_file_is_told_and_what_is_known_goes_into_a_new_one(path
 
 
 async def test_a_file_that_is_removed_while_it_is_used_is_written_anew_with_all_that_is_known(path: Path) -> None:
-    """What is written into a file that no folder has any more is gone with the run."""
+    """What is written into a file that no folder has any more is gone with the run.
+
+    A record of the owner for a feature that was taken out stays until it is back.
+    """
     async with directory_with(path) as directory:
         directory.index.observe(announce("l", part_of(id="l"), ids=("id:lamp",), name="Lamp"))
+        assert await directory.keep_record("acme", "of the owner", at_once=True) == ""
     with capture_logs() as lines:
         async with directory_with(path) as directory:
             for file in path.parent.glob(f"{path.name}*"):
@@ -116,6 +120,7 @@ async def test_a_file_that_is_removed_while_it_is_used_is_written_anew_with_all_
     assert line["message"].endswith("a new one is begun; stop homebot before you move it")
     async with directory_with(path) as directory:
         assert sorted(one.id for one in directory.index.devices()) == ["lamp", "plug"]
+        assert directory.owner_record("acme") == "of the owner"
 
 
 async def test_records_that_make_no_sense_cost_themselves_alone(path: Path) -> None:

@@ -23,6 +23,7 @@ from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.errors import ConfigError, LinkError
+from homebot.feature import all_features
 from homebot.gateways import HostService
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.embedded_broker import embedded_broker
@@ -155,7 +156,7 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
         "/gateway/mqtt",
         "/discovery",
         "/control",
-        "/goals",
+        *(f"/{feature.name}" for feature in all_features()),
         "/identify",
         "/first",
         "/second",

@@ -31,7 +31,6 @@ COMMANDS: Final = {
     "bind": "let a button do something",
     "routine": "list and show routines, start them, switch them on and off",
     "suggest": "propose routines of what people in the house do, with proof; accept or reject one",
-    "scene": "save, apply, undo and change scenes: values of several devices under one name",
     "group": "list groups of devices, with their members",
     "config": "check the configuration",
     "devices": "list the devices in the house",
@@ -167,7 +166,10 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 def all_commands() -> dict[str, str]:
     """Return the purpose of each command, of the core and of features."""
-    return {name: verb.purpose for name, verb in _verbs().items()} | COMMANDS
+    order = {name: place for place, name in enumerate(COMMANDS)}
+    purposes = {name: verb.purpose for name, verb in _verbs().items()} | COMMANDS
+    places = {name: order.get(verb.after, len(order)) + 0.5 for name, verb in _verbs().items()} | order
+    return dict(sorted(purposes.items(), key=lambda item: places[item[0]]))
 
 
 def _verbs() -> "dict[str, Verb]":

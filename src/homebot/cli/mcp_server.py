@@ -35,11 +35,9 @@ from homebot.bridges.home_api.shapes import (
     HomeAnswer,
     OutcomeAnswer,
     ProposalAnswer,
-    SceneList,
     WhyAnswer,
 )
 from homebot.cli.door_address import DoorAddress
-from homebot.devices.command_messages import MAX_TRANSITION_S
 from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.services import MOST_LISTED
@@ -228,7 +226,7 @@ class _HouseServer(MCPServer):
 def house_server(api: ApiClient) -> MCPServer:
     """Return a server with tools that use *api*."""
     server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
-    for add in (_add_questions, _add_command, _add_scenes, _add_identification, _add_routines):
+    for add in (_add_questions, _add_command, _add_identification, _add_routines):
         add(server, api)
     for feature in all_features():
         if feature.tools:
@@ -293,23 +291,6 @@ def _add_command(server: MCPServer, api: ApiClient) -> None:
         return tool_answer(await api.post("/api/command", wanted))
 
     server.add_tool(command, annotations=ACTS)
-
-
-def _add_scenes(server: MCPServer, api: ApiClient) -> None:
-    async def scenes() -> Annotated[CallToolResult, SceneList]:
-        """Return the scenes: a name, and values for several parts of the house."""
-        return tool_answer(await api.read("/api/scenes"))
-
-    async def apply_scene(
-        scene: Annotated[Words, Field(description="name or id")],
-        transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S, description="seconds")] = 0.0,
-        undo: Annotated[bool, Field(description="bring back the values before")] = False,  # noqa: FBT002 - JSON
-    ) -> Annotated[CallToolResult, OutcomeAnswer]:
-        """Apply a scene, or undo it: bring back the values before, where nothing else has changed them since."""
-        return tool_answer(await api.post("/api/scene", {"scene": scene, "transition": transition, "undo": undo}))
-
-    server.add_tool(scenes, annotations=READS)
-    server.add_tool(apply_scene, annotations=ACTS)
 
 
 def _add_identification(server: MCPServer, api: ApiClient) -> None:

@@ -72,13 +72,6 @@ HABIT_SERVICES = {SUGGEST_HABITS: "homebot/srv/SuggestHabits", DECIDE_HABIT: "ho
 LIST_SCENES = "/scenes/list"
 CHANGE_SCENE = "/scenes/change"
 APPLY_SCENE = "/scenes/apply"
-SCENE_SERVICES = {
-    LIST_SCENES: "homebot/srv/ListScenes",
-    CHANGE_SCENE: "homebot/srv/ChangeScene",
-    APPLY_SCENE: "homebot/srv/ApplyScene",
-}
-"""The services for scenes and their types, which are loaded when one is first called."""
-
 START_RECORDER = "/homebot/start_recorder"
 COPY_FILES = "/homebot/copy_files"
 RELOAD = "/homebot/reload"
@@ -105,7 +98,6 @@ OWN_NAMESPACES = frozenset(
         "routines",
         "rosbridge_websocket",
         "rosout",
-        "scenes",
         "subscribe_to_mqtt_topic",
     }
 )

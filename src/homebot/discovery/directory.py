@@ -151,15 +151,14 @@ class Directory:
     def _publish_approvals(self) -> None:
         self._approved.publish(ApprovedCommands(digests=self.index.owner.approvals.digests))
 
-    @property
-    def scenes(self) -> str:
-        """The scenes of the owner, as :meth:`keep_scenes` kept them; empty for none."""
-        return self._persistence.scenes.text
+    def owner_record(self, feature: str) -> str:
+        """Return the record of the owner for a feature, as :meth:`keep_record` kept it; empty for none."""
+        return self._persistence.record_for(feature).text
 
-    async def keep_scenes(self, record: str, *, at_once: bool) -> str:
-        """Keep the scenes of the owner; return why they could not be saved at once, in words, empty if they were."""
-        scenes = self._persistence.scenes
-        scenes.text, scenes.is_unsaved = record, True
+    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
+        """Keep a record of the owner for a feature; return why it could not be saved at once, empty if it was."""
+        kept = self._persistence.record_for(feature)
+        kept.text, kept.is_unsaved = record, True
         return await self._persistence.keep() if at_once else ""
 
     async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:

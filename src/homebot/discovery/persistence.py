@@ -24,7 +24,7 @@ from homebot.discovery.index import DeviceIndex
 from homebot.discovery.merging.decisions import MergeDecisions
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
-from homebot.errors import LinkError, WireError
+from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.counters import Severity
@@ -46,8 +46,7 @@ RETRY_AFTER = 5.0
 
 DECISIONS = "merging"
 PLACES = "places"
-SCENES = "scenes"
-"""The owner's records: which announcements are one device, statements about devices, and scenes."""
+"""The owner's records: which announcements are one device, and statements about devices. Features have others."""
 
 _BATCH = 200
 """Most devices written in one transaction."""
@@ -79,7 +78,6 @@ class IndexPersistence:
 
     Attributes:
         file: The path of the file; empty for none.
-        scenes: The scenes.
     """
 
     def __init__(self, node: Node, index: DeviceIndex, path: Path | None, known: Sequence[IndexRow] = ()) -> None:
@@ -91,13 +89,22 @@ class IndexPersistence:
         self._rejected = 0
         self.file = str(path or "")
         self._kept = None if path is None else self._kept_file(path)
-        self.scenes = OwnerText()
         self._owner: dict[str, MergeDecisions | OwnerFacts | OwnerText] = {
             DECISIONS: index.decisions,
             PLACES: index.owner,
-            SCENES: self.scenes,
         }
         index.table.is_saved = path is not None
+
+    def record_for(self, feature: str) -> OwnerText:
+        """Return the owner's record for a feature.
+
+        Raises:
+            UsageError: The directory has a record of its own of that name.
+        """
+        record = self._owner.setdefault(feature, OwnerText())
+        if not isinstance(record, OwnerText):
+            raise UsageError(f"{feature} is a record of the directory's own")
+        return record
 
     @property
     def problem(self) -> str:
@@ -154,6 +161,8 @@ class IndexPersistence:
     def _restore_owner(self, records: Mapping[str, str]) -> int:
         """Restore the owner's decisions; return how many records could not be read."""
         rejected = 0
+        for name in records.keys() - self._owner.keys():
+            self._owner[name] = OwnerText()  # kept, even if the feature was taken out
         for name, owner in self._owner.items():
             try:
                 if (record := records.get(name)) is not None:

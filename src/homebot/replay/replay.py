@@ -27,6 +27,7 @@ from homebot.devices.value import Value
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import read_entry, read_tombstone, tombstone_record
 from homebot.errors import UsageError, WireError
+from homebot.feature import feature_tables
 from homebot.graph import Node
 from homebot.recording.lines import CommandNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
@@ -93,7 +94,7 @@ def replay_config(
             "control": base.control or recorded_table(header.control, "table [control]"),
             "places": base.places or _places(header.places),
             "groups": list(base.groups),
-            "scenes": list(base.scenes),
+            **{key: table for key, table in base.features.items() if feature_tables()[key].is_live},
             "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
         },
         "the recording" if given is None else f"the recording and {base.source}",

@@ -1,4 +1,4 @@
-"""Wrong routines, groups and scenes of a configuration, which stop nothing else. Pure."""
+"""Wrong routines, groups and tables of features in a configuration, which stop nothing else. Pure."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ from homebot.support.folding import fold
 def without_mistakes(
     config: Config, planned: Mapping[str, Callable[[], object]], readers: Mapping[str, Callable[[Config], object]]
 ) -> tuple[Config, dict[str, ConfigError]]:
-    """Return *config* without its wrong routines, groups and scenes, and their mistakes by key.
+    """Return *config* without its wrong routines, groups and arrays of features, and their mistakes by key.
 
     A group that a policy or right names is kept, because without it a limit would be gone.
 
@@ -31,14 +31,26 @@ def without_mistakes(
     limits = fold(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
     for kind, read in readers.items():
         while (error := _mistake_in(partial(read, config))) is not None:
-            tables: list[object] = [*getattr(config, kind)]
+            if error.key == kind:  # it is of no feature
+                wrong[kind] = located(error)
+                config = _with_tables(config, kind, None)
+                break
+            tables: list[object] = [*(config.groups if kind == "groups" else config.array_of(kind))]
             number = error.key.partition(".")[2].partition(".")[0]
             place = int(number) if number else max(at for at, one in enumerate(tables) if one is not None)
             if kind == "groups" and _is_named(tables[place], limits):
                 break
             wrong[f"{kind}.{place}"], tables[place] = located(error), None
-            config = config.model_copy(update={kind: tuple(tables)})
+            config = _with_tables(config, kind, tuple(tables))
     return config, wrong
+
+
+def _with_tables(config: Config, kind: str, tables: tuple[object, ...] | None) -> Config:
+    """Return *config* with other groups or tables of a feature; None for no such table."""
+    if kind == "groups":
+        return config.model_copy(update={"groups": tables or ()})
+    others = {key: table for key, table in config.features.items() if key != kind}
+    return config.model_copy(update={"features": others if tables is None else {**others, kind: tables}})
 
 
 def _is_named(group: object, folded: str) -> bool:

@@ -18,7 +18,7 @@ from homebot.bridges.rosbridge import DoorSettings
 from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
-from homebot.feature import find_features
+from homebot.feature import feature_tables, find_features, load
 from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
     from homebot.discovery.reading_limits import LimitsOfDevices
-    from homebot.features.scenes.settings import SceneSettings
     from homebot.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.messages.interfaces.settings import RosSettings
@@ -104,9 +103,9 @@ class Plan:
         limits: The limits of readings; None for none.
         history: The settings of the history; None for the defaults.
         notify: The settings of notifications of apps; None to only log them.
-        scenes: The scenes of the configuration.
-        left_out: The mistakes of wrong routines, groups, scenes and features of other packages, by their keys: they
-            stop nothing else.
+        features: The tables of features as their readers returned them, by key.
+        left_out: The mistakes of wrong routines, groups, arrays of features and features of other packages, by their
+            keys: they stop nothing else.
     """
 
     config: Config
@@ -126,7 +125,7 @@ class Plan:
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     history: HistorySettings | None = None
     notify: NotifySettings | None = None
-    scenes: tuple[SceneSettings, ...] = ()
+    features: Mapping[str, Any] = field(default_factory=dict)
     left_out: Mapping[str, ConfigError] = field(default_factory=dict)
 
     @property
@@ -230,12 +229,14 @@ def _without_mistakes(config: Config) -> tuple[Config, Mapping[str, ConfigError]
         f"features.{name}": ConfigError(config.source, f"features.{name}", f"is left out: {problem}")
         for name, problem in find_features().problems.items()
     }
-    if not (config.groups or config.scenes or any(map(_is_routine, config.apps.values()))):
+    if not (config.groups or config.features or any(map(_is_routine, config.apps.values()))):
         return config, broken
     from homebot.runtime.left_out import without_mistakes  # noqa: PLC0415 - many homes have none of these
 
     planned = {_key_of(name, table): partial(planned_app, name, table, config) for name, table in config.apps.items()}
-    config, mistakes = without_mistakes(config, planned, {"groups": _groups, "scenes": _scenes})
+    rows = feature_tables()
+    arrays = {key: partial(_feature_table, key) for key in config.features if key not in rows or rows[key].is_array}
+    config, mistakes = without_mistakes(config, planned, {"groups": _groups, **arrays})
     return config, broken | mistakes
 
 
@@ -388,12 +389,15 @@ def _groups(config: Config) -> Mapping[str, str]:
     return read_groups(config.groups, config.source)
 
 
-def _scenes(config: Config) -> tuple[SceneSettings, ...]:
-    if not config.scenes:
-        return ()
-    from homebot.features.scenes.settings import read_scenes  # noqa: PLC0415 - many homes have none
+def _features(config: Config) -> Mapping[str, Any]:
+    return {key: _feature_table(key, config) for key in config.features}
 
-    return read_scenes(config.scenes, config.source)
+
+def _feature_table(key: str, config: Config) -> Any:
+    row = feature_tables().get(key)
+    if row is None:
+        raise ConfigError(config.source, key, f"is of no feature; left out are {', '.join(find_features().problems)}")
+    return load(row.reader)(config)
 
 
 def _limits(config: Config) -> LimitsOfDevices | None:
@@ -447,7 +451,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "link": _link,
     "history": _history,
     "notify": _notify,
-    "scenes": _scenes,
+    "features": _features,
 }
 """The values of a plan that are each read from one table."""
 

@@ -22,6 +22,7 @@ from homebot.devices.client_rights import ALL_ROBOTS, read_scope
 from homebot.discovery import Directory
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError, UsageError
+from homebot.feature import feature_tables
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
 
@@ -41,9 +42,9 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "home": frozenset({"id"}),
     "ros": frozenset({"ca", "cert_file", "connect", "domain", "export", "import", "key_file", "listen", "user"}),
 }
-"""The keys that take effect without a restart; so do those of ``[places]``, ``[devices]``, groups and scenes."""
+"""The keys that take effect without a restart; so do places, devices, groups and live tables of features."""
 
-_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "scenes", "left_out")
+_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "features", "left_out")
 """The parts of a plan that a reload replaces."""
 
 _BY_KEY: Final = frozenset({"control", "door"})
@@ -73,9 +74,9 @@ class RunningParts(NamedTuple):
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
-    live = {"places", "devices", "groups", "scenes"}
-    old, new = before.model_dump(exclude=live), after.model_dump(exclude=live)
-    keys = (key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
+    live = {"places", "devices", "groups", *(key for key, table in feature_tables().items() if table.is_live)}
+    old, new = ({key: table for key, table in _by_key(one).items() if key not in live} for one in (before, after))
+    keys = (key for table in old | new for key in _changed(table, old.get(table) or {}, new.get(table) or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})
     return (*keys, *(f"door.tokens (the robot {name})" for name in robots))
 
@@ -106,7 +107,14 @@ def lost_keys(before: Config, after: Config) -> tuple[str, ...]:
 
     A token may go while others stay, as it is revoked so; a key of a place, unless half a file might end there.
     """
-    return tuple(_lost(before.model_dump(), after.model_dump()))
+    return tuple(_lost(_by_key(before), _by_key(after)))
+
+
+def _by_key(config: Config) -> dict[str, Any]:
+    """Return the tables of *config* by the keys that they have in the file."""
+    tables: dict[str, Any] = config.model_dump()
+    features: dict[str, Any] = tables.pop("features")
+    return tables | features
 
 
 def _lost(old: Mapping[str, Any], new: Mapping[str, Any], *path: str, is_last: bool = True) -> Iterator[str]:

@@ -36,7 +36,6 @@ from homebot.devices.names import (
     IDENTIFY_DEVICE,
     LIST_TOKENS,
     RELOAD,
-    SCENE_SERVICES,
     START_RECORDER,
 )
 from homebot.devices.own_services import is_own, row_of_service
@@ -62,7 +61,6 @@ if TYPE_CHECKING:
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.feature_context import FeatureContext, FeatureServer
-    from homebot.features.scenes.scene_services import SceneServices
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
@@ -169,7 +167,6 @@ class Runtime:
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._index: Directory | None = None
-        self._scenes: SceneServices | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
@@ -290,8 +287,6 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, lambda: self._recording.serve_clients(main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
-        for name, kind in SCENE_SERVICES.items() if not self._plan.as_other_machine else ():
-            main.offer_service(kind, name, partial(self._serve_scenes, main, name))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(
@@ -436,7 +431,11 @@ class Runtime:
         from homebot.feature_context import FeatureContext  # noqa: PLC0415 - few features are used
 
         return FeatureContext(
-            control=lambda: self._controller, store=self.app_host.store, write_stores=self.app_host.write_stores
+            control=lambda: self._controller,
+            directory=lambda: self._index,
+            table=lambda key: self._plan.features.get(key),  # noqa: PLW0108 - a reload replaces the plan
+            store=self.app_host.store,
+            write_stores=self.app_host.write_stores,
         )
 
     async def _identify(self, *, task_status: TaskStatus[None]) -> None:
@@ -490,12 +489,6 @@ class Runtime:
             trusts_apps=self.trusts_apps,
             approves_all=self._approves_all,
         )
-
-    def _serve_scenes(self, main: Node, name: str) -> None:
-        from homebot.features.scenes.scene_services import SceneServices  # noqa: PLC0415 - many homes have none
-
-        self._scenes = self._scenes or SceneServices(main, lambda: self._index, lambda: self._plan.scenes)
-        self._scenes.serve(name)
 
     async def _detected(self) -> tuple[str, ...]:
         return () if self._controller is None else await self._controller.detected()

@@ -9,7 +9,6 @@ from tests.control.conftest import Home, home, home_settings, open_home
 from tests.one_task import in_one_task
 
 from homebot.devices.command_messages import CommandDevicesResponse
-from homebot.devices.names import SCENE_SERVICES
 from homebot.devices.scene_messages import (
     ApplyScene,
     ApplySceneRequest,
@@ -21,6 +20,7 @@ from homebot.devices.scene_messages import (
     ScenesRequest,
     ScenesResponse,
 )
+from homebot.features.scenes import FEATURE
 from homebot.features.scenes.scene_services import SceneServices
 from homebot.graph import Node
 from homebot.messages.json import message_from_json
@@ -32,11 +32,16 @@ class Kept:
     """Keeps the scenes where a restart of the services finds them."""
 
     def __init__(self) -> None:
-        self.scenes = self.on_disk = ""
+        self.record = self.on_disk = ""
         self.problem = ""
 
-    async def keep_scenes(self, record: str, *, at_once: bool) -> str:
-        self.scenes = record
+    def owner_record(self, feature: str) -> str:
+        assert feature == "scenes"
+        return self.record
+
+    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
+        assert feature == "scenes"
+        self.record = record
         self.on_disk = record if at_once else self.on_disk
         return self.problem if at_once else ""
 
@@ -80,10 +85,10 @@ def kept() -> Kept:
 @asynccontextmanager
 async def served(home: Home, kept: Kept) -> AsyncIterator[Scenes]:
     """Serve the scenes until a restart."""
-    async with Node(home.graph, "homebot") as node:
+    async with Node(home.graph, "scenes") as node:
         services = SceneServices(node, lambda: kept)
-        for name in SCENE_SERVICES:
-            services.serve(name)
+        for service in FEATURE.services:
+            services.serve(service.name)
         yield Scenes(home, kept)
 
 

@@ -101,4 +101,4 @@ async def test_a_renamed_or_new_scene_hides_none_of_the_configuration() -> None:
 def test_a_mistake_is_named_with_its_key(scenes: list[dict[str, object]], problem: str) -> None:
     config = parse_config({"scenes": scenes}, "homebot.toml")
     with pytest.raises(ConfigError, match=problem):
-        read_scenes(config.scenes, config.source)
+        read_scenes(config)

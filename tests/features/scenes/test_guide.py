@@ -8,6 +8,7 @@ import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
+from homebot.config import parse_config
 from homebot.features.scenes.settings import read_scenes
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
@@ -53,7 +54,7 @@ def test_saving_hides_no_scene_of_the_configuration(home: Homebot) -> None:
 
 def test_the_scene_of_the_configuration_is_read() -> None:
     (shown,) = blocks_in(GUIDE, "toml")
-    (scene,) = read_scenes(tomllib.loads(shown)["scenes"], "homebot.toml")
+    (scene,) = read_scenes(parse_config(tomllib.loads(shown), "homebot.toml"))
     assert scene.name == "Dinner"
 
 

@@ -119,9 +119,9 @@ async def test_an_undo_outlives_a_sudden_death_just_after_the_scene(home: Home, 
     await evening(home)
     await scenes.change(name="Dark", change="save", values=[{"key": "light in living", "value": "off"}])
     assert (await scenes.apply("Dark")).success
-    assert kept.on_disk == kept.scenes
+    assert kept.on_disk == kept.record
     assert (await scenes.apply("Dark", undo=True)).success
-    assert kept.on_disk == kept.scenes
+    assert kept.on_disk == kept.record
 
 
 async def test_an_edit_changes_what_is_named_and_keeps_the_rest(home: Home, scenes: Scenes) -> None:
@@ -157,7 +157,7 @@ async def test_a_code_is_never_kept(home: Home, scenes: Scenes) -> None:
     answer = await scenes.change(name="In", change="save", values=[{"key": "Door code", "value": "text 4711"}])
     assert not answer.success
     assert "no scene keeps one" in answer.message
-    assert "4711" not in scenes.kept.scenes
+    assert "4711" not in scenes.kept.record
 
 
 @pytest.mark.parametrize("name", ["", "  ", "a\nb", "x" * 101, "\x1b[31mred", "---"])
@@ -282,8 +282,8 @@ async def test_a_part_whose_device_has_another_id_is_found_by_its_route(home: Ho
     home.put("lamp", "light", "on_off")
     async with served(home, kept) as scenes:
         await scenes.change(name="Film", change="save", values=[{"key": "lamp", "value": "on"}])
-    assert '"lamp":["memory/lamp#"]' in kept.scenes
-    kept.scenes = kept.scenes.replace('"lamp"', '"lights/gone"')
+    assert '"lamp":["memory/lamp#"]' in kept.record
+    kept.record = kept.record.replace('"lamp"', '"lights/gone"')
     async with served(home, kept) as scenes:
         assert await scenes.values("Film") == {"Lamp": "on"}
         await scenes.change(name="Film", change="edit", values=[{"key": "lamp", "value": "off"}])

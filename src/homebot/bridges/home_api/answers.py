@@ -16,7 +16,7 @@ from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
-from homebot.devices.outcomes import OUTCOMES, AlreadySo, Evidence
+from homebot.devices.outcomes import OUTCOMES, Evidence
 from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.journal_words import (
     chain_lines,
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from homebot.devices.habit_messages import SuggestHabitsResponse
     from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
-    from homebot.devices.scene_messages import ScenesResponse
     from homebot.devices.services import ListedDevice
 
 _MOST_STEPS: Final = 12
@@ -131,38 +130,13 @@ async def _commanded(
     answer = cast("CommandDevicesResponse", found)
     if not answer.results:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-    return _outcome(answer, device.id, lambda one: one.part)
+    return outcome_of(answer, device.id, lambda one: one.part)
 
 
-async def list_scenes(home: HomeCalls, _: shapes.NoQuestion) -> shapes.SceneList:
-    """Return the scenes: those of the owner, and those that bridges keep, of which several may have one name."""
-    answer = cast("ScenesResponse", await _answered(home, names.LIST_SCENES, {}))
-    lines = (
-        shapes.SceneLine(
-            scene=one.name,
-            id=one.id if one.is_native else "",
-            room=one.area,
-            parts={printable(part.name, _WIDEST): part.text for part in one.parts},
-        )
-        for one in answer.scenes
-    )
-    return shapes.SceneList(scenes=tuple(lines))
-
-
-async def apply_scene(home: HomeCalls, asked: shapes.SceneQuestion) -> shapes.OutcomeAnswer:
-    """Apply a scene, or bring back the values before it, and return the worst outcome with that of each part."""
-    request = {"name": asked.scene, "undo": asked.undo, "transition": asked.transition}
-    answer = cast("CommandDevicesResponse", await home.call(names.APPLY_SCENE, request))
-    if answer.results:
-        return _outcome(answer, asked.scene, lambda one: printable(one.name, _WIDEST))
-    if answer.success:
-        return shapes.OutcomeAnswer(id=asked.scene, outcome=AlreadySo.kind, text=answer.message)
-    raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-
-
-def _outcome(
+def outcome_of(
     answer: CommandDevicesResponse, ident: str, name_of: Callable[[CommandedPart], str]
 ) -> shapes.OutcomeAnswer:
+    """Return *answer* as that to a command to *ident*; a refusal of all for want of a right is a problem."""
     results = [one.result for one in answer.results]
     worst = next(one for one in results if one.outcome == answer.outcome)
     if all(one.policy == CLIENT_RIGHTS for one in results):
@@ -181,7 +155,7 @@ def _outcome(
 
 async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> shapes.ProposalAnswer:
     """Propose a routine to the owner, who enables it or not, and return what in it cannot work in the house now."""
-    answer = await _answered(home, names.PROPOSE_ROUTINE, {"text": asked.text})
+    answer = await call_or_fail(home, names.PROPOSE_ROUTINE, {"text": asked.text})
     return shapes.ProposalAnswer(text=str(answer.message))
 
 
@@ -189,7 +163,7 @@ async def list_habits(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HabitList
     """Return the routines that are proposed of habits; the owner alone accepts or rejects them."""
     if not home.offers(names.SUGGEST_HABITS):
         raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, "this homebot proposes nothing")
-    answer = cast("SuggestHabitsResponse", await _answered(home, names.SUGGEST_HABITS, {}))
+    answer = cast("SuggestHabitsResponse", await call_or_fail(home, names.SUGGEST_HABITS, {}))
     return shapes.HabitList(
         habits=tuple(
             shapes.HabitLine(name=one.name, text=one.text, proof=one.proof, precision=one.precision, recall=one.recall)
@@ -204,10 +178,10 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
     now, since, is_so = home.now(), "", None
     if asked.state:
         request = {"device": device.id, "state": asked.state}
-        wanted = cast("ExplainMissingStateResponse", await _answered(home, names.EXPLAIN_MISSING_STATE, request))
+        wanted = cast("ExplainMissingStateResponse", await call_or_fail(home, names.EXPLAIN_MISSING_STATE, request))
         is_so, (reason, steps) = wanted.is_so, _why_not(wanted, now)
     else:
-        found = cast("ExplainDeviceResponse", await _answered(home, names.EXPLAIN_DEVICE, {"device": device.id}))
+        found = cast("ExplainDeviceResponse", await call_or_fail(home, names.EXPLAIN_DEVICE, {"device": device.id}))
         named = {device.id: device.name, **{one.key: one.value for one in found.names}}
         steps = [" ".join(one).strip() for one in chain_lines(chains_of(found.entries), named, now)]
         reason = finding_text(found, named, now)
@@ -243,14 +217,15 @@ async def history(home: HomeCalls, asked: shapes.HistoryQuestion) -> shapes.Hist
         raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, problem)
     device, _ = await meant_device(home, asked.device)
     request = {"device": device.id, "capability": asked.capability, "since": since, "points": asked.points}
-    found = cast("ReadHistoryResponse", await _answered(home, names.READ_HISTORY, request))
+    found = cast("ReadHistoryResponse", await call_or_fail(home, names.READ_HISTORY, request))
     if not found.series and (name := asked.capability) and name not in CAPABILITIES:
         hint = did_you_mean(name, CAPABILITIES, "the answer without one names those of the device")
         raise ProblemError(HTTPStatus.BAD_REQUEST, f"capability: nothing has a value {name!r}; {hint}")
     return shapes.HistoryAnswer(id=device.id, series=tuple(map(_series, found.series)), more=found.left_out)
 
 
-async def _answered(home: HomeCalls, service: str, request: Mapping[str, object]) -> JsonMessage:
+async def call_or_fail(home: HomeCalls, service: str, request: Mapping[str, object]) -> JsonMessage:
+    """Return the answer of *service*; a failure is a problem."""
     answer = await home.call(service, request)
     if not answer.success:
         raise ProblemError(HTTPStatus.BAD_REQUEST, str(answer.message))

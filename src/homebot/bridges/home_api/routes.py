@@ -40,8 +40,6 @@ _CORE_ROUTES: Final = (
     ApiRoute("GET", "/api/devices", shapes.ListQuestion, shapes.DeviceList, answers.find_devices),
     ApiRoute("GET", "/api/devices/{id}", shapes.DeviceQuestion, shapes.DeviceDetails, answers.device_details),
     ApiRoute("POST", "/api/command", shapes.CommandQuestion, shapes.OutcomeAnswer, answers.command),
-    ApiRoute("GET", "/api/scenes", shapes.NoQuestion, shapes.SceneList, answers.list_scenes),
-    ApiRoute("POST", "/api/scene", shapes.SceneQuestion, shapes.OutcomeAnswer, answers.apply_scene),
     ApiRoute("POST", "/api/routines", shapes.RoutineQuestion, shapes.ProposalAnswer, answers.propose_routine),
     ApiRoute("GET", "/api/habits", shapes.NoQuestion, shapes.HabitList, answers.list_habits),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),

@@ -111,14 +111,6 @@ class CommandQuestion(Question):
     ask: bool = False
 
 
-class SceneQuestion(Question):
-    """A scene by its name or id; with `undo`, the values before it are brought back."""
-
-    scene: ShortName
-    undo: bool = False
-    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
-
-
 class RoutineQuestion(Question):
     """A routine to propose: its table `[[routines]]` in TOML."""
 
@@ -180,21 +172,6 @@ class OutcomeAnswer(Answer):
     command_id: str = ""
     parts: dict[str, PrintableText] = {}
     devices: "tuple[OutcomeAnswer, ...]" = ()
-
-
-class SceneLine(Answer):
-    """A scene, with the values of its parts by name; a part without values has those of the bridge that keeps it."""
-
-    scene: PrintableText
-    id: str = ""
-    room: str = ""
-    parts: dict[str, PrintableText] = {}
-
-
-class SceneList(Answer):
-    """The scenes of the house."""
-
-    scenes: tuple[SceneLine, ...]
 
 
 class ProposalAnswer(Answer):

@@ -32,7 +32,7 @@ from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
 from homebot.errors import PeerError, UsageError
-from homebot.features.scenes.command import show as show_scene
+from homebot.feature import all_features, load
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -84,9 +84,10 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
     try:
         device = named_device(door, options.device)
     except PeerError:
-        for show in () if options.json else (show_routine, show_scene):
+        explainers = (show_routine, *(load(feature.explains) for feature in all_features() if feature.explains))
+        for show in () if options.json else explainers:
             with suppress(PeerError, UsageError):
-                return show(door, named)
+                return int(show(door, named))
         if not sent or options.json:  # robots need not be devices
             raise
         _print_sent(sent, house_time(door))

@@ -20,6 +20,7 @@ FEATURE: Final = Feature(
         "achieve": Verb(
             "plan how to reach a goal such as 'kitchen lit and rosie in kitchen', and do it",
             "homebot.features.goals.command:add_arguments",
+            after="do",
         )
     },
     messages=("homebot.features.goals.messages",),

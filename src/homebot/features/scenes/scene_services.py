@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from functools import partial
-from typing import Final, Protocol, final
+from typing import TYPE_CHECKING, Final, Protocol, final
 
 from homebot.devices import names
 from homebot.devices.app_messages import ChangeRoutine, ChangeRoutineRequest, ListRoutines, RoutinesRequest
@@ -24,6 +24,7 @@ from homebot.devices.scene_messages import (
     ScenesResponse,
 )
 from homebot.errors import HomebotError, WireError
+from homebot.features.scenes import APPLY_SCENE, CHANGE_SCENE, FEATURE, LIST_SCENES
 from homebot.features.scenes.scene import HouseScenes
 from homebot.features.scenes.scene_applying import SceneApplying
 from homebot.features.scenes.scene_book import SceneBook
@@ -31,6 +32,9 @@ from homebot.features.scenes.scene_changes import SceneChanges
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
+
+if TYPE_CHECKING:
+    from homebot.feature_context import FeatureContext
 
 UNREADABLE = "scenes.unreadable"
 
@@ -41,13 +45,12 @@ _PATIENCE: Final = 60.0
 
 
 class SceneKeeper(Protocol):
-    """Keeps the scenes across restarts."""
+    """Keeps the scenes across restarts, as the directory does."""
 
-    @property
-    def scenes(self) -> str:
-        """The record that was kept; empty for none."""
+    def owner_record(self, feature: str) -> str:
+        """Return the record that was kept; empty for none."""
 
-    async def keep_scenes(self, record: str, *, at_once: bool) -> str:
+    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
         """Keep *record*; return why that failed, in words, empty if it did not."""
 
 
@@ -76,13 +79,12 @@ class SceneServices:
 
     def serve(self, name: str) -> None:
         """Create the service with this name."""
-        match name:
-            case names.LIST_SCENES:
-                self._node.create_service(ListScenes, name, self._list, concurrent=True)
-            case names.CHANGE_SCENE:
-                self._node.create_service(ChangeScene, name, self._change)
-            case names.APPLY_SCENE:
-                self._node.create_service(ApplyScene, name, self._apply, concurrent=True)
+        if name == LIST_SCENES.name:
+            self._node.create_service(ListScenes, name, self._list, concurrent=True)
+        elif name == CHANGE_SCENE.name:
+            self._node.create_service(ChangeScene, name, self._change)
+        else:
+            self._node.create_service(ApplyScene, APPLY_SCENE.name, self._apply, concurrent=True)
 
     async def _list(self, request: ScenesRequest) -> ScenesResponse:
         try:
@@ -152,11 +154,16 @@ class SceneServices:
     def _read_book(self) -> SceneBook:
         keeper = self._keeper()
         try:
-            return SceneBook(keeper.scenes if keeper is not None else "")
+            return SceneBook(keeper.owner_record(FEATURE.name) if keeper is not None else "")
         except WireError as exc:
             self._node.log.error(UNREADABLE, message=f"the scenes of the owner cannot be read: {exc}")
             return SceneBook()
 
     async def _store(self, book: SceneBook, *, at_once: bool) -> str:
         keeper = self._keeper()
-        return "" if keeper is None else await keeper.keep_scenes(book.record(), at_once=at_once)
+        return "" if keeper is None else await keeper.keep_record(FEATURE.name, book.record(), at_once=at_once)
+
+
+def start(node: Node, house: FeatureContext) -> SceneServices:
+    """Return the server."""
+    return SceneServices(node, house.directory, lambda: house.table("scenes") or ())

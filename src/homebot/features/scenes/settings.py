@@ -1,12 +1,11 @@
 """The tables ``[[scenes]]``. Pure."""
 
-from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from homebot.command_words.settings import check_without_code
-from homebot.config import parse_settings, value_errors
+from homebot.config import Config, parse_settings, value_errors
 from homebot.devices.scene_messages import MOST_PARTS
 from homebot.errors import ConfigError, UsageError
 from homebot.features.scenes.scene_book import check_scene_name
@@ -40,17 +39,15 @@ class SceneSettings(BaseModel):
     values: _Values
 
 
-def read_scenes(tables: Sequence[object], source: str) -> tuple[SceneSettings, ...]:
+def read_scenes(config: Config) -> tuple[SceneSettings, ...]:
     """Return the scenes in the tables ``[[scenes]]``; their devices may come later.
-
-    Args:
-        tables: The tables; None for one that was left out.
 
     Raises:
         ConfigError: A name or a value is missing, wrong or given twice; the message names the key.
     """
+    source = config.source
     found: dict[str, SceneSettings] = {}
-    for number, table in enumerate(tables):
+    for number, table in enumerate(config.array_of("scenes")):
         if table is None:
             continue
         one = parse_settings(SceneSettings, table, source, f"scenes.{number}")
