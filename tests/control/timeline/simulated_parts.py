@@ -14,9 +14,8 @@ from operator import methodcaller
 from random import Random
 from typing import Literal, TypeAlias
 
-from homebot.control.timeline.cause import Cause
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import CommandFact, Decided, Order, Reported, ReportRole, SendingEnded, Sent
+from homebot.control.timeline.facts import Cause, CommandFact, Decided, Order, Reported, ReportRole, SendingEnded, Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.control.timeline.simulated_parts import Kind, Report, Result, SimulatedPart
 
-from homebot.control.timeline.cause import Cause
+from homebot.control.timeline.facts import Cause
 from homebot.control.timeline.goal import Motion, WantedValue
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile

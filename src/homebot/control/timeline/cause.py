@@ -6,28 +6,13 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeAlias
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported, ReportRole
+from homebot.control.timeline.facts import Attribution, Cause, PartRef, Reported, ReportRole
 from homebot.control.timeline.goal import side_role
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.device import target_of
 from homebot.devices.obedience import STOPPED, departs, fits
 from homebot.devices.value import PlainValue
-
-__all__ = [
-    "MOST_NEARBY",
-    "NOWHERE",
-    "Attribution",
-    "Cause",
-    "HeldValue",
-    "Nearby",
-    "NearbyCommands",
-    "Roles",
-    "explanation",
-    "judge",
-    "rests_where_sent",
-]
-
 
 _OF_ROLE: Final = {ReportRole.EFFECT: Cause.COMMAND, ReportRole.ECHO: Cause.ECHO, ReportRole.STEP: Cause.TRANSITION}
 _RESTS: Final = frozenset({"open", "closed", STOPPED})
@@ -114,9 +99,13 @@ def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> C
         return Cause.DEVICE if is_usual else Cause.UNKNOWN
     if role is ReportRole.ASTRAY:
         return Cause.UNKNOWN
-    limit = durations.UNREAD if command.is_raw and not command.wanted else durations.CAME_ALONG
-    if role is ReportRole.AGREES and (command.is_open or fact.at - _last_sign(command) <= limit):
-        return Cause.COMMAND
+    if role is ReportRole.AGREES:
+        sendings, limit = command.transmission, durations.CAME_ALONG
+        if command.is_raw and not command.wanted:
+            limit = durations.UNREAD
+        signs = (sendings.sent_at, command.motion.moved_at, *command.met_times, *sendings.accepted.values())
+        if command.is_open or fact.at - max(signs) <= limit:
+            return Cause.COMMAND
     if role is ReportRole.ASIDE and rests_where_sent(fact, command):
         return Cause.COMMAND
     return None
@@ -125,12 +114,6 @@ def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> C
 def rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
     """Return whether a cover arrived: halfway it reports open, stopped, or closed until it reports its position."""
     return fact.value in _RESTS and any(abs(fact.at - met) <= durations.CAME_ALONG for met in command.met_times)
-
-
-def _last_sign(command: CommandProgress) -> float:
-    """Return the time of the last sign that the command was in progress."""
-    sendings = command.transmission
-    return max(sendings.sent_at, command.motion.moved_at, *command.met_times, *sendings.accepted.values())
 
 
 MOST_NEARBY: Final = 32
@@ -150,9 +133,13 @@ class Nearby(NamedTuple):
         """Record in *fact*, a change of *place*, the command to another part that it came along with, and learn it."""
         for known in self:
             for command in reversed(known):
-                is_open = known is self.device and command.is_open
-                if command.order.place != place and _is_along(fact.at, command, is_open=is_open):
-                    fact.along = command.order.id
+                order, sendings = command.order, command.transmission
+                if order.place == place or not sendings.count or fact.at < sendings.first_sent_at:
+                    continue
+                is_open = known is self.device and command.is_open  # it may answer slowly
+                signs = (sendings.first_sent_at, sendings.sent_at, *command.met_times)
+                if is_open or any(abs(fact.at - at) <= durations.CAME_ALONG for at in signs):
+                    fact.along = order.id
                     fact.is_usual = _is_usual(fact, place, command, known, profile)
                     return
 
@@ -160,36 +147,21 @@ class Nearby(NamedTuple):
 NOWHERE: Final = Nearby(deque(maxlen=0), deque(maxlen=0))
 
 
-def _is_along(at: float, command: CommandProgress, *, is_open: bool) -> bool:
-    """Return whether a change came with a sign of *command*, or, of a device that answers slowly, while it is open."""
-    sendings = command.transmission
-    if not sendings.count or at < sendings.first_sent_at:
-        return False
-    signs = (sendings.first_sent_at, sendings.sent_at, *command.met_times)
-    return is_open or any(abs(at - one) <= durations.CAME_ALONG for one in signs)
-
-
 def _is_usual(
     fact: Reported, place: PartRef, command: CommandProgress, known: NearbyCommands, profile: DeviceProfile
 ) -> bool:
     """Return whether the part usually changes along with commands to that other part; learn that it did."""
-    order = command.order
-    if not _agrees(order, fact):
+    order, capability = command.order, fact.capability
+    wanted = order.settings.get(capability)
+    if wanted is None and side_role(order, capability, fact.value) is not ReportRole.AGREES:
         return False
-    earlier = [one for one in known if one.order.place == order.place and fact.since < one.given_at < command.given_at]
-    is_missed = any(_is_missed(one, fact, place) for one in earlier)
+    if wanted is not None and not fits(capability, wanted, fact.value):
+        return False
+    is_missed = False
+    for earlier in known:  # to the same part, since it had the value before
+        if earlier.order.place == order.place and fact.since < earlier.given_at < command.given_at:
+            wanted = earlier.order.settings.get(capability)
+            did_not_follow = wanted is not None and departs(capability, wanted, fact.previous)
+            is_missed = is_missed or (did_not_follow and place not in earlier.followers)
     command.followers |= {place}
     return profile.learn_pair(target_of(*order.place), is_missed=is_missed)
-
-
-def _agrees(order: Order, fact: Reported) -> bool:
-    wanted = order.settings.get(fact.capability)
-    if wanted is None:
-        return side_role(order, fact.capability, fact.value) is ReportRole.AGREES
-    return fits(fact.capability, wanted, fact.value)
-
-
-def _is_missed(command: CommandProgress, fact: Reported, place: PartRef) -> bool:
-    """Return whether the part did not follow an earlier *command* to the same part, since it had the value before."""
-    wanted = command.order.settings.get(fact.capability)
-    return place not in command.followers and wanted is not None and departs(fact.capability, wanted, fact.previous)

@@ -138,25 +138,11 @@ def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: floa
 
 
 def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, is_echoed: bool) -> Step:
-    sendings, motion = progress.transmission, progress.motion
-    is_late = now >= plan.end(sendings) and motion.moved_at == -math.inf
-    is_awaited = motion.is_under_way or is_echoed or is_late
-    if not is_awaited and sendings.attempts < plan.tries and progress.may_repeat:
-        return _repetition(progress, plan, now)
-    return _last_wait(progress, plan, now)
-
-
-def _repetition(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
-    """Return whether to send again: after a lost connection the device has to report that it did not obey first."""
-    sendings = progress.transmission
-    if sendings.lost_at < max(sendings.first_sent_at, progress.told_otherwise_at):
-        return _SEND
-    end = plan.end(sendings)
+    sendings, motion, end = progress.transmission, progress.motion, plan.end(progress.transmission)
+    is_awaited = motion.is_under_way or is_echoed or (now >= end and motion.moved_at == -math.inf)
+    if is_awaited or sendings.attempts >= plan.tries or not progress.may_repeat:
+        if motion.has_stopped or isinstance(outcome_of(progress, now), Confirmed | AlreadySo):
+            return _DONE
+    elif sendings.lost_at < max(sendings.first_sent_at, progress.told_otherwise_at):
+        return _SEND  # after a lost connection the device has to report first that it did not obey
     return Step("wait", end) if now < end else _DONE
-
-
-def _last_wait(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
-    """Return whether to wait until the end: a device that usually answers sooner may be slow this time."""
-    end = now if progress.motion.has_stopped else plan.end(progress.transmission)
-    is_known = isinstance(outcome_of(progress, now), Confirmed | AlreadySo)
-    return _DONE if is_known or now >= end else Step("wait", end)

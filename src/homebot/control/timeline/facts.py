@@ -194,6 +194,7 @@ class Reported:
         stamp: The time of the message, in seconds since the Unix epoch.
         previous: The previous live value; None if there was none.
         since: When the previous value came, in seconds.
+        seen_at: When it was last reported; inf for never.
         is_after_loss: Whether the connection was lost since the previous value.
         along: The id of the command to a part near this one that it may belong to; empty for none.
         is_usual: Whether the part usually changes along with such a command.
@@ -213,6 +214,7 @@ class Reported:
     value: PlainValue
     previous: PlainValue = None
     since: float = -math.inf
+    seen_at: float = math.inf
     is_first: bool = False
     is_after_loss: bool = False
     along: str = ""

@@ -4,9 +4,9 @@ import math
 
 from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.timeline.progress import CommandProgress, Undoing
+from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.obedience import fits
-from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
 
 
 def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
@@ -30,7 +30,10 @@ def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
         profile.learn_routes(progress.transmission.routes)
     if isinstance(outcome, Contradicted):
         _learn_echoes(progress, profile)
-    progress.learns_late = _may_answer_late(progress, outcome)
+    was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
+    if was_sent and progress.over_at == math.inf and progress.wanted:  # else it will not answer
+        last, wanted = progress.last, progress.wanted.items()  # if it keeps reporting its old state, it will not either
+        progress.learns_late = not all(name in last and fits(name, one.value, last[name]) for name, one in wanted)
     was_told_once = profile.is_told_once
     if isinstance(outcome, NoAnswer) or was_told_once or progress.order.is_told_once:
         is_silent = isinstance(outcome, NoAnswer) and progress.transmission.count > 1 and progress.order.has_ramp
@@ -44,9 +47,9 @@ def learn_late_answer(progress: CommandProgress, profile: DeviceProfile, first: 
     _set_told_once(profile, is_told_once=True)
 
 
-def learn_settled(progress: CommandProgress, undoing: Undoing | None, profile: DeviceProfile) -> None:
+def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
     """Learn from a confirmed value that held, or was undone."""
-    outcome = progress.outcome
+    outcome, undoing = progress.outcome, progress.undoing
     is_witnessed = isinstance(outcome, Confirmed) and outcome.evidence is Evidence.WITNESSED
     for capability, wanted in progress.wanted.items():
         is_undone = undoing is not None and undoing.capability == capability
@@ -84,15 +87,6 @@ def _learn_echoes(progress: CommandProgress, profile: DeviceProfile) -> None:
             profile.learn_echo(capability, is_answered=wanted.seen is not NOTHING)
         if wanted.returned_after is not None and wanted.met_at is None:
             profile.learn_return(capability, wanted.returned_after, is_fast=True)
-
-
-def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
-    """Return whether an answer may still come; a device that keeps reporting its old state will not answer."""
-    was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
-    if not was_sent or progress.over_at < math.inf or not progress.wanted:
-        return False
-    last = progress.last
-    return not all(name in last and fits(name, one.value, last[name]) for name, one in progress.wanted.items())
 
 
 def _set_told_once(profile: DeviceProfile, *, is_told_once: bool) -> None:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, final
 
 from homebot.control import durations
-from homebot.control.timeline.cause import NOWHERE, HeldValue, Nearby, explanation, judge, rests_where_sent
+from homebot.control.timeline.cause import NOWHERE, HeldValue, Nearby, judge, rests_where_sent
 from homebot.control.timeline.facts import (
     Attribution,
     Cause,
@@ -100,7 +100,7 @@ class PartTimeline:
         self._first = first
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
-        self._before_echo: dict[str, tuple[CommandProgress, tuple[PlainValue, float, float]]] = {}
+        self._echoes: dict[str, tuple[CommandProgress, Reported]] = {}  # the newest report, if it was one
         self._brought: dict[str, _Brought] = {}
         self._programs = ProgramWatch(profile)
         self._number = 0
@@ -187,23 +187,54 @@ class PartTimeline:
             at: Seconds on the monotonic clock.
             stamp: The time of the message, in seconds since the Unix epoch.
         """
-        is_first = capability not in self._latest
-        latest = self._latest.get(capability, (None, math.inf, at))
-        is_same = latest[0] == value and not is_first
-        self._latest[capability] = value, at, latest[2] if is_same else at
         active = self.active = [one for one in self.active if at <= one.until]
-        if not active and is_same:
+        latest = self._latest.get(capability)
+        if latest is not None and latest[0] == value and not active:
+            self._latest[capability] = value, at, latest[2]
             self.profile.learn_repetition()
-            self._report_held(
-                capability, value, Attribution(Cause.PERSON, was_absent=-math.inf < absent_at >= latest[1])
-            )
+            was_absent = -math.inf < absent_at >= latest[1]
+            self._report_held(capability, value, Attribution(Cause.PERSON, was_absent=was_absent))
             return None
-        echoed = self._before_echo.pop(capability, None)
-        if echoed is not None and (echoed[0].is_open or at - latest[1] <= durations.TAKEN_BACK):
-            latest = echoed[1]  # an echo is no report: what follows it is compared with the value before it
+        fact = self._append(at, stamp, capability, value, lost_at, absent_at, set_by)
+        roles = [(one, one.report(fact)) for one in reversed(active)]
+        self._judge(fact, roles)
+        self._bring(fact, roles)
+        for one in active:
+            self._learn(one, at)
+        for one in active:
+            self.on_news(one, fact)
+        if self.held:
+            self._report_held(capability, value, fact.attribution)
+        return fact
+
+    def _append(
+        self,
+        at: float,
+        stamp: float,
+        capability: str,
+        value: PlainValue,
+        lost_at: float,
+        absent_at: float,
+        set_by: SetBy,
+    ) -> Reported:
+        """Append a report, with what is known of the value before it."""
+        previous, seen_at, since = self._latest.get(capability, (None, math.inf, at))
+        is_first = capability not in self._latest
+        is_same = previous == value and not is_first
+        self._latest[capability] = value, at, since if is_same else at
+        echo = self._echoes.pop(capability, None)
+        if echo is not None and (echo[0].is_open or at - seen_at <= durations.TAKEN_BACK):
+            previous, seen_at, since = echo[1].previous, echo[1].seen_at, echo[1].since  # an echo is no report
+        is_off_again = (  # a change of will, while several values turn it on
+            is_same
+            and value is False
+            and any(
+                one.is_open and one.transmission.count and len(one.wanted) > 1 and one.wanted[capability].value is True
+                for one in self.active
+                if capability in one.wanted
+            )
+        )
         self._number += 1
-        previous, before, since = latest
-        is_off_again = is_same and value is False and self._is_turned_on(capability)
         fact = Reported(
             at,
             stamp,
@@ -212,29 +243,20 @@ class PartTimeline:
             value,
             previous,
             since,
+            seen_at,
             is_first,
-            is_after_loss=before < lost_at,
-            was_absent=-math.inf < absent_at >= before,
-            is_news=is_off_again or (is_same and echoed is None and self.profile.changes >= ENOUGH),
+            is_after_loss=seen_at < lost_at,
+            was_absent=-math.inf < absent_at >= seen_at,
+            is_news=is_off_again or (is_same and echo is None and self.profile.changes >= ENOUGH),
             set_by=set_by,
         )
-        self._append(fact)
-        roles = [(one, one.report(fact)) for one in reversed(active)]
-        self._judge(fact, roles)
-        for one, role in roles:
-            if role is ReportRole.ECHO:
-                self._before_echo[capability] = one, latest
-        self._bring(fact, roles)
-        for one in active:
-            self._learn(one, at)
-        if is_same and not is_off_again:
-            self.profile.learn_repetition()
-        elif not is_same:
+        if not is_same:
             self.profile.changes = min(self.profile.changes + 1, ENOUGH)
-        for one in active:
-            self.on_news(one, fact)
-        if self.held:
-            self._report_held(capability, value, fact.attribution)
+        elif not is_off_again:
+            self.profile.learn_repetition()
+        self.reports.append(fact)
+        while len(self.reports) > MOST_REPORTS or self.reports[0].at < at - durations.REMEMBERED:
+            self._drop_commands(self.reports.popleft().at)
         return fact
 
     @property
@@ -326,38 +348,27 @@ class PartTimeline:
             self.unsure_since.update((other, since) for one in settings for other in related(one))
         learn_failure(progress, self.profile)
 
-    def _is_turned_on(self, capability: str) -> bool:
-        """Return whether a command of several values turns the part on, so that "off" is a change of will."""
-        return any(
-            one.is_open and one.transmission.count and len(one.wanted) > 1 and one.wanted[capability].value is True
-            for one in self.active
-            if capability in one.wanted
-        )
-
-    def _relate(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
+    def _relate(self, fact: Reported) -> None:
         """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
-        if fact.is_after_loss or fact.was_absent or fact.set_by:
+        found, brought = fact.attribution, self._brought.get(fact.capability)
+        is_unexplained = not found.command or found.role is ReportRole.OTHERWISE
+        if fact.is_after_loss or fact.was_absent or fact.set_by or not (is_unexplained or found.cause is Cause.UNKNOWN):
             return
-        causes = [explanation(role, fact, one) for one, role in roles]
-        cause = next((one for one in causes if one is not None), None)
-        if cause not in {None, Cause.UNKNOWN}:
-            return
-        brought = self._brought.get(fact.capability)
-        if cause is None and brought is not None and brought.is_near(fact):
+        if is_unexplained and brought is not None and brought.is_near(fact):
             fact.drifted_from = brought.command
             return
-        if cause is None and ReportRole.OTHERWISE not in [role for one, role in roles if one.is_open]:
+        if not found.command:
             self.nearby.explain(fact, self.place, self.profile)
         if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
             fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
-        if cause is None and not (fact.along or fact.timed >= ENOUGH):
+        if is_unexplained and not (fact.along or fact.timed >= ENOUGH):
             fact.is_programmed = self._programs.recognizes(fact, is_lit=self.value("on_off") is not False)
 
     def _judge(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
         """Store the cause of a report, the only time that it is asked for."""
         fact.attribution = judge(fact, roles)
         if fact.is_change and fact.attribution.may_be_person:
-            self._relate(fact, roles)
+            self._relate(fact)
             fact.attribution = judge(fact, roles)
         self._note(fact, [one for one, _ in roles])
 
@@ -375,19 +386,18 @@ class PartTimeline:
                 one.will_at = fact.at
 
     def _bring(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
-        """Remember the value that a command brought, from when on it lasts, until another value follows."""
-        capability = fact.capability
+        """Remember the value that a command brought, from when on it lasts, until another value follows; or an echo."""
+        capability, brought = fact.capability, self._brought.get(fact.capability)
         for one, role in roles:
-            wanted = one.wanted.get(capability)
-            if role is ReportRole.EFFECT and wanted is not None:
-                before = self._brought.get(capability)
-                if before is None or before.command != one.order.id:
+            if role is ReportRole.ECHO:
+                self._echoes[capability] = one, fact
+            elif role is ReportRole.EFFECT and (wanted := one.wanted.get(capability)) is not None:
+                if brought is None or brought.command != one.order.id:
                     at = max(fact.at if fact.is_change else -math.inf, one.transmission.sent_at)
                     self._brought[capability] = _Brought(one.order.id, wanted.value, fact.value, at)
                     if one.order.moves:
                         self._explain_rest(one, fact.at)
                 return
-        brought = self._brought.get(capability)
         if brought is not None and fact.is_change and not brought.is_near(fact):
             del self._brought[capability]
 
@@ -405,7 +415,7 @@ class PartTimeline:
             if fact.number in numbers and fact.attribution.command in {
                 "",
                 progress.order.id,
-            }:  # else another one explains it
+            }:  # else another explains it
                 own_role = None if progress.is_raw else role
                 fact.attribution = Attribution(cause, progress.order.id, own_role, progress.order.is_foreign)
                 self._note(fact, [progress])
@@ -418,34 +428,28 @@ class PartTimeline:
             elif progress.learns_late and progress.is_met:
                 learn_late_answer(progress, self.profile, self._first)
         elif not progress.is_learnt and (progress.has_held or progress.undoing is not None):
-            progress.is_learnt, undoing = True, progress.undoing
-            learn_settled(progress, undoing, self.profile)
-            if undoing is not None:
-                self._undone(progress, progress.led_nowhere, undoing)
+            progress.is_learnt = True
+            learn_settled(progress, self.profile)
+            if progress.undoing is not None:
+                self._undone(progress, progress.undoing)
 
-    def _undone(self, progress: CommandProgress, steps: frozenset[int], undoing: Undoing) -> None:
-        newest = self.newest.get(undoing.capability)
-        is_usual = newest is not None and newest.attribution.role is ReportRole.UNDONE
-        cause = newest.attribution.cause if newest is not None and is_usual else Cause.UNKNOWN
+    def _undone(self, progress: CommandProgress, undoing: Undoing) -> None:
+        newest, steps, cause = self.newest.get(undoing.capability), progress.led_nowhere, Cause.UNKNOWN
+        if newest is not None and newest.attribution.role is ReportRole.UNDONE:
+            cause = newest.attribution.cause
         if steps:
             cause = Cause.DEVICE if undoing.capability in progress.suspected else Cause.UNKNOWN
             self._amend(steps, progress, cause, ReportRole.UNDONE)
         if progress.is_raw:
             return
-        found = Attribution(cause, progress.order.id, ReportRole.UNDONE)
-        if steps:
-            self._report_held(undoing.capability, self.value(undoing.capability), found)  # it counted as a step
+        if steps:  # it counted as a step
+            found = Attribution(cause, progress.order.id, ReportRole.UNDONE)
+            self._report_held(undoing.capability, self.value(undoing.capability), found)
         self.on_undone(progress, undoing, cause)
 
     def _report_held(self, capability: str, value: PlainValue, found: Attribution) -> None:
         for held in tuple(self.held):
             held.report(capability, value, found)
-
-    def _append(self, fact: Reported) -> None:
-        known, oldest = self.reports, fact.at - durations.REMEMBERED
-        known.append(fact)
-        while len(known) > MOST_REPORTS or known[0].at < oldest:
-            self._drop_commands(known.popleft().at)
 
     def _drop_commands(self, before: float) -> None:
         """Drop the commands that ended *before* that time, and the oldest if there are too many."""

@@ -187,9 +187,14 @@ class CommandProgress:
     @property
     def was_so(self) -> bool:
         """True if it was certain before that the values are the wanted ones."""
-        wanted = self.wanted
-        were_so = all(map(_WAS_SO, wanted.values())) if wanted else self._settings_were_so()
-        return were_so and not self.order.opens_further
+        if self.order.opens_further:
+            return False
+        if self.wanted:
+            return all(map(_WAS_SO, self.wanted.values()))
+        return all(  # of a part that reports none of them
+            name in self.known and WantedValue(self.order, name, value, self.known[name], self._profile).was_so
+            for name, value in self.order.settings.items()
+        )
 
     @property
     def may_repeat(self) -> bool:
@@ -313,14 +318,6 @@ class CommandProgress:
             is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
             is_sent = self.transmission.count > 0
             self.until = now + (durations.ASLEEP if is_silent else durations.LATE) if is_sent else -math.inf
-
-    def _settings_were_so(self) -> bool:
-        """Return whether the settings were certain before, if the part reports none of them."""
-        known, settings = self.known, self.order.settings
-        return all(
-            name in known and WantedValue(self.order, name, value, known[name], self._profile).was_so
-            for name, value in settings.items()
-        )
 
     def _late_role(self, wanted: WantedValue | None, fact: Reported, *, is_exact: bool) -> ReportRole:
         """Return the role of a report after a newer command, or long after the last sending: only the first effect."""
