@@ -13,13 +13,11 @@ from typing import Final, TypeVar, final
 from homebot.command_words.settings import is_relative
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
-from homebot.control.policies.rights import APPROVAL, OF_RIGHTS
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
-from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.parse import names_in, parse_query
@@ -55,12 +53,13 @@ class HouseChecks:
     """Checks routines against the directory.
 
     Args:
-        refusal: Returns the refusal of an effect of the app of a routine; None if it may be sent.
+        refusal: Returns why an effect of the app of a routine is refused, empty if it is not, and the right that it lacks,
+            as a query.
         with_robots: Whether robots that are missing are problems.
     """
 
     def __init__(
-        self, node: Node, refusal: Callable[[str, Effect], Refused | None], *, with_robots: bool = True
+        self, node: Node, refusal: Callable[[str, Effect], tuple[str, str]], *, with_robots: bool = True
     ) -> None:
         self._node = node
         self._refusal = refusal
@@ -100,12 +99,10 @@ class HouseChecks:
                 one = settings[name]
                 found[name] = [problem async for problem in self._of(one, effects)]
                 for effect in effects:
-                    refused = self._refusal(app_of_routine(name), effect)
-                    if refused is None or refused.policy not in OF_RIGHTS | {APPROVAL}:
-                        continue
-                    found[name].append(f"{effect.text!r} is refused: {refused.reason}")
-                    if lacking is not None and refused.policy in OF_RIGHTS:
-                        lacking.setdefault(name, []).append(f'id="{effect.device.id}"')
+                    reason, right = self._refusal(app_of_routine(name), effect)
+                    found[name] += [f"{effect.text!r} is refused: {reason}"] if reason else []
+                    if lacking is not None and right:
+                        lacking.setdefault(name, []).append(right)
                 if one.enabled:
                     conditions = tuple([await self._resolved(read_condition(text)) for text in one.conditions])
                     triggers = tuple([await self._resolved(read_trigger(text)) for text in one.when])

@@ -141,7 +141,7 @@ class RoutineRun:
     def _checks(self) -> HouseChecks:
         from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - it reads routines
 
-        return HouseChecks(self._owner.node, lambda *_: None)
+        return HouseChecks(self._owner.node, lambda *_: ("", ""))
 
     async def _do(self, step: Do) -> bool:
         node, devices = self._owner.node, self._owner.devices

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
     from homebot.control import Control
-    from homebot.devices.outcomes import Refused
     from homebot.routines.checks import HouseChecks
     from homebot.routines.effects import Effect
     from homebot.routines.routine import Routine
@@ -214,12 +213,17 @@ class AppHost:
 
         return HouseChecks(self._main, self._refusal, with_robots=self.context.rehearse is None)
 
-    def _refusal(self, app: str, effect: Effect) -> Refused | None:
-        """Return the refusal of *effect* of *app*; None if it may be sent."""
+    def _refusal(self, app: str, effect: Effect) -> tuple[str, str]:
+        """Return why *effect* of *app* is refused for lack of a right or an approval, and that right, as a query."""
+        from homebot.control.policies.rights import APPROVAL, OF_RIGHTS  # noqa: PLC0415 - many homes have no routine
+
         control, part = self._control(), effect.device.part(effect.part)
         if control is None or part is None or effect.may_be:
-            return None
-        return control.preview(effect.request(app), effect.device, part)
+            return "", ""
+        refused = control.preview(effect.request(app), effect.device, part)
+        if refused is None or refused.policy not in OF_RIGHTS | {APPROVAL}:
+            return "", ""
+        return refused.reason, f'id="{effect.device.id}"' if refused.policy in OF_RIGHTS else ""
 
     async def why_asked(self, routine: Routine) -> Mapping[str, str]:
         """Return why a person must agree to the steps of *routine*, by the names of the parts."""
