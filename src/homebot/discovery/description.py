@@ -1,14 +1,14 @@
 """The description of a device: the result of its announcements and of the owner's statements. Pure."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, filterfalse
 from operator import attrgetter
 from typing import Final
 
 import homebot.places
-from homebot.devices import DevicePart, Fact, KeyValue, Sighting
-from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE, PANEL
+from homebot.devices import Device, DevicePart, Fact, KeyValue, Sighting
+from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE, PANEL, always_asks
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import OWNER, PREFER, SEEN, SEVERAL_NAMES, TAG
 from homebot.devices.words import SIREN, matching_words
@@ -18,7 +18,7 @@ from homebot.discovery.ids import name_without
 from homebot.discovery.merging.part_ids import PartIds, PartPlace
 from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.discovery.source_record import SourceRecord, preference
+from homebot.discovery.source_record import SourceKey, SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.errors import UsageError
 from homebot.messages import Time
@@ -92,6 +92,25 @@ def describe_device(
         addresses=addresses(ordered, main),
         merged=merged,
         tags=tuple(dict.fromkeys(given["tags"])),
+    )
+
+
+def without_parts_of(strangers: Collection[SourceKey], device: Device, merged: MergedParts) -> Device:
+    """Return *device* without the parts that *strangers* alone describe, except for those that always ask."""
+    known = {number for (gateway, key, _), number in merged.places.items() if (gateway, key) not in strangers}
+    shown = {number: part for number, part in enumerate(device.parts) if number in known or always_asks(device, part)}
+    believed = tuple(part for number, part in shown.items() if number not in merged.claimed)
+    if len(shown) == len(device.parts) or (main := main_part(believed)) is None:
+        return device
+    before = main_part(merged.believed)
+    is_of_part = before is not None and device.service_type == before.part.service_type
+    return device.model_copy(
+        update={
+            "parts": tuple(shown.values()),
+            "service_type": main.part.service_type if is_of_part else device.service_type,
+            "service_types": _service_types((), believed),
+            "offline_parts": tuple(one for one in device.offline_parts if one in {part.id for part in shown.values()}),
+        }
     )
 
 

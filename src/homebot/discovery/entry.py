@@ -23,6 +23,7 @@ from homebot.discovery.description import (
     with_panel,
     with_preferred_routes,
     with_stated_facts,
+    without_parts_of,
 )
 from homebot.discovery.endpoints import (
     NOT_REPORTED,
@@ -146,7 +147,8 @@ class Entry:
             parts, reachable = described.merged.parts, self.reachability()
             conflicts = described.merged.conflicts
             _, *others = sources  # without a call, as this runs for every announcement
-            if others and (strangers := silent_strangers(self.sources)):
+            strangers = silent_strangers(self.sources) if others else None
+            if strangers:
                 parts, conflicts = routes_without(parts, strangers), (*conflicts, *strangers.values())
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
@@ -175,6 +177,8 @@ class Entry:
                 evidence=self.evidence,
                 conflicts=conflicts,
             )
+            if strangers:
+                self.device = without_parts_of(strangers, self.device, described.merged)
             if self.owner is not None and self.owner.groups is not None:
                 self.device = self._in_groups(self.device, described, self.owner.groups)
         return self.device

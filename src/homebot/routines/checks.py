@@ -53,8 +53,8 @@ class HouseChecks:
     """Checks routines against the directory.
 
     Args:
-        refusal: Returns why an effect of the app of a routine is refused, empty if it is not, and the right that it lacks,
-            as a query.
+        refusal: Returns why an effect of the app of a routine is refused, empty if it is not, and the right that it
+            lacks, as a query.
         with_robots: Whether robots that are missing are problems.
     """
 

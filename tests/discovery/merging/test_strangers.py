@@ -129,3 +129,26 @@ def test_a_stranger_gets_no_commands_before_its_first_report(convention: str, is
         keys = {route.key.rpartition(":")[2] for part in device.parts for route in part.routes}
         assert keys == ways
         assert any("before its first report" in one for one in device.conflicts) is (len(ways) == 1)
+
+
+@pytest.mark.parametrize("is_first", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "can", "is_listed"),
+    [("light", "color_temperature", False), ("fan", "on_off", False), ("door_lock", "lock", True)],
+)
+def test_the_part_of_a_stranger_is_listed_once_it_has_reported(
+    *, kind: str, can: str, is_listed: bool, is_first: bool
+) -> None:
+    """A plug was found as a light, a fan and their handles, with values that it does not have; dangers count."""
+    true = announce("plug", part_of("plug", "on_off", id="p", reads=("plug/state",), writes=("plug/set",)), ids=(MAC,))
+    added = part_of(kind, can, id="e", reads=("evil/state",), writes=("evil/set",))
+    evil = announce("evil", added, convention="homie", ids=(MAC,))
+    index = index_of(*((evil, true) if is_first else (true, evil)))
+    index.report(tell(true, "on_off", value=True, part="p"), 3.0)
+    for is_there in (is_listed, True):
+        device = only(index)
+        assert [part.part.service_type for part in device.parts if part.part.service_type != kind] == ["plug"]
+        assert (kind in device.service_types, len(device.parts)) == (is_there, 1 + is_there)
+        assert bool(index.find(parse_query(f"type={kind}"))) is is_there
+        assert device.service_type == ("plug" if not is_there else device.service_type)
+        index.report(tell(evil, can, value=5.0, part="e"), 4.0)
