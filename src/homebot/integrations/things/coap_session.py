@@ -64,7 +64,8 @@ class CoapPort:
         """Return the value of a resource, in the declared format if it has that."""
         method = form.method or "GET"
         try:
-            answer = await self._client.request(method, form.href, accept=_accepted(form))
+            accepted = content_format_of(form.response_type or form.content_type)
+            answer = await self._client.request(method, form.href, accept=accepted)
         except RefusedError as exc:
             if exc.code != NOT_ACCEPTABLE:
                 raise
@@ -91,10 +92,6 @@ class CoapPort:
             async for answer in answers:
                 if self._admits():
                     yield _payload(answer)
-
-
-def _accepted(form: Form) -> int | None:
-    return content_format_of(form.response_type or form.content_type)
 
 
 def _payload(answer: CoapAnswer) -> ThingPayload:
@@ -168,7 +165,8 @@ class ThingEndpointSession(EndpointSession):
             return [self._described(await self._read_description(endpoint.description), endpoint.key)]
         links = await self._links()
         devices: list[tuple[GatewayDevice, Thing]] = []
-        for uri in self._descriptions(links):
+        named = [link for link in links if str(TD_FORMAT) in link.words("ct") or "wot.thing" in link.words("rt")]
+        for uri in list(dict.fromkeys(uri for link in named if (uri := self._resolved(link))))[:MAX_THINGS]:
             key = endpoint.key if not devices else f"{endpoint.key}{uri.removeprefix(endpoint.base)}"
             devices.append(self._described(await self._read_description(uri), key))
         if devices:
@@ -189,10 +187,6 @@ class ThingEndpointSession(EndpointSession):
                 raise
             return ()
         return parse_links(answer.payload)
-
-    def _descriptions(self, links: tuple[WebLink, ...]) -> list[str]:
-        named = [link for link in links if str(TD_FORMAT) in link.words("ct") or "wot.thing" in link.words("rt")]
-        return list(dict.fromkeys(uri for link in named if (uri := self._resolved(link))))[:MAX_THINGS]
 
     def _resolved(self, link: WebLink) -> str:
         """Return the address of a link; empty for one of another host, which this one does not speak for."""

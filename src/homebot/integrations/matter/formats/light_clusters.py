@@ -121,16 +121,12 @@ def _read_color(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     if mode == _MODE_XY or not _color_features(endpoint) & _HAS_HUE:
         x, y = (endpoint.number(COLOR, attribute, 0, _MAX_COLOR) for attribute in (_X, _Y))
         return None if x is None or y is None else to_hue_saturation("xy", (x / 65_536, y / 65_536), _WHITES)
-    degrees, saturation = _degrees(endpoint), endpoint.number(COLOR, _SATURATION, 0, 254)
+    degrees, saturation = None, endpoint.number(COLOR, _SATURATION, 0, 254)
+    if (enhanced := endpoint.number(COLOR, _ENHANCED_HUE, 0, 65_535)) is not None:
+        degrees = enhanced * 360 / 65_536
+    elif (hue := endpoint.number(COLOR, _HUE, 0, 254)) is not None:
+        degrees = hue * 360 / 254
     return None if degrees is None or saturation is None else (round(degrees, 2), round(saturation * 100 / 254, 2))
-
-
-def _degrees(endpoint: MatterEndpoint) -> float | None:
-    enhanced = endpoint.number(COLOR, _ENHANCED_HUE, 0, 65_535)
-    if enhanced is not None:
-        return enhanced * 360 / 65_536
-    hue = endpoint.number(COLOR, _HUE, 0, 254)
-    return None if hue is None else hue * 360 / 254
 
 
 def _write_color(endpoint: MatterEndpoint, command: Command) -> MatterOrders:

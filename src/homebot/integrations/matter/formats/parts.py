@@ -87,7 +87,13 @@ _MAX_NAME_CHARACTERS: Final = 40
 
 def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[ClusterRow, ...]]]:
     """Yield the parts of an endpoint, the main one first; a closure that *covers* is a blind, or a panel of one."""
-    for suffix, described in _found(endpoint).items():
+    by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
+    for row in _ROWS:
+        is_spare = row.spare_part and row.capability in by_suffix[""]
+        own = by_suffix.setdefault(row.spare_part if is_spare else row.part, {})
+        if row.capability not in own and (capability := row.describe(endpoint)) is not None:
+            own[row.capability] = row, capability
+    for suffix, described in by_suffix.items():
         rows, capabilities = (
             tuple(row for row, _ in described.values()),
             tuple(capability for _, capability in described.values()),
@@ -98,19 +104,14 @@ def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tupl
             yield _main_part(endpoint, capabilities, covers=covers), rows
 
 
-def _found(endpoint: MatterEndpoint) -> Mapping[str, Mapping[str, tuple[ClusterRow, Capability]]]:
-    """Return the capabilities of each part, by the suffix of its id and by name; the first row of a name counts."""
-    by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
-    for row in _ROWS:
-        is_spare = row.spare_part and row.capability in by_suffix[""]
-        described = by_suffix.setdefault(row.spare_part if is_spare else row.part, {})
-        if row.capability not in described and (capability := row.describe(endpoint)) is not None:
-            described[row.capability] = row, capability
-    return by_suffix
-
-
 def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *, covers: bool) -> Part:
-    service_type, is_guessed = _service_type(endpoint, capabilities)
+    kinds = [_SERVICE_TYPES[number] for number in endpoint.device_types if number in _SERVICE_TYPES]
+    names = {capability.name for capability in capabilities}
+    # a meter only if it is, and switches, nothing else
+    only_meter = _METER if kinds and "on_off" not in names else ""
+    service_type = next((kind for kind in kinds if kind != _METER), only_meter)
+    if is_guessed := not service_type:
+        service_type = next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor")
     return Part(
         id=str(endpoint.id),
         name=_name(endpoint),
@@ -147,17 +148,6 @@ def _advertised(endpoint: MatterEndpoint) -> str:
     return ", ".join(sorted(_NAMES.get(number, f"0x{number:04X}") for number in unlisted))  # what ends it counts
 
 
-def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
-    """Return the type of a part, and whether it is guessed; a meter only if it is, and switches, nothing else."""
-    kinds = [_SERVICE_TYPES[number] for number in endpoint.device_types if number in _SERVICE_TYPES]
-    names = {capability.name for capability in capabilities}
-    if kind := next(
-        (candidate for candidate in kinds if candidate != _METER), _METER if kinds and "on_off" not in names else ""
-    ):
-        return kind, False
-    return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
-
-
 def _name(endpoint: MatterEndpoint) -> str:
     """Return a name such as ``2``, ``top`` or ``column 1 up``; empty if it has none of its own."""
     if label := next(_label_names(endpoint), ""):
@@ -181,14 +171,12 @@ def _tag_words(endpoint: MatterEndpoint) -> Iterator[str]:
         tag, label = whole_number(field_of(struct, 2, "tag")), text_of(field_of(struct, 3, "label"))
         if namespace is None or tag is None or tag < 0:
             continue
-        if word := _tag_word(namespace, tag, label):
+        known_words = _NAMESPACES.get(namespace, ())
+        if namespace == _NUMBER:
+            word = label or str(tag)
+        elif tag < len(known_words):
+            word = f"{known_words[tag]} {label}" if known_words[tag] in _COUNTED and label else known_words[tag]
+        else:
+            word = label if known_words else ""
+        if word:
             yield word
-
-
-def _tag_word(namespace: int, tag: int, label: str) -> str:
-    words = _NAMESPACES.get(namespace, ())
-    if namespace == _NUMBER:
-        return label or str(tag)
-    if tag < len(words):
-        return f"{words[tag]} {label}" if words[tag] in _COUNTED and label else words[tag]
-    return label if words else ""

@@ -12,7 +12,7 @@ from homebot.conventions.command_values import require_transition
 from homebot.conventions.payload import as_fields, clean_text
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part, SceneValue
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import Value
 from homebot.integrations.matter.formats.cluster_row import ClusterRow, cluster_row
 from homebot.integrations.matter.formats.endpoint import (
     ClusterInvocation,
@@ -108,19 +108,6 @@ def _overlaid(known: Mapping[int, object], values: Mapping[int, object]) -> dict
 
 def _values(scene: MatterScene, then: MatterEndpoint, member: str, rows: Iterable[ClusterRow]) -> Iterator[SceneValue]:
     """Yield the values that a scene sets; nothing if homebot does not know all of them."""
-    settings = _settable(scene, then, rows)
-    is_off = settings.get("on_off", (0, None))[1] is False
-    if scene.clusters.keys() - {cluster for cluster, value in settings.values() if is_off or value is not None}:
-        return
-    for capability, (_, value) in settings.items():
-        if value is not None and (capability == "on_off" or not is_off):
-            yield SceneValue(member=member, capability=capability, value=Value.of(value))
-
-
-def _settable(
-    scene: MatterScene, then: MatterEndpoint, rows: Iterable[ClusterRow]
-) -> dict[str, tuple[int | str, PlainValue]]:
-    """Return, by capability, the clusters and values of a scene that homebot can set."""
     settings = {
         row.capability: (row.watched[0], row.read(then))
         for row in rows
@@ -128,7 +115,12 @@ def _settable(
     }
     if "position" in settings:
         settings.pop("movement", None)
-    return settings
+    is_off = settings.get("on_off", (0, None))[1] is False
+    if scene.clusters.keys() - {cluster for cluster, value in settings.values() if is_off or value is not None}:
+        return
+    for capability, (_, value) in settings.items():
+        if value is not None and (capability == "on_off" or not is_off):
+            yield SceneValue(member=member, capability=capability, value=Value.of(value))
 
 
 def _recall(scene: MatterScene) -> ClusterRow:

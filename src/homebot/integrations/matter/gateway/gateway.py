@@ -113,7 +113,13 @@ class MatterGateway(LinkedGateway):
 
     async def _on_event(self, event: str, data: object, payload: bytes) -> None:
         await anyio.lowlevel.checkpoint()
-        source = self._source_of(data)
+        node_id: object = data
+        if isinstance(data, list):
+            node_id = data[0] if data else None
+        elif isinstance(data, dict):
+            node_id = data.get("node_id")
+        known = self._nodes.get(node_id) if isinstance(node_id, int) else None
+        source = shown(node_id) if known is None else known.published[0].device.key
         try:
             match event:
                 case "node_added" | "node_updated":
@@ -127,23 +133,16 @@ class MatterGateway(LinkedGateway):
                 case "node_event" if self.devices.admits(source):
                     await self._on_node_event(data, payload)
                 case "endpoint_removed":
-                    self._remove_endpoint(data)
+                    removed = as_fields(data)
+                    node, number = self._nodes.get(node_id_of(removed.get("node_id"))), removed.get("endpoint_id")
+                    if node is not None and isinstance(number, int) and node.endpoints.pop(number, None) is not None:
+                        self._describe(node, "an endpoint was removed")
                 case "server_shutdown":
                     raise LinkError("the Matter server was shut down")
                 case _:
                     pass  # endpoint_added comes with node_updated; others are about the server
         except WireError as exc:
             self.devices.reject(source, payload, str(exc))
-
-    def _source_of(self, data: object) -> str:
-        """Return the source of an event: the key of the node, if it is known."""
-        node_id: object = data
-        if isinstance(data, list):
-            node_id = data[0] if data else None
-        elif isinstance(data, dict):
-            node_id = data.get("node_id")
-        known = self._nodes.get(node_id) if isinstance(node_id, int) else None
-        return shown(node_id) if known is None else known.published[0].device.key
 
     async def _add_node(self, data: object, why: str) -> None:
         node = MatterNode.parse(data)
@@ -184,12 +183,6 @@ class MatterGateway(LinkedGateway):
             self._node_of.pop(published.device.key, None)
             self.devices.remove(published.device.key, why)
 
-    def _remove_endpoint(self, data: object) -> None:
-        fields = as_fields(data)
-        node, number = self._nodes.get(node_id_of(fields.get("node_id"))), fields.get("endpoint_id")
-        if node is not None and isinstance(number, int) and node.endpoints.pop(number, None) is not None:
-            self._describe(node, "an endpoint was removed")
-
     async def _on_attribute(self, data: object, payload: bytes) -> None:
         if not isinstance(data, list) or len(data) != 3:
             raise WireError(f"a new value of an attribute is {shown(data)}, not a list of three")
@@ -200,16 +193,6 @@ class MatterGateway(LinkedGateway):
             self._scenes.look_at(node)
         if path[1] in {DESCRIPTOR, BASIC, BRIDGED} or self._has_other_parts(node, endpoint):
             self._describe(node, "it changed")
-        await self._report_cluster(node, endpoint, path[1], payload)
-
-    def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
-        """Return whether the parts of an endpoint differ from those published: a limit may have changed."""
-        published = [
-            part for device in node.published for part in device.device.parts if device.rows[part.id][0] is endpoint
-        ]
-        return published != [part for part, _ in parts_of(endpoint)]
-
-    async def _report_cluster(self, node: MatterNode, endpoint: MatterEndpoint, cluster: int, payload: bytes) -> None:
         for published in node.published:
             parts = [part for part, (of, _) in published.rows.items() if of is endpoint]
             if not parts and published.root is not endpoint:
@@ -217,7 +200,14 @@ class MatterGateway(LinkedGateway):
             self.devices.put(published.device, "it reported")
             await self.devices.deliver_raw(published.device.key, payload)
             for part in parts:
-                await self._report(published, part, cluster)
+                await self._report(published, part, path[1])
+
+    def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
+        """Return whether the parts of an endpoint differ from those published: a limit may have changed."""
+        published = [
+            part for device in node.published for part in device.device.parts if device.rows[part.id][0] is endpoint
+        ]
+        return published != [part for part, _ in parts_of(endpoint)]
 
     async def _report(self, device: NodeDevice, part: str, cluster: int | None, *, is_old: bool = False) -> None:
         """Report the values of a part from one cluster, or from each cluster by itself; None for all clusters."""

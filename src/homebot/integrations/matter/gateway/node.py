@@ -96,7 +96,15 @@ class MatterNode:
 
     def devices(self, fabric: str = "") -> tuple[NodeDevice, ...]:
         """Return the node as devices, itself and then those behind it; *fabric* is the compressed ID, if known."""
-        owners = self._owners()
+        bridged = [endpoint for endpoint in self._sorted() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
+        owners = {endpoint.id: endpoint.id for endpoint in bridged}
+        for bridged_endpoint in bridged:
+            pending = list(bridged_endpoint.children)
+            while pending:
+                child = pending.pop()
+                if child in self.endpoints and child not in owners and child:
+                    owners[child] = bridged_endpoint.id
+                    pending += self.endpoints[child].children
         key = f"node-{self.id}"
         root = self.endpoints.get(0) or MatterEndpoint(0)
         place = f"matter:deviceid_{fabric}-{self.id:016X}" if fabric else ""  # as Home Assistant spells it
@@ -116,24 +124,14 @@ class MatterNode:
     def _sorted(self) -> list[MatterEndpoint]:
         return [self.endpoints[number] for number in sorted(self.endpoints)]
 
-    def _owners(self) -> dict[int, int]:
-        """Return the bridged endpoint of each endpoint that belongs to one."""
-        bridged = [endpoint for endpoint in self._sorted() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
-        owners = {endpoint.id: endpoint.id for endpoint in bridged}
-        for endpoint in bridged:
-            pending = list(endpoint.children)
-            while pending:
-                child = pending.pop()
-                if child in self.endpoints and child not in owners and child:
-                    owners[child] = endpoint.id
-                    pending += self.endpoints[child].children
-        return owners
-
     def _device(
         self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str, place: str
     ) -> NodeDevice:
         cluster = BRIDGED if bridge else BASIC
-        known_by = _identifiers(root, cluster, place)
+        serial, unique = root.text(cluster, _SERIAL), root.text(cluster, _UNIQUE)
+        if not may_be_unique(serial, root.text(cluster, _PRODUCT)):
+            serial = ""
+        known_by = identifiers([*_hardware_addresses(root), place, unique and f"matter:uniqueid_{unique}", serial])
         parts, rows = self._parts(members, next(iter(known_by), ""))
         facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()} | {"via_device": bridge}
         device = GatewayDevice(
@@ -187,14 +185,6 @@ def node_id_of(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 < value < 1 << 64:
         raise WireError(f"{shown(value)} is not a node ID")
     return value
-
-
-def _identifiers(root: MatterEndpoint, cluster: int, place: str) -> tuple[str, ...]:
-    """Return the identifiers of a device, the surest first."""
-    serial, unique = root.text(cluster, _SERIAL), root.text(cluster, _UNIQUE)
-    if not may_be_unique(serial, root.text(cluster, _PRODUCT)):
-        serial = ""
-    return identifiers([*_hardware_addresses(root), place, unique and f"matter:uniqueid_{unique}", serial])
 
 
 def _hardware_addresses(root: MatterEndpoint) -> Iterator[str]:

@@ -86,7 +86,12 @@ class MatterServerLink:
         """
         try:
             with anyio.fail_after(GREETS_WITHIN):
-                await self._greet()
+                greeting = await _parsed(await self._socket.receive())
+                check_greeting(greeting)
+                fabric = greeting.get("compressed_fabric_id")
+                self.fabric = f"{fabric:016X}" if type(fabric) is int and 0 < fabric < 1 << 64 else ""
+                self.has_bluetooth = greeting.get("bluetooth_enabled") is True
+                await self._send(self._listening_id, "start_listening", {})
             with anyio.fail_after(LISTS_WITHIN) as self._listing:
                 await self._socket.receive_all(self._on_frame, self._on_invalid)
         except TimeoutError:
@@ -115,14 +120,6 @@ class MatterServerLink:
 
     async def _send(self, message_id: str, command: str, args: _Fields) -> None:
         await self._socket.send(compact_json({"message_id": message_id, "command": command, "args": dict(args)}))
-
-    async def _greet(self) -> None:
-        greeting = await _parsed(await self._socket.receive())
-        check_greeting(greeting)
-        fabric = greeting.get("compressed_fabric_id")
-        self.fabric = f"{fabric:016X}" if type(fabric) is int and 0 < fabric < 1 << 64 else ""
-        self.has_bluetooth = greeting.get("bluetooth_enabled") is True
-        await self._send(self._listening_id, "start_listening", {})
 
     async def _on_frame(self, payload: bytes) -> None:
         frame = await _parsed(payload)

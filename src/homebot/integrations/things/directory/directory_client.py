@@ -63,14 +63,19 @@ class DirectoryReader:
             if where in seen or len(seen) >= MAX_PAGES:
                 raise WireError(f"the list of the directory does not end after {len(seen)} pages")
             seen.add(where)
-            before = self._read_before(where, has_all)
+            before = self._read.get(where)
+            if before is not None and not has_all(before.keys):
+                before = None
             answer = await self._get_page(where, before, is_first=len(seen) == 1)
             if answer is None:
                 where = f"{self._url}/things"
                 continue
             if before is not None and answer.status == 304:
                 yield DirectoryPage(keys=set(before.keys))
-                where = self._after_same(where, before, answer)
+                following = before.following
+                if "link" in answer.headers:  # the list may have grown or shrunk
+                    following = self._resolved(where, next_page(None, answer.headers))
+                where = following
                 continue
             document = await parse_long_json(answer.body, MAX_PAGE_BYTES)
             page = DirectoryPage(members_of(document))
@@ -82,10 +87,6 @@ class DirectoryReader:
         for gone in self._read.keys() - seen:
             del self._read[gone]
 
-    def _read_before(self, where: str, has_all: Callable[[frozenset[str]], bool]) -> ReadPage | None:
-        before = self._read.get(where)
-        return before if before is not None and has_all(before.keys) else None
-
     async def _get_page(self, where: str, before: ReadPage | None, *, is_first: bool) -> HttpAnswer | None:
         """Return the answer with a page; None if the directory turns out not to paginate."""
         etag = "" if before is None else before.etag
@@ -96,10 +97,6 @@ class DirectoryReader:
                 raise
             self._can_count = False
             return None
-
-    def _after_same(self, where: str, page: ReadPage, answer: HttpAnswer) -> str:
-        """Return the page after an unchanged one, where the list may have grown or shrunk."""
-        return self._resolved(where, next_page(None, answer.headers)) if "link" in answer.headers else page.following
 
     async def retrieve(self, thing_id: str) -> bytes | None:
         """Return the description of one thing; None if the directory no longer has it."""

@@ -28,7 +28,6 @@ from homebot.gateways.http_client import HttpClient
 from homebot.gateways.password_settings import read_logins
 from homebot.integrations.things.directory.directory_client import DirectoryReader
 from homebot.integrations.things.directory.documents import (
-    DirectoryEvent,
     ReadPage,
     id_of,
     lifetime_of,
@@ -169,26 +168,23 @@ class DirectorySession:
             self._devices.reject(self._settings.url, data.encode(errors="replace"), str(exc))
             return
         if event is not None:
-            await self._change(reader, event)
-
-    async def _change(self, reader: DirectoryReader, event: DirectoryEvent) -> None:
-        if event.change == "thing_deleted":
-            self._remove(event.id, "it was deleted from the directory")
-            return
-        if not self._devices.admits(event.id):
-            self._lists_soon.set()
-            return
-        if event.description:
-            self._list_thing(event.description)
-            return
-        body = await reader.retrieve(event.id)
-        if body is None:
-            self._remove(event.id, "it was deleted from the directory")
-            return
-        try:
-            self._list_thing(parse_json(body))
-        except WireError as exc:
-            self._devices.reject(event.id, body, str(exc))
+            if event.change == "thing_deleted":
+                self._remove(event.id, "it was deleted from the directory")
+                return
+            if not self._devices.admits(event.id):
+                self._lists_soon.set()
+                return
+            if event.description:
+                self._list_thing(event.description)
+                return
+            body = await reader.retrieve(event.id)
+            if body is None:
+                self._remove(event.id, "it was deleted from the directory")
+                return
+            try:
+                self._list_thing(parse_json(body))
+            except WireError as exc:
+                self._devices.reject(event.id, body, str(exc))
 
     def _list_thing(self, document: object) -> str:
         """List a thing, unless its description is unchanged; return its key, empty for none."""
@@ -234,7 +230,11 @@ class DirectorySession:
         self._stop(device.key)
         schemes = {form.scheme for affordance in thing.affordances for form in affordance.forms}
         if schemes.isdisjoint(HTTP_BINDING.schemes):
-            facts = {**device.metadata, "unusable": _unusable_text(schemes)}
+            named = ", ".join(sorted(scheme for scheme in schemes if scheme))[:60]
+            problem = f"its addresses are of {named}, not of HTTP" if named else "it has no address"
+            if any(scheme.startswith("coap") for scheme in schemes):
+                problem += "; the gateway coap can use it, given its address or its directory"
+            facts = {**device.metadata, "unusable": problem}
             self._devices.put(replace(device, metadata=facts), "the directory lists it", confirmed=False)
             return
         followed = ListedThing(
@@ -257,11 +257,3 @@ class DirectorySession:
         followed = self._followed.pop(key, None)
         if followed is not None:
             followed.stop()
-
-
-def _unusable_text(schemes: set[str]) -> str:
-    """Return why a thing with addresses of *schemes* is not used, and the remedy."""
-    named = ", ".join(sorted(scheme for scheme in schemes if scheme))[:60]
-    text = f"its addresses are of {named}, not of HTTP" if named else "it has no address"
-    coap = any(scheme.startswith("coap") for scheme in schemes)
-    return f"{text}; the gateway coap can use it, given its address or its directory" if coap else text

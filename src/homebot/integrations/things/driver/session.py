@@ -66,7 +66,9 @@ class ThingSession:
         self._host = host
         self._must_describe = must_describe
         self._is_web_thing = is_web_thing
-        self._host_name = _name_of(service)
+        # a neighbour may claim localhost, an address, or a name of the internet, and its own addresses for them
+        name = service.host.lower().removesuffix(".")
+        self._host_name = name if name.endswith(".local") else ""
         self._guard = AddressGuard(service.addresses)
         self._own_hosts = frozenset(host.lower() for host in (self._host_name, *service.addresses) if host)
         self._logins = tuple(self._known_as(login) for login in logins)
@@ -89,7 +91,12 @@ class ThingSession:
 
     async def _follow(self, description: _ReadDescription) -> _ReadDescription:
         """Use the thing until its description changes, and return the new one."""
-        things = self._read_things(description)
+        described, key = parse_json(description.data), self._service.key
+        listed = {key: described}
+        if isinstance(described, list) and len(described) != 1:  # Web Things, each a device behind that of the service
+            listed = {f"{key}/{number}": document for number, document in enumerate(described[:MAX_THINGS])}
+        usable = {key: self._usable(read_thing(document, description.url)) for key, document in listed.items()}
+        things = [(thing, describe_thing(thing, key, HTTP_BINDING)) for key, thing in usable.items()]
         own = next((thing for thing in things if thing[1].key == self._service.key), None)
         if own is None:
             self._host.describe(GatewayDevice(self._service.key, self._service.name))
@@ -114,15 +121,6 @@ class ThingSession:
             self._devices.clear()
         return changed
 
-    def _read_things(self, description: _ReadDescription) -> list[tuple[Thing, GatewayDevice]]:
-        """Return the described thing as the device of the service, or of several Web Things each as one behind it."""
-        described, key = parse_json(description.data), self._service.key
-        listed = {key: described}
-        if isinstance(described, list) and len(described) != 1:
-            listed = {f"{key}/{number}": document for number, document in enumerate(described[:MAX_THINGS])}
-        things = {key: self._usable(read_thing(document, description.url)) for key, document in listed.items()}
-        return [(thing, describe_thing(thing, key, HTTP_BINDING)) for key, thing in things.items()]
-
     async def _until_changed(self, description: _ReadDescription) -> _ReadDescription:
         while True:
             await anyio.sleep(READ_AGAIN)
@@ -132,8 +130,14 @@ class ThingSession:
 
     async def _find(self) -> _ReadDescription | None:
         """Return the description from the first address that answers; None if there is none and none is required."""
-        scheme, path = self._announced_place()
-        name = (self._host_name,) if scheme == "https" and self._host_name else ()
+        announced, is_encrypted, path = self._service.properties, False, WELL_KNOWN
+        if self._must_describe and self._is_web_thing:
+            is_encrypted, path = announced.get("tls") == "1", announced.get("path", "") or "/"
+        elif self._must_describe:
+            is_encrypted, path = announced.get("scheme") == "https", announced.get("td", "") or WELL_KNOWN
+        scheme: Literal["http", "https"] = "https" if is_encrypted else "http"
+        path = path if path.startswith("/") else f"/{path}"
+        name = (self._host_name,) if is_encrypted and self._host_name else ()
 
         async def read_at(address: str) -> _ReadDescription:
             return await self._read(http_origin(address, self._service.port, scheme) + path)
@@ -147,16 +151,6 @@ class ThingSession:
             if self._must_describe:
                 raise
         return None
-
-    def _announced_place(self) -> tuple[Literal["http", "https"], str]:
-        """Return scheme and path of the description: those announced, or the usual ones."""
-        said = self._service.properties
-        if not self._must_describe:
-            return "http", WELL_KNOWN
-        scheme, path = said.get("scheme", ""), said.get("td", "") or WELL_KNOWN
-        if self._is_web_thing:
-            scheme, path = "https" if said.get("tls") == "1" else "", said.get("path", "") or "/"
-        return "https" if scheme == "https" else "http", path if path.startswith("/") else f"/{path}"
 
     async def _read(self, url: str) -> _ReadDescription:
         login = login_at(parse_url(url), self._logins)
@@ -202,12 +196,3 @@ class ThingSession:
             origin = URL(http_origin(self._service.addresses[0], where.port or 80))
             return replace(form, href=str(origin.join(where.relative())))
         return form
-
-
-def _name_of(service: FoundService) -> str:
-    """Return the host name of a service; empty unless it is a name under ``.local``.
-
-    A neighbour may claim ``localhost``, an address, or a name of the internet, and its own addresses for them.
-    """
-    name = service.host.lower().removesuffix(".")
-    return name if name.endswith(".local") else ""

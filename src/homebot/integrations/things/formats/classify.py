@@ -85,7 +85,19 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     candidates = [candidate for affordance in thing.affordances for candidate in _split(affordance, binding)]
     for candidate in candidates:
         _find_meaning(candidate, main)
-    candidates = _with_lock_actions(candidates)
+    locks = [candidate for candidate in candidates if candidate.capability == "lock" and not candidate.is_settable]
+    if locks:  # its actions are the commands for its read-only state
+        lock = locks[0]
+        acting = [
+            (candidate, name)
+            for candidate in candidates
+            for name in candidate.affordance.types
+            if name in LOCK_ACTIONS and candidate.written
+        ]
+        lock.actions = {LOCK_ACTIONS[name]: candidate for candidate, name in acting}
+        candidates = [
+            candidate for candidate in candidates if not any(candidate is action for action in lock.actions.values())
+        ]
     unknown, main_is_guess = [candidate for candidate in candidates if not candidate.service_type], not main
     if main_is_guess:
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
@@ -106,25 +118,6 @@ def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
         yield _Candidate(replace(affordance, title=title, schema=replace(schema, members=members)), observed, ())
 
 
-def _with_lock_actions(candidates: list[_Candidate]) -> list[_Candidate]:
-    """Return *candidates* with the actions of a lock as commands for its read-only state."""
-    lock = next(
-        (candidate for candidate in candidates if candidate.capability == "lock" and not candidate.is_settable), None
-    )
-    if lock is not None:
-        acting = [
-            (candidate, name)
-            for candidate in candidates
-            for name in candidate.affordance.types
-            if name in LOCK_ACTIONS and candidate.written
-        ]
-        lock.actions = {LOCK_ACTIONS[name]: candidate for candidate, name in acting}
-        candidates = [
-            candidate for candidate in candidates if not any(candidate is action for action in lock.actions.values())
-        ]
-    return candidates
-
-
 def _find_meaning(candidate: _Candidate, main: str) -> None:
     """Set the meaning of an affordance, by its declaration, its semantic types, its name or its kind of value."""
     declared = candidate.affordance.extension
@@ -132,7 +125,10 @@ def _find_meaning(candidate: _Candidate, main: str) -> None:
         candidate.capability, candidate.service_type = declared["capability"], declared["serviceType"]
         candidate.part_id = declared.get("part", "")
     elif candidate.affordance.kind != "property":
-        candidate.capability = _invoked(candidate) if candidate.affordance.kind == "action" else "press"
+        candidate.capability = "press"
+        if candidate.affordance.kind == "action":  # a setting if it takes a number or a text, as the time of ``fade``
+            is_setting = candidate.is_written and _KINDS.get(candidate.affordance.schema.type) in {"number", "text"}
+            candidate.capability = _general(candidate) if is_setting else "push"
     elif capability := _by_type(candidate.affordance, main):
         candidate.capability = capability
     elif capability := _by_options(candidate):
@@ -144,28 +140,19 @@ def _find_meaning(candidate: _Candidate, main: str) -> None:
             candidate.capability, candidate.doubt = _measured(candidate) or _general(candidate), 2
 
 
-def _invoked(candidate: _Candidate) -> str:
-    """Return the capability of an action: a setting if it takes a number or a text, such as the time of ``fade``."""
-    takes = _KINDS.get(candidate.affordance.schema.type)
-    return _general(candidate) if candidate.is_written and takes in {"number", "text"} else "push"
-
-
 def _by_type(affordance: Affordance, main: str) -> str:
     """Return the capability of the first semantic type that fits the values; empty for none."""
     for name in () if affordance.schema.members else affordance.types:
-        capability = _in_context(_of_type(name, affordance, main), main)
+        if name == "TargetTemperatureProperty" and "cool" in affordance.name.casefold():
+            known = "cooling_setpoint"
+        elif name == "LevelProperty" and affordance.read_only and main not in _OPENINGS:
+            known = "measurement"  # of humidity or a tank
+        else:
+            known = _BY_TYPE.get(name, "")
+        capability = _in_context(known, main)
         if capability and _suits(capability, affordance.schema):
             return capability
     return ""
-
-
-def _of_type(name: str, affordance: Affordance, main: str) -> str:
-    """Return the capability of a semantic type; WebThings use one for both setpoints, and one for all levels."""
-    if name == "TargetTemperatureProperty" and "cool" in affordance.name.casefold():
-        return "cooling_setpoint"
-    if name == "LevelProperty" and affordance.read_only and main not in _OPENINGS:
-        return "measurement"  # of humidity or a tank
-    return _BY_TYPE.get(name, "")
 
 
 def _by_options(candidate: _Candidate) -> str:
@@ -360,6 +347,12 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
     else:
         service_type, guessed = (main, main_is_guess) if main else (_lone(first), first.guessed)
         name, advertised = "", _advertised_type(thing, None)
+    written = [
+        (affordance.capability.name, value, source.affordance.name, source.affordance.schema, source.written)
+        for affordance in affordances
+        for value, source in (("", affordance), *affordance.actions.items())
+        if source.written is not None
+    ]
     part = Part(
         id=part_id,
         name=name,
@@ -371,7 +364,7 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         capabilities=tuple(affordance.capability for affordance in affordances),
         reads=_distinct(form.filter for member in members for form in member.observed),
         writes=_distinct(form.topic for candidate in _with_actions(members) for form in candidate.written),
-        payloads=_payloads(affordances),
+        payloads=payload_digest(written) if written else "",
     )
     return ClassifiedPart(part, affordances)
 
@@ -391,17 +384,6 @@ def _advertised_type(thing: Thing, first: _Candidate | None) -> str:
     return next(iter(types), "")
 
 
-def _payloads(affordances: tuple[ClassifiedAffordance, ...]) -> str:
-    """Return the digest of the written payloads and their addresses; empty if nothing can be set."""
-    written = [
-        (affordance.capability.name, value, source.affordance.name, source.affordance.schema, source.written)
-        for affordance in affordances
-        for value, source in (("", affordance), *affordance.actions.items())
-        if source.written is not None
-    ]
-    return payload_digest(written) if written else ""
-
-
 def _lone(candidate: _Candidate) -> str:
     own = LONE_TYPES.get(candidate.capability) or CAPABILITIES[candidate.capability].sensor
     if not own and candidate.affordance.kind == "action":
@@ -413,7 +395,9 @@ def _classified(candidate: _Candidate) -> ClassifiedAffordance:
     known, schema = CAPABILITIES[candidate.capability], candidate.affordance.schema
     is_number = known.kind == "number"
     bounds = bounds_of(candidate.capability, candidate.affordance) if is_number else ()
-    options = _options(candidate) if known.kind == "text" else ()
+    options: tuple[str, ...] = ()
+    if known.kind == "text" and (candidate.capability != "lock" or candidate.service_type):
+        options = tuple(text for text in candidate.affordance.schema.enum if isinstance(text, str))
     capability = Capability(
         name=candidate.capability,
         readable=candidate.is_readable,
@@ -426,9 +410,3 @@ def _classified(candidate: _Candidate) -> ClassifiedAffordance:
     written = candidate.written[0] if candidate.is_written else None
     actions = {value: _classified(action) for value, action in candidate.actions.items()}
     return ClassifiedAffordance(capability, candidate.affordance, observed, written, actions)
-
-
-def _options(candidate: _Candidate) -> tuple[str, ...]:
-    if candidate.capability == "lock" and not candidate.service_type:
-        return ()
-    return tuple(text for text in candidate.affordance.schema.enum if isinstance(text, str))

@@ -79,7 +79,9 @@ def read_senml(pack: object) -> object:
     base_name, base_value = "", 0.0
     values: dict[str, object] = {}
     for given in pack:
-        record = _senml_record(given)
+        if not isinstance(given, dict):
+            raise WireError(f"a SenML record is an object, not {shown(given)}")
+        record = {_LABELS.get(key, "") if isinstance(key, int) else key: value for key, value in given.items()}
         base_name = _text(record.get("bn"), base_name)
         base_value = _number(record.get("bv"), base_value)
         name = base_name + _text(record.get("n"), "")
@@ -90,12 +92,6 @@ def read_senml(pack: object) -> object:
     if not values:
         raise WireError("a SenML pack has no value")
     return next(iter(values.values())) if len(values) == 1 else values
-
-
-def _senml_record(given: object) -> dict[object, object]:
-    if not isinstance(given, dict):
-        raise WireError(f"a SenML record is an object, not {shown(given)}")
-    return {_LABELS.get(key, "") if isinstance(key, int) else key: value for key, value in given.items()}
 
 
 def _text(value: object, default: str) -> str:

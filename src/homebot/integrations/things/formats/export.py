@@ -60,7 +60,15 @@ def _properties(device: Device, brokers: Mapping[str, str]) -> Iterator[tuple[st
     for part in device.parts:
         for capability in part.part.capabilities:
             name = _unused(f"{part.id}_{capability.name}" if part.id else capability.name, taken)
-            if forms := _forms(part, capability, brokers):
+            best = part.routes[0] if part.routes else _NO_ROUTE
+            broker, content = brokers.get(best.gateway, _LOCAL), f"application/vnd.homebot.{best.convention or 'words'}"
+            observed = part.part.reads if capability.readable else ()
+            written = part.part.writes if capability.settable else ()
+            forms = [
+                *(_observing(broker, content, topic) for topic in observed),
+                *(_writing(broker, content, topic) for topic in written),
+            ]
+            if forms:
                 yield name, _property(part, capability, forms)
     for endpoint in () if device.parts else device.endpoints:
         if forms := _forms_of_text(endpoint, brokers):
@@ -120,17 +128,6 @@ def _unused(name: str, taken: set[str]) -> str:
         spelt = f"{name}_{number}"
     taken.add(spelt)
     return spelt
-
-
-def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str]) -> list[dict[str, object]]:
-    best = part.routes[0] if part.routes else _NO_ROUTE
-    broker, content = brokers.get(best.gateway, _LOCAL), f"application/vnd.homebot.{best.convention or 'words'}"
-    observed = part.part.reads if capability.readable else ()
-    written = part.part.writes if capability.settable else ()
-    return [
-        *(_observing(broker, content, topic) for topic in observed),
-        *(_writing(broker, content, topic) for topic in written),
-    ]
 
 
 def _forms_of_text(endpoint: Endpoint, brokers: Mapping[str, str]) -> list[dict[str, object]]:

@@ -5,7 +5,7 @@ Web Things are read too.
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
@@ -65,8 +65,17 @@ def read_thing(description: object, source: str = "") -> Thing:
         WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; the message names field and value.
     """
     fields = Fields(with_forms(description, CONTEXT), "")
-    _check_context(fields)
-    schemes, required = _security(fields)
+    value = fields.plain("@context")
+    named = value if isinstance(value, list) else [value]
+    if not any(isinstance(context, str) and context in _CONTEXTS for context in named):
+        raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
+    definitions = fields.inner("securityDefinitions")
+    schemes = {name: _security_scheme(definitions.inner(name)) for name in definitions.names()}
+    required = fields.texts("security")
+    if not required:
+        raise fields.problem("security", "is missing; give the name of a security definition")
+    if unknown := [name for name in required if name not in schemes]:
+        raise fields.problem("security", f"{unknown[0][:60]!a} is not in securityDefinitions")
     try:
         base = resolve_uri(source, fields.text("base"))
     except ValueError:
@@ -91,24 +100,6 @@ def read_thing(description: object, source: str = "") -> Thing:
         forms=tuple(_thing_forms(fields, base, required)),
         security=schemes,
     )
-
-
-def _check_context(fields: Fields) -> None:
-    value = fields.plain("@context")
-    named = value if isinstance(value, list) else [value]
-    if not any(isinstance(context, str) and context in _CONTEXTS for context in named):
-        raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
-
-
-def _security(fields: Fields) -> tuple[dict[str, SecurityScheme], tuple[str, ...]]:
-    definitions = fields.inner("securityDefinitions")
-    schemes = {name: _security_scheme(definitions.inner(name)) for name in definitions.names()}
-    required = fields.texts("security")
-    if not required:
-        raise fields.problem("security", "is missing; give the name of a security definition")
-    if unknown := [name for name in required if name not in schemes]:
-        raise fields.problem("security", f"{unknown[0][:60]!a} is not in securityDefinitions")
-    return schemes, required
 
 
 def _security_scheme(fields: Fields) -> SecurityScheme:
@@ -179,7 +170,13 @@ def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ..
         address = resolve_uri(base, _UNDEFINED_VARIABLES.sub("", href))
     except ValueError:
         raise form.problem("href", f"{href[:60]!a} is not an address") from None
-    topic, observed = _topics(form, ops, unquote(path).removeprefix("/") if scheme in {"mqtt", "mqtts"} else "")
+    packet = form.text("mqv:controlPacket").rpartition(":")[2]
+    # in many TDs the topic is in the path of the address; mqv: terms are preferred
+    in_path = unquote(path).removeprefix("/") if scheme in {"mqtt", "mqtts"} else ""
+    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
+    topic = named if WRITE_OPS & set(ops) and packet != "subscribe" else ""
+    observed = (filters[0] if filters else named) if OBSERVE_OPS & set(ops) and packet != "publish" else ""
+    retain = form.plain("mqv:retain")  # some write a text
     return Form(
         ops=ops,
         scheme=scheme.lower(),
@@ -190,28 +187,10 @@ def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ..
         topic=topic,
         filter=observed,
         qos=_qos(form),
-        retain=_retain(form),
+        retain=retain == "true" if retain in ("true", "false") else form.flag("mqv:retain"),
         content_type=form.text("contentType") or "application/json",
         response_type=form.inner("response").text("contentType"),
     )
-
-
-def _topics(form: Fields, ops: tuple[str, ...], in_path: str) -> tuple[str, str]:
-    """Return the topic for publishing and the filter for subscribing.
-
-    In many TDs the topic is in the path of the address; ``mqv:`` terms are preferred.
-    """
-    packet = form.text("mqv:controlPacket").rpartition(":")[2]
-    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
-    topic = named if WRITE_OPS & set(ops) and packet != "subscribe" else ""
-    observed = filters[0] if filters else named
-    return topic, observed if OBSERVE_OPS & set(ops) and packet != "publish" else ""
-
-
-def _retain(form: Fields) -> bool:
-    """Parse a boolean, which some write as text."""
-    value = form.plain("mqv:retain")
-    return value == "true" if isinstance(value, str) and value in {"true", "false"} else form.flag("mqv:retain")
 
 
 def _qos(form: Fields) -> int:
@@ -234,23 +213,16 @@ def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
     if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
         return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
     several = () if members is None else tuple(_members(fields, members))
-    enum = _enum(fields)
-    minimum, maximum = _range(fields)
-    return DataSchema(type=kind, unit=fields.text("unit"), minimum=minimum, maximum=maximum, enum=enum, members=several)
-
-
-def _enum(fields: Fields) -> tuple[str | float | bool, ...]:
     enum = fields.listed("enum")
     if "enum" in fields and not enum:
         raise fields.problem("enum", "at least one value is expected")
-    return tuple(value for value in enum if isinstance(value, (str, float, int, bool)))
-
-
-def _range(fields: Fields) -> tuple[float | None, float | None]:
+    values = tuple(value for value in enum if isinstance(value, (str, float, int, bool)))
     minimum, maximum = fields.number("minimum"), fields.number("maximum")
     if minimum is not None and maximum is not None and minimum > maximum:
         raise fields.problem("minimum", f"{minimum:g} is above the maximum {maximum:g}")
-    return minimum, maximum
+    return DataSchema(
+        type=kind, unit=fields.text("unit"), minimum=minimum, maximum=maximum, enum=values, members=several
+    )
 
 
 def _type(fields: Fields) -> DataType:
@@ -270,12 +242,9 @@ def _alternative(fields: Fields) -> DataSchema | None:
     if len(numbers) != 1:
         return None
     number = numbers[0]
-    words = _words(schema for schema in schemas if schema is not number)
+    others = [schema for schema in schemas if schema is not number]
+    words = tuple(text for schema in others for text in schema.enum if isinstance(text, str))
     return replace(number, unit=number.unit or fields.text("unit"), words=words)
-
-
-def _words(schemas: Iterable[DataSchema]) -> tuple[str, ...]:
-    return tuple(text for schema in schemas for text in schema.enum if isinstance(text, str))
 
 
 def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:

@@ -122,39 +122,33 @@ def encode_document(capability: Capability, affordance: Affordance, value: Plain
 def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
     name = capability.name
     if name == "color":
-        return _encode_color(value, affordance.schema)
+        hue, saturation = require_color(value)
+        rgb = [round(share * _FULL) for share in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
+        return dict(zip("rgb", rgb, strict=True)) if is_rgb(affordance.schema) else f"#{bytes(rgb).hex()}"
     if name == "lock":
-        return _encode_lock(affordance, require_option(name, value, _LOCKS.values()))
+        state = require_option(name, value, _LOCKS.values())
+        if affordance.schema.type == "boolean":
+            return _encode_flag(affordance, state == "locked")
+        return next((option for option in affordance.schema.enum if str(option).casefold() == state), state)
     kind = CAPABILITIES[name].kind
     if kind == "bool":
         return _encode_flag(affordance, require_bool(name, value))
     if kind == "number":
-        return _encode_number(capability, affordance, value)
+        bounds = capability.bounds or CAPABILITIES[name].bounds or (-math.inf, math.inf)
+        number = require_number(name, value, bounds[0], bounds[-1])
+        least = affordance.schema.minimum or 0
+        if name == "level" and number == 0 and least > 0:  # otherwise 0 % would be rounded up, and the lamp stay on
+            problem = f"its {affordance.name[:60]} is never below {least:g}, and it has no switch"
+            raise RefusedError(f"{name} {shown(value)}", problem)
+        number = on_the_wire(name, affordance, number)
+        if not math.isfinite(number):
+            raise RefusedError(f"{name} {shown(value)}", "it takes a number that its format can express")
+        return int(number) if number.is_integer() else number
     if capability.options:
         return require_option(name, value, capability.options)
     if not isinstance(value, str):
         raise RefusedError(f"{name} {shown(value)}", "it takes a text")
     return value
-
-
-def _encode_lock(affordance: Affordance, value: str) -> object:
-    if affordance.schema.type == "boolean":
-        return _encode_flag(affordance, value == "locked")
-    return next((option for option in affordance.schema.enum if str(option).casefold() == value), value)
-
-
-def _encode_number(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
-    name = capability.name
-    bounds = capability.bounds or CAPABILITIES[name].bounds or (-math.inf, math.inf)
-    number = require_number(name, value, bounds[0], bounds[-1])
-    least = affordance.schema.minimum or 0
-    if name == "level" and number == 0 and least > 0:  # otherwise 0 % would be rounded up, and the lamp stay on
-        problem = f"its {affordance.name[:60]} is never below {least:g}, and it has no switch"
-        raise RefusedError(f"{name} {shown(value)}", problem)
-    number = on_the_wire(name, affordance, number)
-    if not math.isfinite(number):
-        raise RefusedError(f"{name} {shown(value)}", "it takes a number that its format can express")
-    return int(number) if number.is_integer() else number
 
 
 def _decode(capability: Capability, affordance: Affordance, value: object) -> PlainValue:
@@ -163,20 +157,16 @@ def _decode(capability: Capability, affordance: Affordance, value: object) -> Pl
     if name == "color":
         return _color(value)
     if name == "lock":
-        return _decode_lock(affordance, value)
+        if isinstance(value, str) and value.casefold() in CAPABILITIES["lock"].options:
+            return clean_text(value.casefold(), _MAX_TEXT)
+        flag = _flag(affordance, value)
+        return None if flag is None else _LOCKS[flag]
     if kind == "bool":
         return _flag(affordance, value)
     if kind == "number":
         number = to_number(value)
         return None if number is None else canonical(name, affordance, number)
     return clean_text(value if isinstance(value, str) else json.dumps(value, ensure_ascii=False), _MAX_TEXT)
-
-
-def _decode_lock(affordance: Affordance, value: object) -> PlainValue:
-    if isinstance(value, str) and value.casefold() in CAPABILITIES["lock"].options:
-        return clean_text(value.casefold(), _MAX_TEXT)
-    flag = _flag(affordance, value)
-    return None if flag is None else _LOCKS[flag]
 
 
 def _flag(affordance: Affordance, value: object) -> bool | None:
@@ -221,9 +211,3 @@ def _color(value: object) -> tuple[float, float] | None:
         return None
     hue, saturation, _ = colorsys.rgb_to_hsv(*levels)
     return round(hue * 360, 1), round(saturation * 100, 1)
-
-
-def _encode_color(value: PlainValue, schema: DataSchema) -> object:
-    hue, saturation = require_color(value)
-    rgb = [round(share * _FULL) for share in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
-    return dict(zip("rgb", rgb, strict=True)) if is_rgb(schema) else f"#{bytes(rgb).hex()}"

@@ -125,27 +125,20 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     given = tuple(links)
     implied = {link: href for source in given for link, href in _implied(source, given, resolve[source.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
-    lit = {_folder(link) for link in given if _is_ocf_light(link)}
+    lit = {_folder(link) for link in given if any(word.startswith(_OCF_LIGHT) for word in link.words("rt"))}
     # a switch beside a brightness comes first: of several switches, that one is the lamp's
     listed = sorted((*given, *implied), key=lambda link: (_folder(link) not in lit, link.target))
     lamps = [instance for link in listed if (instance := _instance(link, _LIGHT))]
     affordances = [made for link in listed if (made := _affordance(link, resolve[link.target], lamps)) is not None]
+    words = (word for link in listed for word in link.words("rt"))
+    types = tuple(dict.fromkeys(_THING_TYPES[word] for word in words if word in _THING_TYPES))
     return Thing(
         id="",
         title=name,
-        types=_thing_types(listed) or (("Light",) if lamps or lit else ()),
+        types=types or (("Light",) if lamps or lit else ()),
         description="",
         affordances=tuple(affordances[:MAX_RESOURCES]),
     )
-
-
-def _thing_types(links: Iterable[WebLink]) -> tuple[str, ...]:
-    words = (word for link in links for word in link.words("rt"))
-    return tuple(dict.fromkeys(_THING_TYPES[word] for word in words if word in _THING_TYPES))
-
-
-def _is_ocf_light(link: WebLink) -> bool:
-    return any(word.startswith(_OCF_LIGHT) for word in link.words("rt"))
 
 
 def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tuple[WebLink, str]]:
@@ -190,7 +183,10 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
     if kind is None or link.target.startswith(_NEVER) or not href:
         return None
     known, default_type = kind
-    content_type = _content_type(link, default_type)
+    named = [content_type_of(int(word)) for word in link.words("ct") if word.isdecimal() and len(word) <= 5]
+    content_type: str | None = default_type
+    if named:
+        content_type = next((known_type for known_type in named if coap_formats(known_type) is not None), None)
     if content_type is None:
         return None
     interfaces = frozenset(link.words("if"))
@@ -212,7 +208,10 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
 def _kind(link: WebLink) -> tuple[_Known, str] | None:
     """Return the kind of a resource, and the content type that it has by default; None for another one."""
     interfaces = frozenset(link.words("if"))
-    if (known := _ocf_kind(link, interfaces)) is not None:
+    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
+    if known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS):
+        known = _TARGET_TEMPERATURE
+    if known is not None:
         return known, "application/vnd.ocf+cbor"
     match = _IPSO_PATH.fullmatch(link.target)
     if match is not None and (known := _IPSO.get((int(match[1]), int(match[2])))) is not None:
@@ -221,12 +220,6 @@ def _kind(link: WebLink) -> tuple[_Known, str] | None:
         return None
     last = unquote(link.target.rstrip("/").rpartition("/")[2])
     return _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
-
-
-def _ocf_kind(link: WebLink, interfaces: frozenset[str]) -> _Known | None:
-    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
-    is_target = known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS)
-    return _TARGET_TEMPERATURE if is_target else known
 
 
 def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[Form, ...]:
@@ -238,11 +231,3 @@ def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[
         Form(("readproperty",), scheme, href, content_type=content_type),
         Form(("writeproperty",), scheme, href, method=method, content_type=content_type),
     )
-
-
-def _content_type(link: WebLink, default: str) -> str | None:
-    """Return the first type of the resource that is understood; None if none of those that it names is."""
-    named = [content_type_of(int(word)) for word in link.words("ct") if word.isdecimal() and len(word) <= 5]
-    if not named:
-        return default
-    return next((content_type for content_type in named if coap_formats(content_type) is not None), None)

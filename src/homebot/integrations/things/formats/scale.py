@@ -77,7 +77,16 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
     """Return *number*, given in the vocabulary's unit, as the thing's; not finite if impossible."""
     if "capability" in affordance.extension:
         return number
-    value = _in_own_unit(capability, affordance, number)
+    if (ends := _ends(capability, affordance)) is not None:
+        low, high = ends
+        value = low + number / _PERCENT * (high - low)
+    elif _is_mired(capability, affordance):
+        value = MIRED / number if number >= 1 else math.nan
+    elif _is_fahrenheit(capability, affordance):
+        value = to_fahrenheit(number, _EXACT)
+    else:
+        conversion = _conversion(capability, affordance)
+        value = number * conversion.over / conversion.times + conversion.shift
     if not math.isfinite(value):
         return value
     least, most = affordance.schema.minimum, affordance.schema.maximum
@@ -85,18 +94,6 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
         return _within(round(value, 6), least, most)
     least, most = None if least is None else math.ceil(least), None if most is None else math.floor(most)
     return _within(float(round(value)), least, most)
-
-
-def _in_own_unit(capability: str, affordance: Affordance, number: float) -> float:
-    if (ends := _ends(capability, affordance)) is not None:
-        low, high = ends
-        return low + number / _PERCENT * (high - low)
-    if _is_mired(capability, affordance):
-        return MIRED / number if number >= 1 else math.nan
-    if _is_fahrenheit(capability, affordance):
-        return to_fahrenheit(number, _EXACT)
-    conversion = _conversion(capability, affordance)
-    return number * conversion.over / conversion.times + conversion.shift
 
 
 def _within(number: float, low: float | None, high: float | None) -> float:

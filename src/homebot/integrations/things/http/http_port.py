@@ -150,7 +150,8 @@ class HttpThingPort:
 
     def _login(self, form: Form) -> tuple[HttpLogin | None, str]:
         where = parse_url(form.href)
-        schemes = self._schemes_of(form)
+        known_schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
+        schemes = [scheme for scheme in known_schemes if scheme.scheme != "nosec"]
         known = _known_at(where, self._logins)
         if known is None or not schemes:
             return None, form.href
@@ -166,10 +167,6 @@ class HttpThingPort:
                 raise RefusedError("credentials for the thing", "its description does not name the parameter")
             return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))
         return _http_login(known, where, scheme), form.href
-
-    def _schemes_of(self, form: Form) -> list[SecurityScheme]:
-        schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
-        return [scheme for scheme in schemes if scheme.scheme != "nosec"]
 
 
 def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:

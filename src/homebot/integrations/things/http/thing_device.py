@@ -184,7 +184,10 @@ class ThingDevice:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
         values = implied_settings(command.capability, command.value.plain(), settable)
         for name, _ in values:
-            await self._learn_unit(command.part, settable[name])
+            setting = settable[name]
+            if setting.affordance.schema.unit_member and (command.part, setting.capability.name) not in self._in_units:
+                forms = self._port.binding.read_forms(setting.affordance)
+                await self._ask_all(_grouped([(form, command.part, setting) for form in forms[:1]]))
         requests = [(settable[name], *settable[name].request(value)) for name, value in values]
         payloads = [
             (affordance, form, self._payload(command.part, by, form, value)) for affordance, by, form, value in requests
@@ -193,12 +196,6 @@ class ThingDevice:
             await self._port.write(form, payload)
             if any(affordance is asked for source in self._asked for _, asked in source.affordances):
                 self._asks_now.set()
-
-    async def _learn_unit(self, part: str, affordance: ClassifiedAffordance) -> None:
-        """Read the unit of a setting that only the thing's values name, if none has arrived yet."""
-        if affordance.affordance.schema.unit_member and (part, affordance.capability.name) not in self._in_units:
-            forms = self._port.binding.read_forms(affordance.affordance)
-            await self._ask_all(_grouped([(form, part, affordance) for form in forms[:1]]))
 
     def _payload(self, part: str, affordance: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
         in_unit = self._in_units.get((part, affordance.capability.name))
@@ -223,14 +220,11 @@ class ThingDevice:
         self._asked = self._combined(_grouped(asked))
         sources = _grouped(observed)
         for source in sources:
-            source.instead = self._read_sources(source)
+            forms = [
+                (binding.read_forms(affordance.affordance), part, affordance) for part, affordance in source.affordances
+            ]
+            source.instead = _grouped([(read[0], part, affordance) for read, part, affordance in forms if read])
         return sources
-
-    def _read_sources(self, source: _ThingSource) -> tuple[_ThingSource, ...]:
-        """Return the sources to poll in place of an observed one."""
-        read_forms = self._port.binding.read_forms
-        forms = [(read_forms(affordance.affordance), part, affordance) for part, affordance in source.affordances]
-        return _grouped([(read[0], part, affordance) for read, part, affordance in forms if read])
 
     def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
         """Return the source of all properties in place of several, if the thing has one."""

@@ -76,18 +76,8 @@ class ThingReader:
             return ()
         if not payload:
             return (DeviceWithdrawn(name, "its description was withdrawn"),)
-        return (self._described(name, topic, read_thing(parse_object(payload))),)
-
-    def _name(self, topic: str) -> str | None:
-        for prefix in self._prefixes:
-            if topic.startswith(f"{prefix}/") and topic.endswith("/td"):
-                name = topic[len(prefix) + 1 : -len("/td")]
-                if name and "/" not in name:
-                    return name
-        return None
-
-    def _described(self, name: str, topic: str, thing: Thing) -> DeviceAnnounced:
-        return DeviceAnnounced(
+        thing = read_thing(parse_object(payload))
+        announced = DeviceAnnounced(
             key=name,
             convention="thing",
             identifiers=identifiers_of(thing),
@@ -98,6 +88,15 @@ class ThingReader:
             facts=facts_of(thing),
             implies_alive=True,  # its publisher has just seen the thing; a forgotten one comes back so
         )
+        return (announced,)
+
+    def _name(self, topic: str) -> str | None:
+        for prefix in self._prefixes:
+            if topic.startswith(f"{prefix}/") and topic.endswith("/td"):
+                name = topic[len(prefix) + 1 : -len("/td")]
+                if name and "/" not in name:
+                    return name
+        return None
 
 
 _BINDING = MqttBinding()
@@ -105,23 +104,18 @@ _BINDING = MqttBinding()
 
 def _parts(thing: Thing) -> Iterator[DescribedPart]:
     for classified in parts_of(thing, _BINDING):
-        usable = _with_checked_topics(classified)
+        reads: dict[str, None] = {}
+        writes: dict[str, None] = {}
+        for affordance in classified.affordances:
+            if affordance.observed is not None:
+                reads[_checked(affordance.affordance.name, affordance.observed.filter, validate_filter)] = None
+            for source in (affordance, *affordance.actions.values()):
+                if source.written is not None:
+                    writes[_checked(source.affordance.name, source.written.topic, validate_topic)] = None
+        name = clean_text(classified.part.name)
+        part = classified.part.model_copy(update={"name": name, "reads": tuple(reads), "writes": tuple(writes)})
+        usable = ClassifiedPart(part, classified.affordances)
         yield DescribedPart(usable.part, _thing_codec(usable))
-
-
-def _with_checked_topics(classified: ClassifiedPart) -> ClassifiedPart:
-    """Return the part with the topics that it does use; raise WireError if one is none."""
-    reads: dict[str, None] = {}
-    writes: dict[str, None] = {}
-    for affordance in classified.affordances:
-        if affordance.observed is not None:
-            reads[_checked(affordance.affordance.name, affordance.observed.filter, validate_filter)] = None
-        for source in (affordance, *affordance.actions.values()):
-            if source.written is not None:
-                writes[_checked(source.affordance.name, source.written.topic, validate_topic)] = None
-    name = clean_text(classified.part.name)
-    part = classified.part.model_copy(update={"name": name, "reads": tuple(reads), "writes": tuple(writes)})
-    return ClassifiedPart(part, classified.affordances)
 
 
 def _checked(name: str, topic: str, check: Callable[[str], None]) -> str:
