@@ -65,15 +65,6 @@ ROWS: Mapping[str, tuple[_Row, ...]] = {
 """By kind."""
 
 
-def _nodes(kind: str) -> dict[str, dict[str, object]]:
-    """Return the nodes of a device as its description has them; the type of each is its name."""
-    nodes: dict[str, dict[str, object]] = {}
-    for node, _, _, _ in ROWS[kind]:
-        properties = {prop: form for owner, prop, form, _ in ROWS[kind] if owner == node}
-        nodes[node] = {"type": f"{PROFILE}/{node}", "properties": properties}
-    return nodes
-
-
 class HomieDialect(Dialect):
     """Devices of the domain ``homie``: all kinds but robots."""
 
@@ -86,7 +77,11 @@ class HomieDialect(Dialect):
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its announcement, from init to ready; all retained."""
         base = _base(device)
-        description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": _nodes(device.kind)}
+        nodes: dict[str, dict[str, object]] = {}
+        for node, _, _, _ in ROWS[device.kind]:
+            properties = {prop: form for owner, prop, form, _ in ROWS[device.kind] if owner == node}
+            nodes[node] = {"type": f"{PROFILE}/{node}", "properties": properties}
+        description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": nodes}
         return (
             OutgoingMessage(f"{base}/$state", b"init", retain=True),
             OutgoingMessage(f"{base}/$description", as_json(description), retain=True),

@@ -121,7 +121,17 @@ class Zigbee2MqttDialect(Dialect):
         base, _, rest = topic.removeprefix(_topic(device)).removeprefix("/").partition("/")
         if base != "set":
             return ()
-        return _parsed(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
+        wanted = {rest or "state": as_text(payload), **({} if rest else as_object(payload))}
+        state = str(wanted.get("state", ""))
+        return device_orders(
+            device.kind,
+            is_on={"on": True, "off": False}.get(state.lower()),
+            brightness=scaled(wanted.get("brightness"), LEVELS),
+            kelvin=mired_kelvin(wanted.get("color_temp")),
+            position=scaled(wanted.get("position"), 100),
+            action=state if device.kind != "lock" or state.isupper() else "",
+            target=to_number(wanted.get("occupied_heating_setpoint")),
+        )
 
     def replies(
         self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
@@ -222,16 +232,3 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = {
     "power_meter": lambda meter: {"power": meter.value, "energy": round(meter.kilowatt_hours, 3)},
     "thermostat": _thermostat_state,
 }
-
-
-def _parsed(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
-    state = str(wanted.get("state", ""))
-    return device_orders(
-        kind,
-        is_on={"on": True, "off": False}.get(state.lower()),
-        brightness=scaled(wanted.get("brightness"), LEVELS),
-        kelvin=mired_kelvin(wanted.get("color_temp")),
-        position=scaled(wanted.get("position"), 100),
-        action=state if kind != "lock" or state.isupper() else "",
-        target=to_number(wanted.get("occupied_heating_setpoint")),
-    )

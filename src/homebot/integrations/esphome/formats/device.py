@@ -40,7 +40,18 @@ class EsphomeDevice:
         known = [(kind, fields) for kind, fields in listed if kind in KINDS and _is_to_be_read(kind, fields)]
         self.left_out = max(0, len(known) - MAX_ENTITIES)
         for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda kind_and_fields: _ORDER[kind_and_fields[0]]):
-            self._add(EsphomeEntity(kind, fields, KINDS[kind]), _object_id(fields))
+            name, owner = text_of(fields, "object_id")[:_MAX_ID], whole_of(fields, "device_id")
+            entity = EsphomeEntity(kind, fields, KINDS[kind])
+            object_id = f"{name}@{owner}" if name and owner else name
+            if (entity.component, entity.key) in self._by_key:
+                continue
+            base = part_id = f"{entity.component}_{object_id}" if object_id else f"{entity.component}_{entity.key[1]}"
+            number = 1
+            while part_id in self.entities:
+                number += 1
+                part_id = f"{base}_{number}"
+            self.entities[part_id] = entity
+            self._by_key[entity.component, entity.key] = part_id
 
     @property
     def name(self) -> str:
@@ -95,17 +106,6 @@ class EsphomeDevice:
             raise RefusedError(f"a command to the part {part_id[:40]!r}", "the device has no such part any more")
         return self.entities[part_id]
 
-    def _add(self, entity: EsphomeEntity, object_id: str) -> None:
-        if (entity.component, entity.key) in self._by_key:
-            return
-        base = part_id = f"{entity.component}_{object_id}" if object_id else f"{entity.component}_{entity.key[1]}"
-        number = 1
-        while part_id in self.entities:
-            number += 1
-            part_id = f"{base}_{number}"
-        self.entities[part_id] = entity
-        self._by_key[entity.component, entity.key] = part_id
-
 
 def _is_to_be_read(kind: str, fields: Fields) -> bool:
     if kind == "text_sensor" and names_secret(text_of(fields, "name")):
@@ -114,12 +114,6 @@ def _is_to_be_read(kind: str, fields: Fields) -> bool:
 
 
 _MAX_ID = 120
-
-
-def _object_id(fields: Fields) -> str:
-    """Return the id of an entity, with its sub-device: two of these may have entities of one name."""
-    name, owner = text_of(fields, "object_id")[:_MAX_ID], whole_of(fields, "device_id")
-    return f"{name}@{owner}" if name and owner else name
 
 
 def _names(listed: object) -> dict[int, str]:

@@ -112,20 +112,18 @@ class EsphomeServedDevice(ServedDevice):
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(client.write)
                 while client.is_open:
-                    self._answer(client, *await client.messages.receive())
+                    name, fields = await client.messages.receive()
+                    if name == "SubscribeStatesRequest":
+                        self._watchers.add(client)
+                    for message in self._responses(name, fields):
+                        client.put(message)
+                    if name == f"{self._entity.component}CommandRequest":
+                        for command in self._entity.commands(fields):
+                            self.on_command(command)
         except* (ClientRefusedError, anyio.EndOfStream, anyio.IncompleteRead, OSError, anyio.BrokenResourceError):
             pass
         finally:
             self._watchers.discard(client)
-
-    def _answer(self, client: _ApiClient, name: str, fields: Mapping[str, Any]) -> None:
-        if name == "SubscribeStatesRequest":
-            self._watchers.add(client)
-        for message in self._responses(name, fields):
-            client.put(message)
-        if name == f"{self._entity.component}CommandRequest":
-            for command in self._entity.commands(fields):
-                self.on_command(command)
 
     def _responses(self, name: str, fields: Mapping[str, Any]) -> tuple[ApiMessage, ...]:
         match name:

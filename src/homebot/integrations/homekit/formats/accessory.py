@@ -151,10 +151,6 @@ def _parse_service(data: object) -> HapService | None:
     return service
 
 
-def _bounds(least: float | None, most: float | None) -> tuple[float, ...]:
-    return (least, most) if least is not None and most is not None and least < most else ()
-
-
 def _whole_numbers(values: object) -> tuple[int, ...]:
     return tuple(int(value) for value in values if finite_number(value) is not None) if isinstance(values, list) else ()
 
@@ -171,7 +167,7 @@ def _parse_characteristic(data: object) -> HapCharacteristic | None:
         str(fields.get("format"))[:10],
         frozenset(permission for permission in perms if isinstance(permission, str)),
         fields.get("value"),
-        _bounds(least, most),
+        (least, most) if least is not None and most is not None and least < most else (),
         (int(least),) if least is not None and least == most else _whole_numbers(fields.get("valid-values")),
         step if (step := finite_number(fields.get("minStep")) or 0.0) >= _FINEST else 0.0,
     )

@@ -123,21 +123,16 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
             has_function = True
             part = _part(service, own_name, tuple(capability for capability, _ in rows_by_capability.values()))
             yield HomekitPart(part, service, {name: row for name, (_, row) in rows_by_capability.items()})
-        yield from _child_lock(service)
-
-
-def _child_lock(service: HapService) -> Iterator[HomekitPart]:
-    """Yield the setting of a service that can lock its buttons."""
-    capability = _CHILD_LOCK.describe(service)
-    if capability is not None:
-        part = Part(
-            id=f"{service.iid}-lock",
-            name="Child lock",
-            service_type="x_setting",
-            category="config",
-            capabilities=(capability,),
-        )
-        yield HomekitPart(part, service, {"on_off": _CHILD_LOCK})
+        lock = _CHILD_LOCK.describe(service)
+        if lock is not None:
+            part = Part(
+                id=f"{service.iid}-lock",
+                name="Child lock",
+                service_type="x_setting",
+                category="config",
+                capabilities=(lock,),
+            )
+            yield HomekitPart(part, service, {"on_off": _CHILD_LOCK})
 
 
 def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:

@@ -45,7 +45,10 @@ def describe(sighted: FoundAccessory, accessory: Accessory | None = None) -> Acc
     known = accessory or Accessory(_FIRST)
     key, information, is_first = key_of(sighted.id, known.aid), known.information, known.aid == _FIRST
     parts = {part.part.id: part for part in parts_of(known)}
-    facts = _facts_of(sighted, known)
+    texts = {fact: known.information.text(kind) for fact, kind in _FACTS.items()}
+    texts["model"] = texts["model"] or sighted.model
+    texts["via_device"] = "" if known.aid == _FIRST else sighted.id
+    facts = {fact: text for fact, text in texts.items() if text}
     own = "pairing" if is_first else f"aid {known.aid}"
     serial = information.text(_SERIAL)
     device = GatewayDevice(
@@ -66,10 +69,3 @@ def describe(sighted: FoundAccessory, accessory: Accessory | None = None) -> Acc
         sleeps=known.sleeps,
     )
     return AccessoryDevice(known.aid, device, parts)
-
-
-def _facts_of(sighted: FoundAccessory, accessory: Accessory) -> dict[str, str]:
-    facts = {fact: accessory.information.text(kind) for fact, kind in _FACTS.items()}
-    facts["model"] = facts["model"] or sighted.model
-    facts["via_device"] = "" if accessory.aid == _FIRST else sighted.id
-    return {fact: text for fact, text in facts.items() if text}

@@ -6,7 +6,7 @@ too many events wait, further ones are dropped, and all values are read.
 """
 
 import asyncio
-from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from functools import partial
 from typing import Final
 
@@ -98,7 +98,14 @@ class AccessoryRunner(DeviceRunner):
         """Connect, describe the accessories, and relay their values until the connection is lost."""
         self._waiting = asyncio.Queue(MAX_EVENTS)
         async with self._port.connected(self._found, self._pairing, self._on_event) as link:
-            self._describe(await link.list_accessories())
+            before, accessories = self.keys, parse_accessories(await link.list_accessories())
+            self.sleeps = any(accessory.sleeps for accessory in accessories.values())
+            self._accessories.clear()
+            for aid, accessory in accessories.items():
+                self._accessories[aid] = described = describe(self._found, accessory)
+                self._devices.put(described.device, "it described itself")
+            for key in before - self.keys:
+                self._devices.remove(key, "its bridge no longer has it")
             await link.subscribe(self._ids("ev"))
             await self._report(await link.read(self._ids("pr")), is_read=True)
             self.link = link
@@ -149,25 +156,23 @@ class AccessoryRunner(DeviceRunner):
             {(accessory.aid, characteristic.iid): value for characteristic, value in wanted.items()},
             is_timed=any("tw" in characteristic.perms for characteristic in wanted),
         )
-        _check(f"{command.capability} for {accessory.device.name}", statuses.values())
+        what = f"{command.capability} for {accessory.device.name}"
+        for status in statuses.values():
+            code = -abs(status)  # some accessories omit the sign
+            if code in _LINK_PROBLEMS:
+                raise LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
+            raise RefusedError(what, f"HAP status {code}", code)
         for characteristic, value in wanted.items():
             # the next command, before it is read back, may depend on it: a temperature on a mode
             characteristic.value = value
-        self._read_back(
-            link,
-            accessory.aid,
-            (
-                characteristic
-                for characteristic in known.values()
-                if characteristic in wanted or characteristic.type in watched
-            ),
-        )
-        return along
-
-    def _read_back(self, link: HomekitLink, aid: int, written: Iterable[HapCharacteristic]) -> None:
-        ids = {(aid, characteristic.iid) for characteristic in written if "pr" in characteristic.perms}
+        ids = {
+            (accessory.aid, characteristic.iid)
+            for characteristic in known.values()
+            if "pr" in characteristic.perms and (characteristic in wanted or characteristic.type in watched)
+        }
         if ids and self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
+        return along
 
     def _find(self, command: Command) -> tuple[AccessoryDevice, HomekitPart]:
         """Return the accessory and the part with the capability of a command, as last described."""
@@ -188,17 +193,6 @@ class AccessoryRunner(DeviceRunner):
         if self.link is None:
             raise self.not_connected()
         return self.link
-
-    def _describe(self, listed: object) -> None:
-        """Publish the accessories, and remove those that no longer exist."""
-        before, accessories = self.keys, parse_accessories(listed)
-        self.sleeps = any(accessory.sleeps for accessory in accessories.values())
-        self._accessories.clear()
-        for aid, accessory in accessories.items():
-            self._accessories[aid] = described = describe(self._found, accessory)
-            self._devices.put(described.device, "it described itself")
-        for key in before - self.keys:
-            self._devices.remove(key, "its bridge no longer has it")
 
     def _ids(self, permission: str) -> list[CharacteristicId]:
         """Return the characteristics of known capabilities with a permission."""
@@ -289,11 +283,3 @@ class AccessoryRunner(DeviceRunner):
             for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
                 if row.read is not None and not kinds.isdisjoint(row.watched):
                     await self._devices.report(key, {row.capability: row.read(part.service)}, part.part.id)
-
-
-def _check(what: str, statuses: Iterable[int]) -> None:
-    for status in statuses:
-        code = -abs(status)  # some accessories omit the sign
-        if code in _LINK_PROBLEMS:
-            raise LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
-        raise RefusedError(what, f"HAP status {code}", code)

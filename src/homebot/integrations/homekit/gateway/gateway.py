@@ -4,7 +4,7 @@ The mDNS gateway finds the accessories; this one follows its sightings on the gr
 that are paired with homebot. The keys are kept in a file; the setup codes are forgotten.
 """
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -136,15 +136,12 @@ class HomekitGateway(Gateway):
             await link.unpair()
         await self._save_pairings({other: keys for other, keys in self._pairings.items() if other != key})
         self._stop(key)
-        self._publish_unpaired(key, (key,) if runner is None else runner.keys, is_paired=link is None)
-        return key if runner is None else runner.name
-
-    def _publish_unpaired(self, key: str, devices: Iterable[str], *, is_paired: bool) -> None:
-        for device in devices:
+        for device in (key,) if runner is None else runner.keys:
             self.devices.remove(device, "it is not paired any more")
         if sighted := self._found.get(key):
-            self._found[key] = replace(sighted, is_paired=is_paired)  # until it announces that itself
+            self._found[key] = replace(sighted, is_paired=link is None)  # until it announces that itself
             self.devices.put(describe(sighted).device, "it is announced")
+        return key if runner is None else runner.name
 
     async def _save_pairings(self, pairings: dict[str, Pairing]) -> None:
         await self._file.keep(pairings)
@@ -173,24 +170,17 @@ class HomekitGateway(Gateway):
                 self.devices.reject(sighting.key, b"", str(exc))
                 continue
             if sighted is not None and sighting.kind == "removed":
-                self._on_lost(sighted.id)
+                self._found.pop(sighted.id, None)
+                if sighted.id not in self._pairings:
+                    self.devices.remove(sighted.id, "it is not announced any more")
             elif sighted is not None:
-                self._on_found(sighted)
-
-    def _on_found(self, sighted: FoundAccessory) -> None:
-        self._found[sighted.id] = sighted
-        if (runner := self._runners.get(sighted.id)) is not None:
-            runner.change(sighted)
-        elif sighted.id in self._pairings:
-            self._start(sighted)
-        else:
-            self.devices.put(describe(sighted).device, "it is announced")
-
-    def _on_lost(self, key: str) -> None:
-        """Remove an accessory that is no longer announced, unless it is paired and so only away."""
-        self._found.pop(key, None)
-        if key not in self._pairings:
-            self.devices.remove(key, "it is not announced any more")
+                self._found[sighted.id] = sighted
+                if (runner := self._runners.get(sighted.id)) is not None:
+                    runner.change(sighted)
+                elif sighted.id in self._pairings:
+                    self._start(sighted)
+                else:
+                    self.devices.put(describe(sighted).device, "it is announced")
 
     def _notes(self) -> Iterator[str]:
         waiting = (sighted for key, sighted in self._found.items() if key not in self._pairings)

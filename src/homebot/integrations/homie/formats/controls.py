@@ -69,10 +69,6 @@ def _read_movement(state: HomieProperty, payload: bytes) -> Readings:
     return {"movement": movement} if movement in _OPENINGS else NO_READINGS
 
 
-def _lock_state(state: HomieProperty | None, command: HomieProperty | None) -> HomieProperty | None:
-    return command if state is None and command is not None and _tells_lock(command) else state
-
-
 def add_lock(part: BytesPart, props: Props) -> None:
     """Add the capabilities of a lock, which is locked if its state is true, or says so.
 
@@ -80,7 +76,12 @@ def add_lock(part: BytesPart, props: Props) -> None:
     """
     state, command = props.get("lock"), props.get("lock_action")
     commands = _options_by_command(command, _LOCK_COMMANDS)
-    reported = _lock_state(state, command)
+    told_by_command = (
+        command is not None
+        and command.is_retained
+        and {*_LOCKS.values()} <= {option.casefold() for option in command.options}
+    )
+    reported = command if state is None and told_by_command else state
 
     def read(payload: bytes) -> Readings:
         value = read_plain(reported, payload) if reported is not None else None
@@ -103,10 +104,6 @@ def add_lock(part: BytesPart, props: Props) -> None:
             part.add_command_topics(f"{prop.topic}/set")
     is_settable = bool(commands) or (state is not None and state.is_settable)
     part.add_capability("lock", readable=reported is not None, writer=write if is_settable else None)
-
-
-def _tells_lock(command: HomieProperty) -> bool:
-    return command.is_retained and {option.casefold() for option in command.options} >= set(_LOCKS.values())
 
 
 def add_alarm(part: BytesPart, props: Props) -> None:
@@ -206,7 +203,11 @@ def find_vacuum(nodes: tuple[NodeRoles, ...]) -> _Vacuum | None:
     node, command = next(_enums(nodes, {"START", "HOME"}, settable=True), (None, None))
     if node is None or command is None or (state is None and set(command.options) != set(_COMMANDS.values())):
         return None
-    power = next((prop for owner, prop in _enums(nodes, set(), settable=True) if "fan" in _words(owner)), None)
+    power = None
+    for owner, prop in _enums(nodes, set(), settable=True):
+        if "fan" in tokens_in(_CAMEL.sub(" ", owner.id), owner.name):  # also FanSpeedControlCapability
+            power = prop
+            break
     return _Vacuum(node, command, state, power)
 
 
@@ -244,8 +245,3 @@ _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 def _read(state: HomieProperty, payload: bytes) -> Readings:
     value = read_plain(state, payload)
     return {"vacuum": _STATES[value]} if isinstance(value, str) and value in _STATES else NO_READINGS
-
-
-def _words(node: HomieNode) -> frozenset[str]:
-    """Return the words of a node, also of one that writes ``FanSpeedControlCapability``."""
-    return tokens_in(_CAMEL.sub(" ", node.id), node.name)

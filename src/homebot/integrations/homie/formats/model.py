@@ -68,21 +68,16 @@ def parse_range(text: str) -> Range:
     """
     if not text:
         return Range()
-    least, most, step = _parse_fields(text)
+    fields = text.split(":")
+    numbers = [to_number(field) for field in fields]
+    if not 1 < len(fields) <= _FIELDS or any(number is None and fields[i] for i, number in enumerate(numbers)):
+        raise WireError(f"format {shown(text)} is not a range")
+    least, most, step = (*numbers, None)[:_FIELDS]
     if step is not None and step <= 0:
         raise WireError(f"format {shown(text)} is not a range")
     if least is not None and most is not None and least > most:
         raise WireError(f"format {shown(text)} contains no number")
     return Range(least, most, step)
-
-
-def _parse_fields(text: str) -> tuple[float | None, ...]:
-    """Return the three numbers of a range; None for one that is left out."""
-    fields = text.split(":")
-    numbers = [to_number(field) for field in fields]
-    if not 1 < len(fields) <= _FIELDS or any(number is None and fields[i] for i, number in enumerate(numbers)):
-        raise WireError(f"format {shown(text)} is not a range")
-    return (*numbers, None)[:_FIELDS]
 
 
 MAX_PROPERTIES = 500

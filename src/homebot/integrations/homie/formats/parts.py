@@ -45,22 +45,26 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
         controls.append(build_vacuum(vacuum))
         nodes = tuple(as_settings(node, vacuum.props) for node in nodes)
     others: list[BytesPart] = []
-    lamp = _lamp(device, nodes)
+    lamp = tuple(filter(_may_be_of_a_lamp, nodes))
+    roles = [role for node in lamp for role in _light_roles(node)]
+    is_guessed = any(node.kind == "light" and node.is_guess for node in lamp)
+    is_lamp = is_guessed or declared_class(device.type) == "light" or set(roles) - {"on_off"}
+    if not is_lamp or len(set(roles)) != len(roles):  # there are several lamps, or none
+        lamp = ()
     if lamp:
-        controls.append(_light(lamp))
+        props = {role: prop for role in LIGHT_ROLES for node in lamp if (prop := node.prop(role)) is not None}
+        part = node_part(lamp[0].node, "light", guessed=any(node.is_guess for node in lamp))
+        add_light(part, props)
+        controls.append(part)
     for node in nodes:
         controls.extend(_alarms(node))
         if node not in lamp:
             controls.extend(_controls(device, node))
         others.extend((*_meters(node, is_of_circuit=device.type == _CIRCUIT), *_singles(node)))
-    formats = _command_formats(device)
+    settable = [prop for node in device.nodes for prop in node.properties if prop.is_settable]
+    formats = [(prop.topic, prop.datatype, prop.unit, prop.range, prop.options) for prop in settable]
     digest = payload_digest(formats) if formats else ""
     return tuple(part.build(digest=digest) for part in (*controls, *others))
-
-
-def _command_formats(device: HomieDevice) -> list[tuple[object, ...]]:
-    settable = [prop for node in device.nodes for prop in node.properties if prop.is_settable]
-    return [(prop.topic, prop.datatype, prop.unit, prop.range, prop.options) for prop in settable]
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})
@@ -84,17 +88,6 @@ _SINGLE = (
 )
 
 
-def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
-    """Return the nodes of the only lamp; none for no lamp or several."""
-    lamp = tuple(filter(_may_be_of_a_lamp, nodes))
-    roles = [role for node in lamp for role in _light_roles(node)]
-    if len(set(roles)) != len(roles):
-        return ()
-    is_guessed = any(node.kind == "light" and node.is_guess for node in lamp)
-    is_lamp = is_guessed or declared_class(device.type) == "light" or set(roles) - {"on_off"}
-    return lamp if is_lamp else ()
-
-
 def _light_roles(node: NodeRoles) -> frozenset[str]:
     return frozenset(role.name for role in node.roles) & set(LIGHT_ROLES)
 
@@ -109,16 +102,12 @@ def _may_be_of_a_lamp(node: NodeRoles) -> bool:
 _LIGHTS = frozenset(name for name, kind in KINDS.items() if kind.service_type == "light")
 
 
-def _light(nodes: tuple[NodeRoles, ...]) -> BytesPart:
-    props = {role: prop for role in LIGHT_ROLES for node in nodes if (prop := node.prop(role)) is not None}
-    part = node_part(nodes[0].node, "light", guessed=any(node.is_guess for node in nodes))
-    add_light(part, props)
-    return part
-
-
 def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
     props = {role.name: role.prop for role in node.roles if role.name in CONTROLS}
-    service_type = _service_type(device, node, props)
+    kind = KINDS[node.kind].service_type if node.kind else ""
+    possible = (kind, "light", "window_covering", "switch")
+    guess = next((candidate for candidate in possible if props.keys() & _NEEDED.get(candidate, frozenset())), "")
+    service_type = "plug" if guess == "switch" and _OUTLETS & tokens_in(node.node.type, device.type) else guess
     if not service_type:
         return
     tag = KINDS[node.kind].tag if node.kind else ""
@@ -131,14 +120,6 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
         add_properties(part, props, *_SINGLE)
     if not part.is_empty:
         yield part
-
-
-def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, HomieProperty]) -> str:
-    """Return the service type of the controls of *node*; empty if it has none, or only incomplete ones."""
-    kind = KINDS[node.kind].service_type if node.kind else ""
-    possible = (kind, "light", "window_covering", "switch")
-    guess = next((candidate for candidate in possible if props.keys() & _NEEDED.get(candidate, frozenset())), "")
-    return "plug" if guess == "switch" and _OUTLETS & tokens_in(node.node.type, device.type) else guess
 
 
 _NEEDED: Mapping[str, frozenset[str]] = {
@@ -207,7 +188,9 @@ def _singles(node: NodeRoles) -> Iterator[BytesPart]:
         elif role.name and role.name not in CONTROLS:
             yield _sensor(node.node, role)
         elif not role.name and not _is_relative(role.prop):
-            yield _setting(node.node, role.prop)
+            setting = node_part(node.node, "x_setting", suffix=role.prop.id, name=role.prop.name, category="config")
+            add_property(setting, _SETTINGS.get(role.prop.datatype, "text"), role.prop)
+            yield setting
 
 
 def _is_relative(prop: HomieProperty) -> bool:
@@ -224,10 +207,4 @@ def _sensor(node: HomieNode, role: Role) -> BytesPart:
     service_type = sensor_type(role.name)
     part = node_part(node, service_type, suffix=role.prop.id, name=role.prop.name, category=category)
     add_property(part, role.name, role.prop)
-    return part
-
-
-def _setting(node: HomieNode, prop: HomieProperty) -> BytesPart:
-    part = node_part(node, "x_setting", suffix=prop.id, name=prop.name, category="config")
-    add_property(part, _SETTINGS.get(prop.datatype, "text"), prop)
     return part

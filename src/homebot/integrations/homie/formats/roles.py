@@ -194,19 +194,15 @@ def find_roles(node: HomieNode) -> NodeRoles:
         return NodeRoles(node, declared, is_guess=False, roles=roles)
     kind = node.type.strip().casefold()
     if kind not in KINDS:
-        kind = "lock" if _may_lock_a_door(node) else ""
+        settable = [prop.id for prop in node.properties if prop.is_settable]
+        words = tokens_in(node.type, node.id, node.name, *settable)
+        # a setting of that name would not ask
+        kind = "lock" if settable and "lock" in words and words.isdisjoint(_CHARGERS) else ""
     roles = _roles_by_form(node, kind)
     names = {role.name for role in roles}
     if not kind:
         kind = "lock" if "lock_action" in names else "valve" if "valve" in names else ""
     return NodeRoles(node, kind, is_guess=True, roles=roles)
-
-
-def _may_lock_a_door(node: HomieNode) -> bool:
-    """Return whether its words say so: a setting of that name would not ask."""
-    settable = [prop.id for prop in node.properties if prop.is_settable]
-    words = tokens_in(node.type, node.id, node.name, *settable)
-    return bool(settable) and "lock" in words and words.isdisjoint(_CHARGERS)
 
 
 _CHARGERS = frozenset({"charger", "ev", "evse"})
@@ -218,7 +214,11 @@ def _roles_by_form(node: HomieNode, kind: str) -> tuple[Role, ...]:
     own = node.properties
     if kind == "lock":
         own = tuple(prop for prop in own if tokens_in(prop.id, prop.name).isdisjoint(_OTHER_LOCKS))
-    names = _roles_by_id(node, kind, own)
+    names: dict[str, str] = {}
+    if kind:
+        declared = {KINDS[kind].condition, *KINDS[kind].roles.values()} - {""}
+        declared_roles = (_declared_role(node, prop, kind) for prop in own)
+        names = {role.prop.id: role.name for role in declared_roles if role.name in declared}
     for form in (form for form in _FORMS if kind in form.kinds):
         fitting = [prop for prop in own if form.holds(prop)]
         if len(fitting) == 1 and form.role not in names.values():
@@ -227,15 +227,6 @@ def _roles_by_form(node: HomieNode, kind: str) -> tuple[Role, ...]:
         Role(names[prop.id], prop) if prop.id in names else _read_only_role(node, prop) for prop in node.properties
     )
     return _singled(node, roles)
-
-
-def _roles_by_id(node: HomieNode, kind: str, own: Iterable[HomieProperty]) -> dict[str, str]:
-    """Return the roles of properties whose ids are those that the type *kind* declares; none without a type."""
-    if not kind:
-        return {}
-    declared = {KINDS[kind].condition, *KINDS[kind].roles.values()} - {""}
-    roles = (_declared_role(node, prop, kind) for prop in own)
-    return {role.prop.id: role.name for role in roles if role.name in declared}
 
 
 def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:

@@ -38,7 +38,9 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
         case "boolean":
             return {prop.flags[0]: False, prop.flags[1]: True}.get(text)
         case "integer" | "float":
-            return _read_number(prop, text)
+            pattern = _INTEGER if prop.datatype == "integer" else _FLOAT
+            number = to_number(text) if pattern.fullmatch(text) else None
+            return number if number is not None and prop.range.holds(number) else None
         case "enum":
             return text if text in prop.options else None
         case "color":
@@ -63,7 +65,12 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
         case "boolean":
             return prop.flags[require_bool(capability, value)]
         case "integer" | "float":
-            return _spell_number(prop, capability, value)
+            least = -_MAX_NUMBER if prop.range.least is None else prop.range.least
+            most = _MAX_NUMBER if prop.range.most is None else prop.range.most
+            number = prop.range.nearest(require_number(capability, value, least, most, prop.unit))
+            if prop.datatype == "integer":
+                return str(math.floor(number + 0.5))
+            return f"{number:.9f}".rstrip("0").rstrip(".") if abs(number) < _MAX_NUMBER else repr(number)
         case "enum":
             return require_option(capability, value, prop.options)
         case _:
@@ -74,8 +81,16 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
 
 def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float | None] | None:
     """Return hue, saturation and brightness in *payload*; None if it is no colour of *prop*."""
-    form, numbers = _color_channels(prop, payload)
-    if not numbers:
+    text = to_text(payload)
+    if text is None or len(text) > _MAX_TEXT_CHARACTERS:
+        return None
+    fields = text.split(",")
+    form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
+    limits = _LIMITS.get(form, ()) if form in prop.options else ()
+    numbers = tuple(number for number in map(to_number, fields) if number is not None)
+    if not numbers or not len(fields) == len(numbers) == len(limits):
+        return None
+    if not all(0 <= number <= most for number, most in zip(numbers, limits, strict=True)):
         return None
     if form == "hsv":
         return numbers[0], numbers[1], numbers[2]
@@ -89,21 +104,6 @@ def read_hue_saturation(prop: HomieProperty, payload: bytes) -> tuple[float, flo
     """Return hue and saturation of :func:`read_color`."""
     color = read_color(prop, payload)
     return None if color is None else color[:2]
-
-
-def _color_channels(prop: HomieProperty, payload: bytes) -> tuple[str, tuple[float, ...]]:
-    """Return the form of a colour and its numbers; no numbers for an invalid payload."""
-    text = to_text(payload)
-    if text is None or len(text) > _MAX_TEXT_CHARACTERS:
-        return "", ()
-    fields = text.split(",")
-    form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
-    limits = _LIMITS.get(form, ()) if form in prop.options else ()
-    numbers = tuple(number for number in map(to_number, fields) if number is not None)
-    if not len(fields) == len(numbers) == len(limits):
-        return form, ()
-    is_valid = all(0 <= number <= most for number, most in zip(numbers, limits, strict=True))
-    return form, numbers if is_valid else ()
 
 
 def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
@@ -122,18 +122,3 @@ def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
 def publication(prop: HomieProperty, text: str) -> Publication:
     """Return the command that sets *prop*: never retained, and exactly once where it is a state."""
     return Publication(f"{prop.topic}/set", text.encode(), _EXACT_QOS if prop.is_retained else 0)
-
-
-def _read_number(prop: HomieProperty, text: str) -> float | None:
-    pattern = _INTEGER if prop.datatype == "integer" else _FLOAT
-    number = to_number(text) if pattern.fullmatch(text) else None
-    return number if number is not None and prop.range.holds(number) else None
-
-
-def _spell_number(prop: HomieProperty, capability: str, value: PlainValue) -> str:
-    least = -_MAX_NUMBER if prop.range.least is None else prop.range.least
-    most = _MAX_NUMBER if prop.range.most is None else prop.range.most
-    number = prop.range.nearest(require_number(capability, value, least, most, prop.unit))
-    if prop.datatype == "integer":
-        return str(math.floor(number + 0.5))
-    return f"{number:.9f}".rstrip("0").rstrip(".") if abs(number) < _MAX_NUMBER else repr(number)

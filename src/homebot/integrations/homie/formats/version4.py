@@ -121,31 +121,23 @@ class Version4(Registry[_Homie4Device]):
         """
         if not _is_known(attribute):
             return ()
-        text = _legal_text(device_id, attribute, payload)
+        text = to_text(payload) if len(payload) <= _MAX_VALUE_BYTES else None
+        if not _ID.fullmatch(device_id) or text is None:
+            raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
         name = f"{domain}/{device_id}"
         if not text and attribute in {"$state", "$homie"}:
-            return self._removed(name)
-        _check(attribute, text)
+            device = self.devices.remove(name)
+            if device is None:
+                return ()
+            self.reserve(device, 0)
+            return self.withdraw(device, name, "its state was removed", is_final=True)
+        if attribute == "$state" and text not in STATES:
+            raise WireError(f"$state is {shown(text)}, not one of {', '.join(STATES)}")
+        if attribute == "$homie" and not _VERSION.fullmatch(text):
+            raise WireError(f"$homie is {shown(text)}, not 3 or 4")
         device = self.devices.find(name, _Homie4Device)
         if device is None or not self._record(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
-        return self._describe(device, domain, device_id)
-
-    def _record(self, device: _Homie4Device, attribute: str, text: str) -> bool:
-        known = device.attributes.get(attribute)
-        if known == text:
-            return attribute == "$state"
-        grown = len(text) + len(attribute) - (0 if known is None else len(known) + len(attribute))
-        if known is None and len(device.attributes) >= _MAX_ATTRIBUTES:
-            self.refused += 1
-            return False
-        if not self.reserve(device, device.size + grown):
-            return False
-        device.attributes[attribute] = text
-        device.is_changed = device.is_changed or attribute != "$state"
-        return True
-
-    def _describe(self, device: _Homie4Device, domain: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()
@@ -164,12 +156,19 @@ class Version4(Registry[_Homie4Device]):
         )
         return self.announce(device, whole, domain, state)
 
-    def _removed(self, name: str) -> tuple[AnnouncementEvent, ...]:
-        device = self.devices.remove(name)
-        if device is None:
-            return ()
-        self.reserve(device, 0)
-        return self.withdraw(device, name, "its state was removed", is_final=True)
+    def _record(self, device: _Homie4Device, attribute: str, text: str) -> bool:
+        known = device.attributes.get(attribute)
+        if known == text:
+            return attribute == "$state"
+        grown = len(text) + len(attribute) - (0 if known is None else len(known) + len(attribute))
+        if known is None and len(device.attributes) >= _MAX_ATTRIBUTES:
+            self.refused += 1
+            return False
+        if not self.reserve(device, device.size + grown):
+            return False
+        device.attributes[attribute] = text
+        device.is_changed = device.is_changed or attribute != "$state"
+        return True
 
 
 def _is_known(attribute: str) -> bool:
@@ -177,20 +176,6 @@ def _is_known(attribute: str) -> bool:
         return True
     owner, _, name = attribute.rpartition("/")
     return bool(owner) and name in (NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES, ())[min(owner.count("/"), 2)]
-
-
-def _legal_text(device_id: str, attribute: str, payload: bytes) -> str:
-    text = to_text(payload) if len(payload) <= _MAX_VALUE_BYTES else None
-    if not _ID.fullmatch(device_id) or text is None:
-        raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
-    return text
-
-
-def _check(attribute: str, text: str) -> None:
-    if attribute == "$state" and text not in STATES:
-        raise WireError(f"$state is {shown(text)}, not one of {', '.join(STATES)}")
-    if attribute == "$homie" and not _VERSION.fullmatch(text):
-        raise WireError(f"$homie is {shown(text)}, not 3 or 4")
 
 
 def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:

@@ -6,7 +6,6 @@ Source: Homie convention 5, Device Lifecycle.
 """
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.description import AnnouncementEvent
@@ -33,7 +32,11 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> HomieDevice:
     optional(fields, "version", int)
     for name in ("children", "extensions"):
         optional(fields, name, list)
-    root, parent = _relatives(fields, device_id)
+    root = optional(fields, "root", str) or ""
+    parent = optional(fields, "parent", str) or root
+    if not all(_ID.fullmatch(relative) for relative in (root, parent) if relative):
+        raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
+    root, parent = root if root != device_id else "", parent if parent != device_id else ""
     return read_device(
         fields,
         device_id,
@@ -42,15 +45,6 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> HomieDevice:
         root=f"{domain}/5/{root}" if root else "",
         facts={"via_device": parent} if parent else {},
     )
-
-
-def _relatives(fields: Mapping[str, object], device_id: str) -> tuple[str, str]:
-    """Return the ids of the root and the parent of a device, each empty for none."""
-    root = optional(fields, "root", str) or ""
-    parent = optional(fields, "parent", str) or root
-    if not all(_ID.fullmatch(relative) for relative in (root, parent) if relative):
-        raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
-    return root if root != device_id else "", parent if parent != device_id else ""
 
 
 _MAX_DEVICES = 5000
@@ -92,7 +86,15 @@ class Version5(Registry[_Homie5Device]):
             raise WireError(f"{shown(device_id)} is not a valid device id")
         name = f"{domain}/5/{device_id}"
         if not payload:
-            return self._removed(name, attribute)
+            device = self.devices.get(name)
+            if device is None:
+                return ()
+            self._store_waiting(device, b"")
+            if attribute == "$state":
+                self.devices.remove(name)
+                return self.withdraw(device, name, "its state was removed", is_final=True)
+            device.document_hash = None
+            return self.withdraw(device, name, "its description was removed")
         device = self.devices.find(name, _Homie5Device)
         if device is None:
             return ()
@@ -131,14 +133,3 @@ class Version5(Registry[_Homie5Device]):
             self.reserve(device, 0)
         device.waiting = waiting if is_kept else b""
         return is_kept
-
-    def _removed(self, name: str, attribute: str) -> tuple[AnnouncementEvent, ...]:
-        device = self.devices.get(name)
-        if device is None:
-            return ()
-        self._store_waiting(device, b"")
-        if attribute == "$state":
-            self.devices.remove(name)
-            return self.withdraw(device, name, "its state was removed", is_final=True)
-        device.document_hash = None
-        return self.withdraw(device, name, "its description was removed")

@@ -102,7 +102,13 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     if main_is_guess:
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
     kind = _climate_type(unknown) if main == "thermostat" else main
-    groups = _groups(candidates, _owned(candidates, main))
+    owned: dict[str, _Candidate] = {}
+    for candidate in sorted(candidates, key=lambda entry: (not entry.service_type, entry.doubt, not entry.is_settable)):
+        if candidate.part_id == "" if candidate.service_type else candidate.capability in OWNED.get(main, ()):
+            owned.setdefault(candidate.capability, candidate)
+    groups: dict[str, list[_Candidate]] = {}
+    for candidate in candidates:
+        groups.setdefault(_group(candidate, owned, groups), []).append(candidate)
     return tuple(_part(thing, name, members, kind, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
@@ -303,23 +309,6 @@ def _words_of(candidate: _Candidate) -> tuple[str, ...]:
 _OUTDOORS = frozenset({"outdoor", "outside"})
 _SETPOINTS = frozenset({"desired", "set", "setpoint", "target"})
 _MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
-
-
-def _owned(candidates: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
-    """Return the affordances of the main part by capability: of a switch and a child lock, the switch."""
-    owned: dict[str, _Candidate] = {}
-    for candidate in sorted(candidates, key=lambda entry: (not entry.service_type, entry.doubt, not entry.is_settable)):
-        if candidate.part_id == "" if candidate.service_type else candidate.capability in OWNED.get(main, ()):
-            owned.setdefault(candidate.capability, candidate)
-    return owned
-
-
-def _groups(candidates: Iterable[_Candidate], owned: Mapping[str, _Candidate]) -> dict[str, list[_Candidate]]:
-    """Return the affordances of each part by its id."""
-    groups: dict[str, list[_Candidate]] = {}
-    for candidate in candidates:
-        groups.setdefault(_group(candidate, owned, groups), []).append(candidate)
-    return groups
 
 
 def _group(candidate: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:

@@ -148,6 +148,17 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
     definition = as_fields(entry.get("definition"))
     listed = as_fields(entry.get("endpoints"))
     called = {number: _fact_text(as_fields(endpoint).get("name")) for number, endpoint in listed.items()}
+    options = definition.get("options")
+    takes_transition = True  # of an old bridge, which lists no options
+    if isinstance(options, list):
+        takes_transition = any(as_fields(option).get("name") == "transition" for option in options[:_MAX_OPTIONS])
+    database_facts = {fact: _fact_text(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
+    known = {fact: _fact_text(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
+    interview = _fact_text(entry.get("interview_state"))
+    states = {
+        "interview": "" if interview in _INTERVIEWED else interview.lower(),
+        "supported": "no" if entry.get("supported") is False else "",
+    }
     return BridgeDevice(
         ieee=ieee,
         name=name,
@@ -158,11 +169,11 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         model=_fact_text(definition.get("model")),
         exposes=definition.get("exposes"),
         has_updates=definition.get("supports_ota") is True,
-        takes_transition=_takes_transition(definition.get("options")),
+        takes_transition=takes_transition,
         bare_endpoints=frozenset(listed.keys() - called.values()),
         endpoint_names=called,
         scenes=_scenes(listed),
-        facts=_facts(entry, definition),
+        facts={fact: text for facts in (database_facts, known, states) for fact, text in facts.items() if text},
     )
 
 
@@ -170,13 +181,6 @@ _ADDRESS = re.compile("0x[0-9a-f]{16}")
 _COMMANDS = ("get", "set", "availability")
 _MAX_NAME = 512
 _MAX_FACT = 255
-
-
-def _takes_transition(options: object) -> bool:
-    """Return whether it takes a transition; assumed for an old bridge that lists no options."""
-    if not isinstance(options, list):
-        return True
-    return any(as_fields(option).get("name") == "transition" for option in options[:_MAX_OPTIONS])
 
 
 def _scenes(endpoints: Mapping[str, object]) -> dict[int, str]:
@@ -192,18 +196,6 @@ _DEFINITION_FACTS = {"manufacturer": "vendor", "model": "description", "model_id
 _ENTRY_FACTS = {"manufacturer": "manufacturer", "model_id": "model_id"}
 _MORE_FACTS = {"sw_version": "software_build_id", "power_source": "power_source", "zigbee_type": "type"}
 _INTERVIEWED = ("", "SUCCESSFUL")
-
-
-def _facts(entry: Mapping[str, object], definition: Mapping[str, object]) -> dict[str, str]:
-    """Collect the facts of a device; the bridge's database precedes the device's reports."""
-    database_facts = {fact: _fact_text(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
-    known = {fact: _fact_text(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
-    interview = _fact_text(entry.get("interview_state"))
-    states = {
-        "interview": "" if interview in _INTERVIEWED else interview.lower(),
-        "supported": "no" if entry.get("supported") is False else "",
-    }
-    return {fact: text for facts in (database_facts, known, states) for fact, text in facts.items() if text}
 
 
 def _fact_text(value: object) -> str:

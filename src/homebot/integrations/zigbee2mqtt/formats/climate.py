@@ -73,13 +73,6 @@ class _Mode:
         return self._write(_mode_of(value, self._options), transition)
 
 
-def _add_switch(part: Zigbee2MqttPart, mode: Expose) -> None:
-    """Add ``on_off``, from the enum ``system_mode``: any other mode than off is on."""
-    options, key = mode.options, mode.key
-    writer = bool_writer("on_off", lambda on: part.topics.publish({key: options[_mode_of(on, options)]}))
-    part.add_feature(mode, "on_off", partial(_read_switch, options), writer if mode.is_settable else None)
-
-
 def _read_switch(options: Collection[str], value: object) -> bool | None:
     mode = text_of(value)
     return mode != "off" if mode in options else None
@@ -107,13 +100,20 @@ def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None
     """Describe a thermostat; *program* is the enum of its program."""
     part.add_number(climate.feature("local_temperature"), "local_temperature")
     mode = climate.feature("system_mode")
-    _add_setpoints(part, climate, mode.options if mode is not None else ())
+    single, cooling = climate.feature(*_SINGLE), climate.feature(_COOLING)
+    part.add_number(cooling, "cooling_setpoint")
+    for setpoint in (
+        setpoints_of(mode.options if mode is not None else ()) if cooling is None else ("heating_setpoint",)
+    ):
+        part.add_number(single, setpoint)
     if mode is not None and program is not None:
         _Mode(part.topics, mode, program).add_to(part)
     else:
         part.add_enum(mode, "thermostat_mode")
         if mode is not None and "off" in mode.options:
-            _add_switch(part, mode)
+            options, key = mode.options, mode.key
+            writer = bool_writer("on_off", lambda on: part.topics.publish({key: options[_mode_of(on, options)]}))
+            part.add_feature(mode, "on_off", partial(_read_switch, options), writer if mode.is_settable else None)
     for capability, name, meanings in _ENUMS:
         part.add_enum(climate.feature(name), capability, meanings)
     part.request(*climate.own_features)
@@ -128,14 +128,6 @@ def build_thermometer(topics: Zigbee2MqttTopics, climate: Expose) -> DescribedPa
     part = Zigbee2MqttPart(topics, clean_text(local.key), "temperature_sensor", name=local.title, advertised=local.name)
     part.add_number(local, "temperature")
     return part.build()
-
-
-def _add_setpoints(part: Zigbee2MqttPart, climate: Expose, modes: Collection[str]) -> None:
-    """Add a pair of setpoints, or the single one by the *modes* that use it."""
-    single, cooling = climate.feature(*_SINGLE), climate.feature(_COOLING)
-    part.add_number(cooling, "cooling_setpoint")
-    for capability in setpoints_of(modes) if cooling is None else ("heating_setpoint",):
-        part.add_number(single, capability)
 
 
 _SHOWN = 200

@@ -60,7 +60,9 @@ class _Movement:
         if state is None:
             return {"movement": None}
         at = _STATES.get(state) if isinstance(state, str) else None
-        direction, position = self._direction(message), message.get(self.position)
+        word = message.get(self.motor.key) if self.motor is not None else None
+        direction = _DIRECTIONS.get(word.lower()) if isinstance(word, str) else None
+        position = message.get(self.position)
         if direction is not None and not self._is_at_end(at, position):
             return {"movement": direction}
         if at is None:
@@ -71,10 +73,6 @@ class _Movement:
 
     def _is_at_end(self, at: str | None, position: object) -> bool:
         return self.position != "" and position == _ENDS.get(at or "")
-
-    def _direction(self, message: JsonMessage) -> str | None:
-        word = message.get(self.motor.key) if self.motor is not None else None
-        return _DIRECTIONS.get(word.lower()) if isinstance(word, str) else None
 
     def _read_running(self, at: str, position: float | None) -> Readings:
         if position is None or at not in _ENDS or position == _ENDS[at]:
@@ -140,7 +138,9 @@ def build_fan(part: Zigbee2MqttPart, fan: Expose, model: str) -> DescribedPart:
     part.add_flag(state, "on_off")
     if mode is not None:
         part.add_enum(mode, "fan_mode")
-        _add_speed_steps(part, mode, _speed_steps(mode, model))
+        fastest = ("on",) if model in _MODELS_WITH_FASTEST_ON else ()
+        steps = ("off", *(step for step in (*_SPEEDS, *fastest) if step in mode.options))
+        _add_speed_steps(part, mode, steps)
     elif speed is not None:
         _add_speed_range(part, speed)
     part.request(state, mode, speed)
@@ -149,11 +149,6 @@ def build_fan(part: Zigbee2MqttPart, fan: Expose, model: str) -> DescribedPart:
 
 _SPEEDS = ("low", "medium", "high", "1", "2", "3", "4", "5", "6", "7", "8", "9")
 _MODELS_WITH_FASTEST_ON = frozenset({"99432"})
-
-
-def _speed_steps(mode: Expose, model: str) -> tuple[str, ...]:
-    fastest = ("on",) if model in _MODELS_WITH_FASTEST_ON else ()
-    return "off", *(speed for speed in (*_SPEEDS, *fastest) if speed in mode.options)
 
 
 def _add_speed_steps(part: Zigbee2MqttPart, mode: Expose, speeds: Sequence[str]) -> None:

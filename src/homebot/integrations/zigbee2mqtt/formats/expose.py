@@ -150,12 +150,6 @@ def _read_known(entry: object) -> Expose | None:
     return expose
 
 
-def _read_all(entries: object, depth: int) -> tuple[Expose, ...]:
-    if not isinstance(entries, list) or depth > _MAX_DEPTH:
-        return ()
-    return tuple([expose for entry in entries[:_MAX_ENTRIES] if (expose := _read(entry, depth)) is not None])
-
-
 def _read(entry: object, depth: int) -> Expose | None:
     if not isinstance(entry, dict):
         return None
@@ -164,6 +158,9 @@ def _read(entry: object, depth: int) -> Expose | None:
     if not is_specific and (kind not in _GENERIC_TYPES or not key):
         return None
     access = entry.get("access")
+    values, listed = entry.get("values"), entry.get("features")
+    known_values = map(_scalar, values[:_MAX_VALUES]) if isinstance(values, list) else ()
+    features = listed[:_MAX_ENTRIES] if isinstance(listed, list) and depth < _MAX_DEPTH else ()
     return Expose(
         type=kind,
         name=clean_text(name or key),
@@ -178,8 +175,8 @@ def _read(entry: object, depth: int) -> Expose | None:
         least=finite_number(entry.get("value_min")),
         most=finite_number(entry.get("value_max")),
         step=finite_number(entry.get("value_step")),
-        values=_values(entry.get("values")),
-        features=_read_all(entry.get("features"), depth + 1),
+        values=tuple([value for value in known_values if value is not None]),
+        features=tuple([expose for feature in features if (expose := _read(feature, depth + 1)) is not None]),
     )
 
 
@@ -190,12 +187,6 @@ def _category(entry: Mapping[str, object]) -> Category:
         return _CATEGORIES.get(override["entityCategory"], "")
     declared = entry.get("category")
     return _CATEGORIES.get(declared, "") if isinstance(declared, str) else ""
-
-
-def _values(values: object) -> tuple[Scalar, ...]:
-    if not isinstance(values, list):
-        return ()
-    return tuple([scalar for value in values[:_MAX_VALUES] if (scalar := _scalar(value)) is not None])
 
 
 def _scalar(value: object) -> Scalar | None:

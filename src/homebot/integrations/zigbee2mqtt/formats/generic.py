@@ -18,7 +18,7 @@ from homebot.devices.capabilities import MEASURED
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.integrations.zigbee2mqtt.formats.expose import Expose, Scalar
+from homebot.integrations.zigbee2mqtt.formats.expose import Expose
 from homebot.integrations.zigbee2mqtt.formats.features import (
     MAX_VALUE,
     Zigbee2MqttPart,
@@ -112,7 +112,10 @@ def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | 
     lamps are turned off. Only a binary named ``state`` is a switch. A code or password may be set, but never read.
     """
     if expose.type == "enum" and expose.name == "action":
-        return _buttons(topics, expose)
+        buttons = Zigbee2MqttPart.of(topics, expose, "generic_switch")
+        buttons.read_events_from(topics.state, partial(_read_action, expose.key))
+        buttons.add_capability("press", options=tuple(expose.options))
+        return buttons.build()
     if _is_secret(expose):
         expose = replace(expose, access=expose.access & ~_IS_READ)
     part = _setting(topics, expose) if expose.is_settable else _sensor(topics, expose) if expose.is_published else None
@@ -125,13 +128,6 @@ def _is_secret(expose: Expose) -> bool:
 
 
 _IS_READ = 1 | 4
-
-
-def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
-    part = Zigbee2MqttPart.of(topics, action, "generic_switch")
-    part.read_events_from(topics.state, partial(_read_action, action.key))
-    part.add_capability("press", options=tuple(action.options))
-    return part.build()
 
 
 def _read_action(key: str, message: JsonMessage) -> Readings:
@@ -167,7 +163,10 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
 
 def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | None:
     if (expose.type, expose.name, expose.category) == ("binary", "state", ""):
-        return _switch(topics, expose)
+        part = Zigbee2MqttPart.of(topics, expose, "switch")
+        part.add_flag(expose, "on_off")
+        part.request(expose)
+        return part
     part = Zigbee2MqttPart.of(topics, expose, "x_setting", expose.category or "config")
     match expose.type:
         case "binary":
@@ -175,36 +174,19 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
         case "numeric":
             part.add_number(expose, "number", unit=expose.unit)
         case "enum":
-            _add_options(part, expose)
+            values = list(expose.options.values())
+            actions = [value for value in values if value != ""] or values  # a feeder reports it while it is idle
+            if len(actions) != 1:
+                part.add_enum(expose, "option")
+            else:
+                push = "locate" if expose.name == "identify" else "push"
+                writer = push_writer(push, lambda: part.topics.publish({expose.key: actions[0]}))
+                part.add_capability(push, readable=False, writer=writer)
         case "text":
             part.add_feature(expose, "text", _json_text, partial(_write_text, topics, expose))
         case _:
             return _sensor(topics, expose) if expose.is_published else None
     return part
-
-
-def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
-    part = Zigbee2MqttPart.of(topics, expose, "switch")
-    part.add_flag(expose, "on_off")
-    part.request(expose)
-    return part
-
-
-def _add_options(part: Zigbee2MqttPart, expose: Expose) -> None:
-    """Add the options of an enum, or a push if there is only one."""
-    actions = _actions(expose)
-    if len(actions) != 1:
-        part.add_enum(expose, "option")
-        return
-    push = "locate" if expose.name == "identify" else "push"
-    writer = push_writer(push, lambda: part.topics.publish({expose.key: actions[0]}))
-    part.add_capability(push, readable=False, writer=writer)
-
-
-def _actions(expose: Expose) -> list[Scalar]:
-    """Return the actions of an enum, without the empty value that a feeder reports while it is idle."""
-    values = list(expose.options.values())
-    return [value for value in values if value != ""] or values
 
 
 _MAX_TEXT = 4_096

@@ -26,25 +26,23 @@ from homebot.support.numbers import finite_number
 def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> DescribedPart:
     """Describe a lamp; *effect* is the enum of its effects."""
     features = {feature.name: feature for feature in light.own_features}
-    lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
+    colors = [feature.name for feature in light.features if feature.name in ("color_xy", "color_hs")]
+    mode = colors[0].removeprefix("color_") if colors else ""
+    lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, mode, effect)
     part.read_from(part.topics.state, lamp.read)
     modes = {name for name in ("brightness", "color_temp") if name in features} | ({lamp.mode} if lamp.mode else set())
     white = features.get("color_temp")
+    state = features.get("state")
+    switched = ("on_off", "level") if state and state.is_published else ()
+    effects = ("effect",) if effect and effect.is_published else ()
     LightFeatures(
         modes=frozenset(modes or {"onoff"}),
         white=WhiteRange(_NO_WHITE, _kelvins(white) if white else ()),
         effects=tuple(effect.options) if effect else (),
         is_dimmable="brightness" in features,
-    ).add_to(part, _readable(features.get("state"), effect), lamp.publish)
+    ).add_to(part, frozenset({"color_temperature", "color", *switched, *effects}), lamp.publish)
     part.request(*features.values())
     return part.build()
-
-
-def _readable(state: Expose | None, effect: Expose | None) -> frozenset[str]:
-    """Return the capabilities that the lamp reports; whites and colours always."""
-    switched = ("on_off", "level") if state and state.is_published else ()
-    effects = ("effect",) if effect and effect.is_published else ()
-    return frozenset({"color_temperature", "color", *switched, *effects})
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +74,12 @@ class _Zigbee2MqttLamp:
 
     def read(self, message: JsonMessage) -> Readings:
         """Read the brightness; 0 is that of a lamp that is off, and is no report."""
-        readings: dict[str, PlainValue] = dict(self._read_state(message))
+        readings: dict[str, PlainValue] = {}
+        state = self.features.get("state")
+        if state is not None and state.key in message:
+            on = flag_of(state, message[state.key])
+            if on is not None or message[state.key] is None:
+                readings["on_off"] = on
         brightness = self.features.get("brightness")
         if brightness is not None:
             level = read_finite(message.get(brightness.key))
@@ -86,14 +89,6 @@ class _Zigbee2MqttLamp:
         if self.effect is not None and (played := text_of(message.get(self.effect.key))):
             readings["effect"] = played
         return readings
-
-    def _read_state(self, message: JsonMessage) -> Readings:
-        state = self.features.get("state")
-        if state is None or state.key not in message:
-            return NO_READINGS
-        value = message[state.key]
-        on = flag_of(state, value)
-        return {"on_off": on} if on is not None or value is None else NO_READINGS
 
     @property
     def _color_property(self) -> str:
@@ -118,17 +113,15 @@ class _Zigbee2MqttLamp:
         if mode is None:
             mode = self._only_mode(message)
         if mode == "color_temp" and white is not None:
-            return self._read_white(finite_number(message.get(white.key)))
+            mired = finite_number(message.get(white.key))
+            if mired is None or not 0 < mired <= _MAX_MIRED:
+                return NO_READINGS
+            return {"color_temperature": float(kelvin_mired(mired))} | ({"color": None} if self.mode else {})
         if mode in _COLOR_MODES and self.mode:
             color = _hue_saturation(str(mode), message.get(self._color_property))
             if color is not None:
                 return {"color": color} | ({"color_temperature": None} if white is not None else {})
         return NO_READINGS
-
-    def _read_white(self, mired: float | None) -> Readings:
-        if mired is None or not 0 < mired <= _MAX_MIRED:
-            return NO_READINGS
-        return {"color_temperature": float(kelvin_mired(mired))} | ({"color": None} if self.mode else {})
 
 
 _COLOR_MODES = ("xy", "hs")
@@ -137,13 +130,6 @@ _NO_WHITE: KelvinRange = (2_000, 6_535)
 
 _MAX_MIRED = 1_000_000
 _FULL = 254.0
-
-
-def _color_mode(light: Expose) -> str:
-    return next(
-        (feature.name.removeprefix("color_") for feature in light.features if feature.name in ("color_xy", "color_hs")),
-        "",
-    )
 
 
 def _full(brightness: Expose) -> float:

@@ -81,12 +81,27 @@ class _PartsBuilder:
         self._topics = topics
         self._exposes = exposes
         self._names = {expose.name for expose in exposes}
-        self._valves = _binaries_of_valves(device, exposes)
+        types = {expose.type for expose in exposes} & SPECIFIC_TYPES.keys()
+        is_valve = types <= {"switch"} and _VALVES.search(device.facts.get("model", ""))
+        self._valves = _OWN_VALVES | {"state"} if is_valve else _OWN_VALVES
         self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
-        self._possible_roles = self._find_possible_roles()
+        roles = {
+            "opener": self._door is not None,
+            "siren": not _SOUNDS.isdisjoint(self._names),
+            "effect": any(expose.type == "light" and not expose.endpoint for expose in self._exposes),
+        }
+        self._possible_roles = frozenset(role for role, is_possible in roles.items() if is_possible)
         self._auxiliary: dict[str, Expose] = {}
         for expose in exposes:
-            role = self._role(expose)
+            if expose.type == "enum" and expose.name in _MOTORS and expose.is_published:
+                role = f"motor{expose.suffix}"
+            elif is_program(expose):
+                role = "program"
+            else:
+                role = _ROLES.get((expose.type, expose.name), "")
+                is_of_endpoint = role == "effect" and expose.endpoint
+                if role not in self._possible_roles or not expose.is_settable or is_of_endpoint:
+                    continue
             if role == "opener" or (role and role not in self._auxiliary):
                 self._auxiliary[role] = expose
         if self._door is not None and "opener" in self._auxiliary:
@@ -98,27 +113,13 @@ class _PartsBuilder:
         for expose in sorted(exposes, key=lambda expose: expose.type not in mains):
             yield from self._parts_of(self._topics.of(expose), expose)
         if self._device.has_updates and self._exposes:
-            yield _update(self._topics)
+            part = Zigbee2MqttPart(self._topics, "update", "x_update", advertised="update", category="diagnostic")
+            part.read_from(self._topics.state, _read_update)
+            for capability in ("version", "latest_version", "update_available"):
+                part.add_capability(capability)
+            yield part.build()
         for number, name in self._device.scenes.items():
             yield _scene(self._topics, number, name)
-
-    def _find_possible_roles(self) -> frozenset[str]:
-        roles = {
-            "opener": self._door is not None,
-            "siren": not _SOUNDS.isdisjoint(self._names),
-            "effect": any(expose.type == "light" and not expose.endpoint for expose in self._exposes),
-        }
-        return frozenset(role for role, is_possible in roles.items() if is_possible)
-
-    def _role(self, expose: Expose) -> str:
-        """Return the role of an auxiliary expose; empty for any other."""
-        if expose.type == "enum" and expose.name in _MOTORS and expose.is_published:
-            return f"motor{expose.suffix}"
-        if is_program(expose):
-            return "program"
-        role = _ROLES.get((expose.type, expose.name), "")
-        is_of_endpoint = role == "effect" and expose.endpoint
-        return role if role in self._possible_roles and expose.is_settable and not is_of_endpoint else ""
 
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
@@ -143,8 +144,20 @@ class _PartsBuilder:
 
     def _built(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         if expose.type not in SPECIFIC_TYPES:
-            part = self._whole(topics, expose)
-            if part is None and expose is not self._auxiliary.get("effect"):
+            part: DescribedPart | None = None
+            if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
+                siren = Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning")
+                part = build_siren(siren, expose)
+            elif expose is self._auxiliary.get("opener"):
+                closure = Zigbee2MqttPart.of(topics, expose, "closure")
+                is_pulse = "run_time" not in self._names
+                part = build_opener(closure, expose, self._auxiliary["door"], is_pulse=is_pulse)
+            elif expose is self._auxiliary.get("siren"):
+                siren = Zigbee2MqttPart.of(topics, expose, "siren")
+                siren.add_flag(expose, "on_off")
+                siren.request(expose)
+                part = siren.build()
+            elif expose is not self._auxiliary.get("effect"):
                 part = build_generic(topics, expose)
             return (part,) if part else ()
         codecs = [self._specific(topics, expose)]
@@ -155,21 +168,6 @@ class _PartsBuilder:
         own = SPECIFIC_TYPES[expose.type]
         codecs += [build_generic(topics, other) for other in expose.features if other.name not in own]
         return filter(None, codecs)
-
-    def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
-        """Describe a generic expose that is a whole siren or opener; None for any other."""
-        if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-            return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
-        if expose is self._auxiliary.get("opener"):
-            is_pulse = "run_time" not in self._names
-            part = Zigbee2MqttPart.of(topics, expose, "closure")
-            return build_opener(part, expose, self._auxiliary["door"], is_pulse=is_pulse)
-        if expose is self._auxiliary.get("siren"):
-            part = Zigbee2MqttPart.of(topics, expose, "siren")
-            part.add_flag(expose, "on_off")
-            part.request(expose)
-            return part.build()
-        return None
 
     def _specific(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
         if expose.type == "switch":
@@ -193,12 +191,6 @@ class _PartsBuilder:
                 return build_fan(part, expose, self._device.model)
             case _:
                 return build_climate(part, expose, self._auxiliary.get("program"))
-
-
-def _binaries_of_valves(device: BridgeDevice, exposes: tuple[Expose, ...]) -> frozenset[str]:
-    types = {expose.type for expose in exposes} & SPECIFIC_TYPES.keys()
-    is_valve = types <= {"switch"} and _VALVES.search(device.facts.get("model", ""))
-    return _OWN_VALVES | {"state"} if is_valve else _OWN_VALVES
 
 
 def _key_lock_as_setting(expose: Expose) -> Expose:
@@ -231,14 +223,6 @@ def _scene(topics: Zigbee2MqttTopics, number: int, name: str) -> DescribedPart:
     part = Zigbee2MqttPart(topics, f"scene_{number}", "x_scene", name=clean_text(name), advertised="scene")
     writer = push_writer("scene", lambda: topics.publish({"scene_recall": number}))
     part.add_capability("scene", readable=False, writer=writer)
-    return part.build()
-
-
-def _update(topics: Zigbee2MqttTopics) -> DescribedPart:
-    part = Zigbee2MqttPart(topics, "update", "x_update", advertised="update", category="diagnostic")
-    part.read_from(topics.state, _read_update)
-    for capability in ("version", "latest_version", "update_available"):
-        part.add_capability(capability)
     return part.build()
 
 

@@ -79,9 +79,31 @@ class Zigbee2MqttReader:
         if last == "devices":
             yield from self._read_devices(base, topic, payload)
         elif last == "groups":
-            yield from self._read_groups(base, topic, payload)
+            groups: list[Mapping[str, object]] = []
+            for entry in islice(parse_list(payload, _MAX_GROUPS_BYTES) if payload else (), MAX_DEVICES):
+                number = as_fields(entry).get("id")
+                if type(number) is int and 0 <= number <= _MAX_GROUP:
+                    groups.append(as_fields(entry))
+                yield None
+            self._group_lists[base] = groups
+            yield from self._describe_groups(base, topic)
         elif last == "info" and payload:
-            yield from self._read_info(base, payload)
+            if base in self._listless:
+                self._listless[base] = True
+            info = parse_object(payload, MAX_BRIDGE_BYTES)
+            settings = read_bridge_settings(info)
+            is_without_json = as_fields(as_fields(info.get("config")).get("advanced")).get("output") == "attribute"
+            (self._without_json.add if is_without_json else self._without_json.discard)(base)
+            if settings == self._settings[base]:
+                return
+            self._settings[base] = settings
+            changed = {
+                ieee: described
+                for ieee, announced in self._devices[base].items()
+                if (described := self._with_settings(base, ieee, announced)) != announced
+            }
+            self._devices[base].update(changed)
+            yield from changed.values()
 
     def problems(self) -> tuple[str, ...]:
         """Return the bridges that cannot be used.
@@ -170,17 +192,6 @@ class Zigbee2MqttReader:
         )
         return self._with_settings(base, device.ieee, described)
 
-    def _read_groups(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
-        """Read the groups, and their members under the identifiers with which the bridge announces them."""
-        groups: list[Mapping[str, object]] = []
-        for entry in islice(parse_list(payload, _MAX_GROUPS_BYTES) if payload else (), MAX_DEVICES):
-            number = as_fields(entry).get("id")
-            if type(number) is int and 0 <= number <= _MAX_GROUP:
-                groups.append(as_fields(entry))
-            yield None
-        self._group_lists[base] = groups
-        yield from self._describe_groups(base, topic)
-
     def _names_in(self, base: str, group: Mapping[str, object]) -> dict[str, None]:
         return dict.fromkeys(name for member in _members_of(group) for name in self._names_of(base, member))
 
@@ -257,25 +268,6 @@ class Zigbee2MqttReader:
         return described._replace(
             availability=settings.availability(base, ieee, _topic_of(described)), area=settings.areas.get(ieee, "")
         )
-
-    def _read_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
-        """Read the settings, and describe the devices with a changed availability or room again."""
-        if base in self._listless:
-            self._listless[base] = True
-        info = parse_object(payload, MAX_BRIDGE_BYTES)
-        settings = read_bridge_settings(info)
-        is_without_json = as_fields(as_fields(info.get("config")).get("advanced")).get("output") == "attribute"
-        (self._without_json.add if is_without_json else self._without_json.discard)(base)
-        if settings == self._settings[base]:
-            return
-        self._settings[base] = settings
-        changed = {
-            ieee: described
-            for ieee, announced in self._devices[base].items()
-            if (described := self._with_settings(base, ieee, announced)) != announced
-        }
-        self._devices[base].update(changed)
-        yield from changed.values()
 
 
 def _members_of(group: Mapping[str, object]) -> list[Mapping[str, object]]:
