@@ -116,6 +116,12 @@ class SensorLibraryParser(BroadcastParser):
         except Exception as exc:
             raise _unreadable(sensor.reader, advertisement, exc) from exc
         values = tuple(_read_update(sensor, update))
+        scheme = getattr(getattr(sensor.reader, "encryption_scheme", None), "name", "NONE")
+        problem = ""  # by attributes that the libraries for devices that encrypt share
+        if scheme != "NONE" and not getattr(sensor.reader, "bindkey_verified", True):
+            problem = "it is encrypted with another bind key"
+            if getattr(sensor.reader, "bindkey", None) is None:
+                problem = "it is encrypted, and no bind key is configured for it"
         return Broadcast(
             name=update.title or _name_of(update) or advertisement.name,
             parts=tuple(sensor.parts.values()),
@@ -123,7 +129,7 @@ class SensorLibraryParser(BroadcastParser):
             expiries=sensor.expiries(),
             metadata=_metadata(update),
             silence=ON_BATTERY if any("battery" in part for part in sensor.parts) else 0.0,
-            problem=_problem(sensor.reader),
+            problem=problem,
         )
 
     def forget(self, address: str) -> None:
@@ -259,7 +265,8 @@ def _measured(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
     unit = str(description.native_unit_of_measurement or "")
-    quantity = _quantity(device_class, unit)
+    known = quantity_of(_HOME_ASSISTANT.get(device_class, device_class), unit)
+    quantity = Quantity(known.service_type, "measurement") if known.unit and not unit else known
     is_aside = device_class in {"battery", "voltage"} or "_alarm_" in part_id  # the limits of a Govee H5055, in °C
     category: Category = "diagnostic" if is_aside else ""
     is_text = isinstance(value, str | date) and not unit  # a Govee reports "error" in °C
@@ -277,12 +284,6 @@ def _measured(
     elif isinstance(value, int | float | Decimal):
         value_read = quantity.value(float(value))
     yield BroadcastValue(part_id, part.capabilities[0].name, value_read)
-
-
-def _quantity(device_class: str, unit: str) -> Quantity:
-    """Return the quantity of a class; an index without a unit, such as that of a Ruuvi Air, is no concentration."""
-    known = quantity_of(_HOME_ASSISTANT.get(device_class, device_class), unit)
-    return Quantity(known.service_type, "measurement") if known.unit and not unit else known
 
 
 def _has(parts: dict[str, Part], part: Part) -> bool:
@@ -311,16 +312,6 @@ def _metadata(update: SensorUpdate) -> dict[str, str]:
         return {}
     facts = {"manufacturer": info.manufacturer, "model": info.model, "firmware": info.sw_version}
     return {name: str(fact) for name, fact in facts.items() if fact}
-
-
-def _problem(reader: BluetoothData) -> str:
-    """Return the problem of a device that encrypts; by attributes that the libraries for such devices share."""
-    scheme = getattr(getattr(reader, "encryption_scheme", None), "name", "NONE")
-    if scheme == "NONE" or getattr(reader, "bindkey_verified", True):
-        return ""
-    if getattr(reader, "bindkey", None) is None:
-        return "it is encrypted, and no bind key is configured for it"
-    return "it is encrypted with another bind key"
 
 
 def _unreadable(

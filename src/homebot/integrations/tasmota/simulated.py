@@ -53,7 +53,10 @@ class TasmotaDialect(Dialect):
         if device.kind in SENSORS or device.kind in SWITCHES:
             return (OutgoingMessage(f"tele/{node_name(device)}/SENSOR", as_json(_reading(device, state))),)
         if device.kind == "lamp":
-            return (OutgoingMessage(f"tele/{node_name(device)}/STATE", as_json(_lamp_state(state))),)
+            mireds = min(max(round(1e6 / state.kelvin), COLDEST), WARMEST)
+            power = "ON" if state.is_on else "OFF"
+            report = {"POWER": power, "Dimmer": round(state.brightness * 100), "CT": mireds}
+            return (OutgoingMessage(f"tele/{node_name(device)}/STATE", as_json(report)),)
         return (OutgoingMessage(f"stat/{node_name(device)}/RESULT", as_json(_shutter(state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
@@ -126,11 +129,6 @@ def _reading(device: SimulatedDeviceInfo, state: DeviceState) -> dict[str, objec
         chip, quantity = SENSORS[device.kind]
         return {chip: {quantity: state.value}}
     return {"Switch1": "ON" if state.text in {"open", "motion"} else "OFF"}
-
-
-def _lamp_state(lamp: DeviceState) -> dict[str, object]:
-    mireds = min(max(round(1e6 / lamp.kelvin), COLDEST), WARMEST)
-    return {"POWER": "ON" if lamp.is_on else "OFF", "Dimmer": round(lamp.brightness * 100), "CT": mireds}
 
 
 def _shutter(motor: DeviceState) -> dict[str, object]:

@@ -74,7 +74,9 @@ class BindKey:
         counted, check = trailer[:_COUNTER], trailer[_COUNTER:]
         counter = int.from_bytes(counted, "little")
         was_opened = trailer in self._low or trailer in self._recent
-        if was_opened or not (self._is_newer(counter) or self._may_restart(counter, now)):
+        is_newer = self._counter is None or 0 < (counter - self._counter) % (2 * _HALF) < _HALF
+        may_restart = counter < RESTARTS_BELOW and now - self._opened_at >= RESTARTS_AFTER
+        if was_opened or not (is_newer or may_restart):
             raise WireError(f"BTHome: the counter {counter} does not follow {self._counter}: it may be a replay", body)
         nonce = (frame.address or self._address) + _UUID + bytes([frame.flags]) + counted
         try:
@@ -85,12 +87,6 @@ class BindKey:
         remembered = self._low if counter < RESTARTS_BELOW else self._recent
         remembered[trailer] = None
         return opened
-
-    def _is_newer(self, counter: int) -> bool:
-        return self._counter is None or 0 < (counter - self._counter) % (2 * _HALF) < _HALF
-
-    def _may_restart(self, counter: int, now: float) -> bool:
-        return counter < RESTARTS_BELOW and now - self._opened_at >= RESTARTS_AFTER
 
 
 def seal(key: bytes, address: bytes, flags: int, counter: int, objects: bytes) -> bytes:

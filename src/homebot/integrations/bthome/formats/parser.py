@@ -24,7 +24,6 @@ from homebot.errors import WireError
 from homebot.integrations.bthome.formats.packet import (
     BTHOME_UUID,
     BTHomeFrame,
-    BTHomePacket,
     Measured,
     read_frame,
     read_objects,
@@ -76,28 +75,16 @@ class _BTHomeSender:
         if self.was_read and data == self.data and is_recent:
             return ()
         body = frame.body if key is None else key.open(frame, now)
-        return () if body is None else self._record_packet(read_objects(body), now)
-
-    def broadcast(
-        self, advertisement: Advertisement, address: bytes, values: tuple[BroadcastValue, ...], *, is_locked: bool
-    ) -> Broadcast:
-        """Return all that is known of the device, with new *values*."""
-        return Broadcast(
-            name=self.model.name_at(advertisement.address) if self.model.code else advertisement.name,
-            parts=tuple(self.parts.values()),
-            values=values,
-            metadata={"format": "BTHome v2", **self.model.facts, **self.metadata},
-            identifiers=(address.hex(":").upper(),) if address else (),
-            silence=self.silence,
-            problem="it is encrypted, and no bind key is configured for it" if is_locked else "",
-        )
-
-    def _record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
-        """Store the parts of a packet, and return its values; none if it is older than the last one."""
+        if body is None:
+            return ()
+        packet = read_objects(body)
         if self._is_late(packet.packet_id, now):
             return ()
         self.was_read, self.packet_id = True, packet.packet_id
-        self._record_metadata(packet)
+        if packet.firmware:
+            self.metadata["firmware"] = packet.firmware
+        if packet.device_type is not None:
+            self.metadata["device_type"] = str(packet.device_type)
         values = tuple(map(self._meant, packet.values))
         for value in values:
             if value.part not in self.parts and len(self.parts) < MAX_PARTS:
@@ -115,15 +102,23 @@ class _BTHomeSender:
             if value.part in self.parts and not (value.value is None and CAPABILITIES[value.object.capability].is_event)
         )
 
+    def broadcast(
+        self, advertisement: Advertisement, address: bytes, values: tuple[BroadcastValue, ...], *, is_locked: bool
+    ) -> Broadcast:
+        """Return all that is known of the device, with new *values*."""
+        return Broadcast(
+            name=self.model.name_at(advertisement.address) if self.model.code else advertisement.name,
+            parts=tuple(self.parts.values()),
+            values=values,
+            metadata={"format": "BTHome v2", **self.model.facts, **self.metadata},
+            identifiers=(address.hex(":").upper(),) if address else (),
+            silence=self.silence,
+            problem="it is encrypted, and no bind key is configured for it" if is_locked else "",
+        )
+
     def _meant(self, measured: Measured) -> Measured:
         own = self.model.objects.get(measured.part)
         return measured if own is None else measured._replace(part=own.name, object=own)
-
-    def _record_metadata(self, packet: BTHomePacket) -> None:
-        if packet.firmware:
-            self.metadata["firmware"] = packet.firmware
-        if packet.device_type is not None:
-            self.metadata["device_type"] = str(packet.device_type)
 
     def _is_late(self, number: int | None, now: float) -> bool:
         if number is None or self.packet_id is None or now - self.received_at > REPEATS_WITHIN:

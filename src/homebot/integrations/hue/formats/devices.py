@@ -92,7 +92,9 @@ def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDev
             for _, group in resources.holders(rid, *_GROUPS):
                 yield from _all_lights(resources, group)
         if device and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
-            members = _members(resources, device)
+            children = list(resources.referred(device, "children"))
+            devices = (holder for rid, _ in children for holder, _ in resources.holders(rid, "device"))
+            members = tuple(f"id:hue:{target}" for target in dict.fromkeys((*(rid for rid, _ in children), *devices)))
             services = tuple(_scene(resources, scene, fields, members) for scene, fields in scenes)
             area = _name(device) if device.get("type") == "room" else ""
             yield HueDevice(rid, f"{_name(device)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
@@ -190,13 +192,6 @@ def _wanted_values(light: Fields) -> Iterator[tuple[str, PlainValue]]:
         value = None if row.read is None or (is_off and capability.name != "on_off") else row.read(light)
         if value is not None:
             yield capability.name, value
-
-
-def _members(resources: HueResources, group: Fields) -> tuple[str, ...]:
-    """Return the identifiers of the devices in a room, or of the lights in a zone."""
-    children = list(resources.referred(group, "children"))
-    devices = (holder for rid, _ in children for holder, _ in resources.holders(rid, "device"))
-    return tuple(f"id:hue:{target}" for target in dict.fromkeys((*(rid for rid, _ in children), *devices)))
 
 
 def _service(

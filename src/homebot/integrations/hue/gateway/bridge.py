@@ -212,7 +212,10 @@ class BridgeRunner(DeviceRunner):
         devices = {
             self.key if device.is_bridge else device.id: device for device in devices_of(self._resources, sorted(ids))
         }
-        self._forget(ids, devices.keys())
+        before = {key for key, device in self._described.items() if device.id in ids}
+        for gone in before.difference(devices.keys()):
+            del self._described[gone]
+            self._devices.remove(gone, "the bridge no longer has it")
         self._described |= devices
         self._places = {
             service.id: (key, service) for key, device in self._described.items() for service in device.services
@@ -229,12 +232,6 @@ class BridgeRunner(DeviceRunner):
         before = self.name
         self.name = (device.is_bridge and device.name) or before
         return self.name != before
-
-    def _forget(self, ids: Collection[str], kept: Collection[str]) -> None:
-        before = {key for key, device in self._described.items() if device.id in ids}
-        for gone in before.difference(kept):
-            del self._described[gone]
-            self._devices.remove(gone, "the bridge no longer has it")
 
     def _put(self, key: str, device: HueDevice, why: str) -> None:
         published = GatewayDevice(

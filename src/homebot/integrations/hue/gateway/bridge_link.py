@@ -24,7 +24,7 @@ from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.password_settings import HttpLogin
-from homebot.integrations.hue.formats.resources import Fields, HueBody, at
+from homebot.integrations.hue.formats.resources import HueBody, at
 from homebot.support.rate_limit import RateLimit
 
 if TYPE_CHECKING:
@@ -81,7 +81,11 @@ class BridgeLink:
         """Change a resource; return when the bridge has accepted it. Raises LinkError, or RefusedError about *what*."""
         url = f"{self._origin}/clip/v2/resource/{kind}/{rid}"
         limit = self._groups if kind in _GROUPS else self._lights
-        _check_answer(what, as_fields(await self._ask(lambda: self._client.send_json("PUT", url, body), limit)))
+        errors = as_fields(await self._ask(lambda: self._client.send_json("PUT", url, body), limit)).get("errors")
+        texts = [text_of(at(error, "description")) for error in errors] if isinstance(errors, list) else []
+        problem = next((text for text in texts if _MAY_NOT not in text), "")
+        if problem:
+            raise RefusedError(what, problem)
 
     async def _ask(self, send: Callable[[], Awaitable[AnswerT]], limit: RateLimit | None = None) -> AnswerT:
         """Send a request in turn, repeating it while the bridge is too busy; return the answer."""
@@ -97,14 +101,6 @@ class BridgeLink:
                     raise
                 await anyio.sleep(_PAUSE * attempt)
                 attempt += 1
-
-
-def _check_answer(what: str, answer: Fields) -> None:
-    errors = answer.get("errors")
-    texts = [text_of(at(error, "description")) for error in errors] if isinstance(errors, list) else []
-    problem = next((text for text in texts if _MAY_NOT not in text), "")
-    if problem:
-        raise RefusedError(what, problem)
 
 
 async def create_key(client: HttpClient, origin: str, name: str) -> SecretStr | None:

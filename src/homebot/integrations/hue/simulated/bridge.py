@@ -146,7 +146,19 @@ class SimulatedHueBridge(WebDevice):
             about |= {"mac": in_pairs(self.id[:6] + self.id[10:]), "swversion": "1968096020", "apiversion": "1.68.0"}
             return WebReply(as_json(about))
         if request.path == "/api" and request.method == "POST":
-            return self._make_key(request.body)
+            name = as_object(request.body).get("devicetype")
+            if not isinstance(name, str) or not 0 < len(name) <= 40:
+                return WebReply(
+                    as_json([{"error": {"type": 6, "address": "", "description": "parameter not available"}}])
+                )
+            if not self._is_pressed:
+                return WebReply(
+                    as_json([{"error": {"type": 101, "address": "", "description": "link button not pressed"}}])
+                )
+            self._is_pressed = False
+            key = resource_uuid(self.id, name, str(len(self.keys)))
+            self.keys.add(key)
+            return WebReply(as_json([{"success": {"username": key}}]))
         if request.headers.get(KEY_HEADER) not in self.keys:
             return _answered(403, error="unauthorized user")
         if not request.path.startswith(_RESOURCES):
@@ -154,13 +166,17 @@ class SimulatedHueBridge(WebDevice):
         if self.busy:
             self.busy -= 1
             return _answered(429, error="too many requests")
-        return self._answer_resource(request)
-
-    def _answer_resource(self, request: WebRequest) -> WebReply:
         kind, _, rid = request.path.removeprefix(_RESOURCES).strip("/").partition("/")
         match request.method:
             case "GET":
-                return self._list(kind, rid)
+                resources = [
+                    resource
+                    for own, resource in self.resources.items()
+                    if kind in {"", resource["type"]} and rid in {"", own}
+                ]
+                if rid and not resources:
+                    return _answered(404, error="resource not found")
+                return _answered(200, resources)
             case "PUT":
                 return self._obey(kind, rid, request.body)
             case "POST" if kind == "geofence_client":
@@ -169,27 +185,6 @@ class SimulatedHueBridge(WebDevice):
                 return _answered(201, [{"rid": made["id"], "rtype": kind}])
             case _:
                 return _answered(405, error="Method Not Allowed")
-
-    def _make_key(self, body: bytes) -> WebReply:
-        name = as_object(body).get("devicetype")
-        if not isinstance(name, str) or not 0 < len(name) <= 40:
-            return WebReply(as_json([{"error": {"type": 6, "address": "", "description": "parameter not available"}}]))
-        if not self._is_pressed:
-            return WebReply(
-                as_json([{"error": {"type": 101, "address": "", "description": "link button not pressed"}}])
-            )
-        self._is_pressed = False
-        key = resource_uuid(self.id, name, str(len(self.keys)))
-        self.keys.add(key)
-        return WebReply(as_json([{"success": {"username": key}}]))
-
-    def _list(self, kind: str, rid: str) -> WebReply:
-        resources = [
-            resource for own, resource in self.resources.items() if kind in {"", resource["type"]} and rid in {"", own}
-        ]
-        if rid and not resources:
-            return _answered(404, error="resource not found")
-        return _answered(200, resources)
 
     def _obey(self, kind: str, rid: str, payload: bytes) -> WebReply:
         resource, body = self.resources.get(rid), as_object(payload)
@@ -203,11 +198,21 @@ class SimulatedHueBridge(WebDevice):
         done: list[Resource] = [{"rid": rid, "rtype": kind}]
         match kind:
             case "scene":
-                self._recall(resource)
+                self._end_scenes()
+                actions = resource["actions"]
+                for action in actions if isinstance(actions, list) else ():
+                    if action["target"]["rid"] in self.resources:
+                        self._light(action["target"]["rid"], action["action"], [])
+                self.change(str(resource["id"]), {"status": {"active": "static", "last_recall": CHANGED}})
             case "light":
                 return self._light(rid, body, done)
             case "grouped_light":
-                self._group(resource, body)
+                children = self.resources[str(at(resource, "owner", "rid"))]["children"]
+                inside = {at(child, "rid") for child in children} if isinstance(children, list) else set()
+                for light_id, light in tuple(self.resources.items()):
+                    if light["type"] == "light" and not inside.isdisjoint((light_id, at(light, "owner", "rid"))):
+                        self._light(light_id, body, [])
+                self.change(str(resource["id"]), {"on": body["on"]} if "on" in body else {})
             case "geofence_client":
                 self.change(rid, body)
         return _answered(200, done)
@@ -226,22 +231,6 @@ class SimulatedHueBridge(WebDevice):
         device.obey(body)
         self._end_scenes()
         return _answered(200, done)
-
-    def _group(self, grouped: Resource, body: Mapping[str, object]) -> None:
-        children = self.resources[str(at(grouped, "owner", "rid"))]["children"]
-        inside = {at(child, "rid") for child in children} if isinstance(children, list) else set()
-        for rid, resource in tuple(self.resources.items()):
-            if resource["type"] == "light" and not inside.isdisjoint((rid, at(resource, "owner", "rid"))):
-                self._light(rid, body, [])
-        self.change(str(grouped["id"]), {"on": body["on"]} if "on" in body else {})
-
-    def _recall(self, scene: Resource) -> None:
-        self._end_scenes()
-        actions = scene["actions"]
-        for action in actions if isinstance(actions, list) else ():
-            if action["target"]["rid"] in self.resources:
-                self._light(action["target"]["rid"], action["action"], [])
-        self.change(str(scene["id"]), {"status": {"active": "static", "last_recall": CHANGED}})
 
     def _end_scenes(self) -> None:
         for rid, resource in self.resources.items():

@@ -58,12 +58,20 @@ class HueHouseDevice(HubDevice):
         for rid, resource in tuple(self._bridge.resources.items()):
             owner = resource.get("owner")
             if isinstance(owner, dict) and owner.get("rid") == self.owner_id:
-                self._bridge.change(rid, self._fields(rid, str(resource["type"])))
+                service = str(resource["type"])
+                fields = state_fields(service, self.kind, self.state)
+                if service == "light" and self.kind != "plug":
+                    now = self._bridge.resources[rid]["color_temperature"]
+                    has_color = isinstance(now, dict) and now.get("mirek_valid") is False  # which no state tells
+                    if has_color:
+                        fields["color_temperature"] = now
+                self._bridge.change(rid, fields)
 
     def obey(self, body: Mapping[str, object]) -> None:
         """Carry out a command to its light; the house knows nothing of colours and effects."""
         changed: Resource = {}
-        color = _first_color(body)
+        points = at(body, "gradient", "points")
+        color = at(points[0] if isinstance(points, list) and points else body, "color")
         if "gradient" in self._bridge.resources[self.resource_id("light")] and (color or "color_temperature" in body):
             changed["gradient"] = body.get("gradient", {"points": []})
         if color:
@@ -75,17 +83,3 @@ class HueHouseDevice(HubDevice):
         self._bridge.change(self.resource_id("light"), changed)
         for order in light_orders(body):
             self.on_command(order)
-
-    def _fields(self, rid: str, service: str) -> Resource:
-        fields = state_fields(service, self.kind, self.state)
-        if service == "light" and self.kind != "plug":
-            now = self._bridge.resources[rid]["color_temperature"]
-            if isinstance(now, dict) and now.get("mirek_valid") is False:  # it has a colour, which no state tells
-                fields["color_temperature"] = now
-        return fields
-
-
-def _first_color(body: Mapping[str, object]) -> object:
-    """Return the colour that a request asks for; of a gradient that of its first point."""
-    points = at(body, "gradient", "points")
-    return at(points[0] if isinstance(points, list) and points else body, "color")

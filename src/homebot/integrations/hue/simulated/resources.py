@@ -141,7 +141,15 @@ def state_fields(service: str, kind: str, state: DeviceState) -> Resource:
     """Return the fields of a service that a state decides."""
     match service:
         case "light":
-            return _light_fields(kind, state)
+            if kind == "plug":
+                return {"on": {"on": state.is_on}}
+            mirek = min(max(round(1e6 / state.kelvin), _MIREKS[0]), _MIREKS[1])
+            schema = {"mirek_minimum": _MIREKS[0], "mirek_maximum": _MIREKS[1]}
+            return {
+                "on": {"on": state.is_on},
+                "dimming": {"brightness": round(state.brightness * 100, 2), "min_dim_level": 0.2},
+                "color_temperature": {"mirek": mirek, "mirek_valid": True, "mirek_schema": schema},
+            }
         case "motion":
             on = state.text in {"motion", "on", "1", "occupied"}
             return {"motion": {"motion": on, "motion_valid": True, "motion_report": {"changed": CHANGED, "motion": on}}}
@@ -165,18 +173,6 @@ def light_orders(body: Mapping[str, object]) -> tuple[str, ...]:
         brightness=scaled(fields.get("dimming", {}).get("brightness"), 100),
         kelvin=mired_kelvin(fields.get("color_temperature", {}).get("mirek")),
     )
-
-
-def _light_fields(kind: str, state: DeviceState) -> Resource:
-    if kind == "plug":
-        return {"on": {"on": state.is_on}}
-    mirek = min(max(round(1e6 / state.kelvin), _MIREKS[0]), _MIREKS[1])
-    schema = {"mirek_minimum": _MIREKS[0], "mirek_maximum": _MIREKS[1]}
-    return {
-        "on": {"on": state.is_on},
-        "dimming": {"brightness": round(state.brightness * 100, 2), "min_dim_level": 0.2},
-        "color_temperature": {"mirek": mirek, "mirek_valid": True, "mirek_schema": schema},
-    }
 
 
 def _base(device: SimulatedDeviceInfo, service: str, owner: Mapping[str, str]) -> Resource:

@@ -35,7 +35,6 @@ from homebot.support.counters import Severity
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from homebot.bridges.machines.messages import FollowGatewayResponse
     from homebot.messages.message import Message
 
 NOT_SENT = "gateway.command_failed"
@@ -127,7 +126,12 @@ class MachineGateway(Gateway):
                 self.publish_state(state.state, state.reason)
             self.mark_ready(task_status)
             if news.is_whole:
-                self._begin(news)
+                if "pair" in news.services and not self._pairs:
+                    self._pairs, names = True, PairingNames(self.node.name)
+                    self.node.create_service(Pair, names.pair, partial(self._pair, "pair"), concurrent=True)
+                    self.node.create_service(Unpair, names.unpair, partial(self._pair, "unpair"), concurrent=True)
+                for address in tuple(self._listeners.by_address):
+                    self.node.create_task(partial(self._listen_again, address))
             self._mirror.publish(news, link.later)
             for raw in news.raw:
                 message = raw.model_copy(update={"gateway": self.node.name})
@@ -143,15 +147,6 @@ class MachineGateway(Gateway):
         secret = read_password(self._settings.token_file, None, "token") or SecretStr("")
         wire = MachineWire(self.node, machines.session, secret)
         return MachineLink(wire, self.node.graph.clock, self.context.home, self._machine, self._settings.gateway)
-
-    def _begin(self, news: FollowGatewayResponse) -> None:
-        """Pair devices if the gateway does, and listen again to what was listened to."""
-        if "pair" in news.services and not self._pairs:
-            self._pairs, names = True, PairingNames(self.node.name)
-            self.node.create_service(Pair, names.pair, partial(self._pair, "pair"), concurrent=True)
-            self.node.create_service(Unpair, names.unpair, partial(self._pair, "unpair"), concurrent=True)
-        for address in tuple(self._listeners.by_address):
-            self.node.create_task(partial(self._listen_again, address))
 
     async def _call(
         self, service: str, request: Message, within: float = _ANSWERS_WITHIN, longest: float = _ANSWERS_WITHIN

@@ -52,7 +52,12 @@ class Mirror:
     def publish(self, news: FollowGatewayResponse, later: float) -> None:
         """Publish *news* of a machine whose monotonic clock is *later* seconds behind the one here."""
         if news.is_whole:
-            self._forget(news)
+            for key in self._devices.keys() - set(news.keys):
+                gone = self._devices[key].model_copy(
+                    update={"kind": "removed", "why": "it left while there was no link"}
+                )
+                self._publish_sighting(gone)
+            self._dispose(self._reports.keys() - set(news.streams))
         for sighting in news.sightings:
             if _is_usual(sighting):
                 self._publish_sighting(self._own(sighting, later))
@@ -101,13 +106,6 @@ class Mirror:
             self._gateway.reports.dispose(report.stream)
         else:
             self._reports[report.stream] = report
-
-    def _forget(self, news: FollowGatewayResponse) -> None:
-        """Remove the devices and reports that are not among those of which *news* is the first part."""
-        for key in self._devices.keys() - set(news.keys):
-            gone = self._devices[key].model_copy(update={"kind": "removed", "why": "it left while there was no link"})
-            self._publish_sighting(gone)
-        self._dispose(self._reports.keys() - set(news.streams))
 
     def _dispose(self, streams: Iterable[str]) -> None:
         for stream in streams:

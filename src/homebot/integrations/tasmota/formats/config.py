@@ -169,11 +169,18 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         WireError: It is not a JSON object, of another version or device, or its topics cannot be topics.
     """
     fields = parse_object(payload)
-    _check_identity(fields, mac)
+    if fields.get("ver") != 1:
+        raise WireError(f"config: ver is {shown(fields.get('ver'))}, not 1")
+    if fields.get("mac") != mac:
+        raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
     prefixes = _texts(fields, "tp", _MAX_PREFIXES)
     if len(prefixes) != _MAX_PREFIXES or not all(prefixes):
         raise WireError(f"config: tp is {shown(fields.get('tp'))}, not a list of three prefixes")
     names = _texts(fields, "fn", _MAX_INPUTS)
+    texts = _texts(fields, "state", len(STATE_TEXTS))
+    options = fields.get("so")
+    listed = list(options.items())[:_MAX_OPTIONS] if isinstance(options, dict) else []
+    facts = {fact: clean_text(_text(fields, key)) for fact, key in _FACTS.items()}
     return TasmotaConfig(
         mac=mac,
         name=clean_text(_text(fields, "dn")) or next((name for name in names if name), "") or mac,
@@ -181,14 +188,18 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         command_base=_topic(fields, mac, prefixes[0], suffix="/%prefix%"),
         result_base=_topic(fields, mac, prefixes[1]),
         telemetry_base=_topic(fields, mac, prefixes[2]),
-        state_texts=_state_texts(fields),
+        state_texts=texts if len(texts) == len(STATE_TEXTS) and all(texts) else STATE_TEXTS,
         online=_text(fields, "onln") or "Online",
         offline=_text(fields, "ofln") or "Offline",
         outputs=_outputs(fields),
         switch_modes=_numbers(fields.get("swc"), _MAX_INPUTS),
         switch_names=_texts(fields, "swn", _MAX_INPUTS),
         buttons=_numbers(fields.get("btn"), _MAX_INPUTS),
-        options=_options(fields.get("so")),
+        options={
+            int(key): _number(value)
+            for key, value in listed
+            if key.isascii() and key.isdecimal() and len(key) < _DIGITS
+        },
         light_type=_number(fields.get("lt_st")),
         is_linked=fields.get("lk") != 0,
         is_tuya=bool(_number(fields.get("ty"))),
@@ -196,15 +207,8 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         is_sleeper=bool(_number(fields.get("dslp"))),
         shutter_options=_numbers(fields.get("sho"), _MAX_OUTPUTS),
         tilts=_tilts(fields.get("sht")),
-        facts=_facts(fields),
+        facts={"manufacturer": "Tasmota", **{fact: text for fact, text in facts.items() if text}},
     )
-
-
-def _check_identity(fields: Mapping[str, object], mac: str) -> None:
-    if fields.get("ver") != 1:
-        raise WireError(f"config: ver is {shown(fields.get('ver'))}, not 1")
-    if fields.get("mac") != mac:
-        raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
 
 
 STATE_TEXTS = ("OFF", "ON", "TOGGLE", "HOLD")
@@ -217,11 +221,6 @@ _MAX_OPTIONS = 200
 _MAX_TEXT = 255
 _TILT_NUMBERS = 3
 _FACTS = {"model": "md", "sw_version": "sw", "hostname": "hn", "ip": "ip"}
-
-
-def _state_texts(fields: Mapping[str, object]) -> tuple[str, ...]:
-    texts = _texts(fields, "state", len(STATE_TEXTS))
-    return texts if len(texts) == len(STATE_TEXTS) and all(texts) else STATE_TEXTS
 
 
 def _topic(fields: Mapping[str, object], mac: str, prefix: str, *, suffix: str = "") -> str:
@@ -268,19 +267,7 @@ def _tilts(value: object) -> tuple[Tilt | None, ...]:
     )
 
 
-def _options(value: object) -> dict[int, int]:
-    listed = list(value.items())[:_MAX_OPTIONS] if isinstance(value, dict) else []
-    return {
-        int(key): _number(value) for key, value in listed if key.isascii() and key.isdecimal() and len(key) < _DIGITS
-    }
-
-
 _DIGITS = 5
-
-
-def _facts(fields: Mapping[str, object]) -> dict[str, str]:
-    values = {fact: clean_text(_text(fields, key)) for fact, key in _FACTS.items()}
-    return {"manufacturer": "Tasmota", **{fact: text for fact, text in values.items() if text}}
 
 
 def _text(fields: Mapping[str, object], key: str) -> str:

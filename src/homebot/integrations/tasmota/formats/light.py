@@ -109,7 +109,17 @@ def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
 
 def add_light(part: JsonPart, config: TasmotaConfig, index: int) -> None:
     """Add the capabilities of the lamp at the output *index*."""
-    lamp = _lamp(config, index)
+    if config.option(_DIMMERS_OPTION):
+        channel = f"Channel{index + 1}"
+        lamp = _TasmotaLamp(config, index, _DIMMER, channel, channel)
+    else:
+        place = index - config.outputs.index(LIGHT)  # among the lamps
+        kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
+        lamp = _TasmotaLamp(config, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
+        if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:  # colours, and then white
+            white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
+            dimmer = f"Dimmer{place + 1}"
+            lamp = _TasmotaLamp(config, index, white if place else _COLOR, dimmer, dimmer)
     for topic in config.states(*power_commands(index), *_REPORTED_COMMANDS):
         part.read_from(topic, lamp.read)
     part.add_command_topics(config.topic("Backlog"))
@@ -197,14 +207,11 @@ class _TasmotaLamp:
             orders += [(f"HsbColor{place}", round(share)) for place, share in enumerate(command.color, 1)]
         if command.effect:
             orders.append(("Scheme", _EFFECTS.index(command.effect)))
-        return self.config.publish_all([*self._fade(command), *orders])
-
-    def _fade(self, command: LightCommand) -> list[tuple[str, str | int]]:
-        if not command.transition or self.kind == _ON_OFF or self.config.is_tuya:
-            return []
-        is_whole = self.config.option(_FIXED_FADE_OPTION)
-        distance = 1.0 if is_whole else self.last_state.distance(command, self.kind, self._mireds)
-        return [("Fade2", 1), ("Speed2", speed_for(command.transition, distance))]
+        if command.transition and self.kind != _ON_OFF and not self.config.is_tuya:
+            is_whole = self.config.option(_FIXED_FADE_OPTION)
+            distance = 1.0 if is_whole else self.last_state.distance(command, self.kind, self._mireds)
+            orders = [("Fade2", 1), ("Speed2", speed_for(command.transition, distance)), *orders]
+        return self.config.publish_all(orders)
 
     def _read_color(self, message: JsonMessage) -> Readings:
         """Read the colour; a lamp with colours and white shows a colour while its white is at 0."""
@@ -224,20 +231,6 @@ class _TasmotaLamp:
 def _steps(command: LightCommand) -> int:
     """Return a brightness in percent that is rounded twice, by way of 0 to 255, as Home Assistant does."""
     return max(1, round((command.brightness or 0) / 255 * 100))
-
-
-def _lamp(config: TasmotaConfig, index: int) -> _TasmotaLamp:
-    """Return the lamp at an output: a channel, or colours and then white if these are not linked."""
-    if config.option(_DIMMERS_OPTION):
-        channel = f"Channel{index + 1}"
-        return _TasmotaLamp(config, index, _DIMMER, channel, channel)
-    place = index - config.outputs.index(LIGHT)  # among the lamps
-    if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:
-        white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
-        dimmer = f"Dimmer{place + 1}"
-        return _TasmotaLamp(config, index, white if place else _COLOR, dimmer, dimmer)
-    kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
-    return _TasmotaLamp(config, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
 
 
 def _hue_saturation(value: object) -> tuple[float, float] | None:

@@ -114,20 +114,18 @@ def _read_shutter(name: str, is_inverted: bool, tilt: Tilt | None, message: Json
         readings["position"] = position
     direction = fields.get("Direction")
     if isinstance(direction, int) and direction in (-1, 0, 1):
-        readings["movement"] = _movement(-direction if is_inverted else direction, position)
+        way = -direction if is_inverted else direction
+        if way:
+            readings["movement"] = "opening" if way > 0 else "closing"
+        elif position is None:
+            readings["movement"] = "stopped"
+        else:
+            readings["movement"] = "open" if position else "closed"
     angle = finite_number(fields.get("Tilt"))
     if tilt is not None and angle is not None:
         percent = (angle - tilt.least) * 100 / (tilt.most - tilt.least)
         readings["tilt"] = min(100.0, max(0.0, percent))
     return readings
-
-
-def _movement(direction: int, position: float | None) -> str:
-    if direction:
-        return "opening" if direction > 0 else "closing"
-    if position is None:
-        return "stopped"
-    return "open" if position else "closed"
 
 
 def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
@@ -196,7 +194,19 @@ def _inputs(config: TasmotaConfig) -> Iterable[DescribedPart]:
     """Describe the contacts, and the presses of switches and buttons."""
     for index, mode in enumerate(config.switch_modes):
         if mode in _FOLLOWED:
-            yield _contact(config, index, mode)
+            name = _switch_name(config, index)
+            part = JsonPart(f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
+            read = partial(_read_state, config.state_texts[0], config.state_texts[1], name)
+            part.add_capability("state")
+            if mode in _PULSES:
+                for topic in config.results(f"Switch{index + 1}"):
+                    part.read_events_from(topic, read)
+                part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
+            else:
+                for topic in (*config.results(f"Switch{index + 1}"), *config.sensors):
+                    part.read_from(topic, read)
+                part.add_state_request(*config.sensor_requests)
+            yield part.build()
         if mode in _PRESSED:
             actions = {config.state_texts[place]: press for place, press in _PRESSED[mode].items()}
             name = _switch_name(config, index)
@@ -248,22 +258,6 @@ _PULSE_SECONDS = 1.0
 def _switch_name(config: TasmotaConfig, index: int) -> str:
     names = config.switch_names
     return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
-
-
-def _contact(config: TasmotaConfig, index: int, mode: int) -> DescribedPart:
-    name = _switch_name(config, index)
-    part = JsonPart(f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
-    read = partial(_read_state, config.state_texts[0], config.state_texts[1], name)
-    part.add_capability("state")
-    if mode in _PULSES:
-        for topic in config.results(f"Switch{index + 1}"):
-            part.read_events_from(topic, read)
-        part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
-    else:
-        for topic in (*config.results(f"Switch{index + 1}"), *config.sensors):
-            part.read_from(topic, read)
-        part.add_state_request(*config.sensor_requests)
-    return part.build()
 
 
 def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:

@@ -59,21 +59,17 @@ class TasmotaReader:
         if match is None or not topic.startswith(f"{self._prefix}/"):
             return ()
         mac, kind = match.groups()
-        return self._on_config(mac, payload) if kind == "config" else self._on_sensors(mac, payload)
-
-    def _on_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        known = self._known.get(mac)
-        if not payload:
-            self._known.pop(mac, None)
-            return () if known is None else (DeviceWithdrawn(mac, "its config was removed"),)
-        config = read_config(mac, payload)
-        if known is not None:
-            return (known.device,) if config == known.config else self._announce(mac, config, known.leaves)
-        if len(self._known) >= MAX_DEVICES:
-            raise WireError(f"{mac} exceeds the limit of {MAX_DEVICES} devices")
-        return self._announce(mac, config, self._waiting.pop(mac, ()))
-
-    def _on_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        if kind == "config":
+            known = self._known.get(mac)
+            if not payload:
+                self._known.pop(mac, None)
+                return () if known is None else (DeviceWithdrawn(mac, "its config was removed"),)
+            config = read_config(mac, payload)
+            if known is not None:
+                return (known.device,) if config == known.config else self._announce(mac, config, known.leaves)
+            if len(self._known) >= MAX_DEVICES:
+                raise WireError(f"{mac} exceeds the limit of {MAX_DEVICES} devices")
+            return self._announce(mac, config, self._waiting.pop(mac, ()))
         self._probes[mac] = probes = self._probes.get(mac, {})
         leaves = read_leaves(parse_object(payload), probes) if payload else ()
         known = self._known.get(mac)

@@ -169,7 +169,10 @@ def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[
         part.add_capability(capability, unit=quantity.unit if is_number else "")
         part.add_state_request(*config.sensor_requests)
         yield part.build()
-    yield _signal(config)
+    signal = JsonPart("wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
+    signal.read_from(config.telemetry, _read_signal)
+    signal.add_capability("signal_strength")
+    yield signal.build()
 
 
 _DIAGNOSTIC = re.compile("^Shutter[0-9]| (Id|TotalStartTime)$")
@@ -200,7 +203,12 @@ def _leaves(sensors: Mapping[str, object], probes: dict[str, str]) -> Iterable[t
         if announced in _IGNORED or not isinstance(sensor, dict):
             continue
         probe = text_of(sensor.get("Id"), _MAX_KEY)
-        name = _name_of(announced, probe, probes) if probe else announced
+        name = announced
+        if probe:
+            by_address = f"{re.split('[-_]', announced)[0]}-{probe}"  # SetOption64 is the sign between
+            if probe not in probes and len(probes) < MAX_SENSORS:
+                probes[probe] = by_address if announced in probes.values() else announced
+            name = probes.get(probe, by_address)
         for key, value in sensor.items():
             if isinstance(value, dict):
                 yield from (((name, key, inner), inner_value, probe) for inner, inner_value in value.items())
@@ -208,13 +216,6 @@ def _leaves(sensors: Mapping[str, object], probes: dict[str, str]) -> Iterable[t
                 yield from (((name, key, place), inner_value, probe) for place, inner_value in enumerate(value))
             else:
                 yield (name, key), value, probe
-
-
-def _name_of(announced: str, probe: str, probes: dict[str, str]) -> str:
-    by_address = f"{re.split('[-_]', announced)[0]}-{probe}"  # SetOption64 is the sign between
-    if probe not in probes and len(probes) < MAX_SENSORS:
-        probes[probe] = by_address if announced in probes.values() else announced
-    return probes.get(probe, by_address)
 
 
 def _read(leaf: Leaf, capability: str, message: JsonMessage) -> Readings:
@@ -258,13 +259,6 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
         elif step:
             return False, None
     return True, value
-
-
-def _signal(config: TasmotaConfig) -> DescribedPart:
-    part = JsonPart("wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
-    part.read_from(config.telemetry, _read_signal)
-    part.add_capability("signal_strength")
-    return part.build()
 
 
 def _read_signal(message: JsonMessage) -> Readings:
