@@ -3,8 +3,8 @@
 import json
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
-from contextlib import AbstractAsyncContextManager
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -39,6 +39,14 @@ PANEL = {
     "panel/state": "armed_away",
 }
 """A panel that is kept by the broker alone."""
+
+SMOKE = {
+    "homeassistant/binary_sensor/smoke/config": json.dumps(
+        {"unique_id": "smoke", "device": {"identifiers": ["smoke"], "name": "Kitchen smoke"}, "name": None}
+        | {"state_topic": "smoke/state", "device_class": "smoke"}
+    ),
+    "smoke/state": "ON",
+}
 
 VIEWS = (
     ("", "roomlights405"),
@@ -482,26 +490,47 @@ async def test_a_lock_has_a_field_for_a_code_that_is_used_once(page: OpenPage) -
         assert "4321" not in await own.open("#/journal", shows="Front door")
 
 
-async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_code(page: OpenPage) -> None:
-    """It read "alarm armed_away unconfirmed", offered "arming", and had no way to give a code."""
+@asynccontextmanager
+async def keeping(messages: Mapping[str, str]) -> AsyncIterator[HostedBroker]:
+    """Run a broker that keeps *messages*."""
     async with MemoryBroker() as broker:
-        options = MqttOptions.from_url(broker.url, client_id="panel")
+        options = MqttOptions.from_url(broker.url, client_id="keeper")
         async with MqttConnection(options, broker.make_client, status_topic=None) as connection:
             await connection.wait_connected()
-            for topic, payload in PANEL.items():
+            for topic, payload in messages.items():
                 await connection.publish(topic, payload.encode(), qos=1, retain=True)
-        async with page(services=(HostedBroker.in_memory(broker),)) as own:
-            text = await own.open(shows="armed away")
-            assert text.count("the device has not reported since homebot started") == 1
-            assert "unconfirmed" not in text
-            await own.open("#/device/panel", shows="code, if it needs one")
-            assert "armed night\narmed vacation" in await own.shows("disarmed", "select[name=value]")
-            await own.hides("arming", "select[name=value]")
-            await own.write("input[name=code]", "4321")
-            await own.click(".commands form button")
-            await own.click(".agreement button")
-            await own.shows("panel: ", "[role=alert]")
-            assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
+        yield HostedBroker.in_memory(broker)
+
+
+async def test_an_alert_of_which_people_are_told_again_has_a_button_until_somebody_has_seen_it(page: OpenPage) -> None:
+    """Only a call of a service ended it."""
+    async with keeping(SMOKE) as broker, page(tables={"notify": {}}, services=(broker,)) as own:
+        await own.open(shows="Kitchen smoke")
+        await own.shows("I have seen it")
+        await own.click(".alert + .choices button")
+        await own.shows("Nobody is told of it again.", "[role=alert].good")
+        await own.hides("I have seen it")
+        await own.shows("is there a fire?")
+        assert own.problems() == []
+    async with keeping(SMOKE) as broker, page(services=(broker,)) as own:
+        await own.open(shows="is there a fire?")
+        await own.hides("I have seen it")  # nobody is told
+
+
+async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_code(page: OpenPage) -> None:
+    """It read "alarm armed_away unconfirmed", offered "arming", and had no way to give a code."""
+    async with keeping(PANEL) as broker, page(services=(broker,)) as own:
+        text = await own.open(shows="armed away")
+        assert text.count("the device has not reported since homebot started") == 1
+        assert "unconfirmed" not in text
+        await own.open("#/device/panel", shows="code, if it needs one")
+        assert "armed night\narmed vacation" in await own.shows("disarmed", "select[name=value]")
+        await own.hides("arming", "select[name=value]")
+        await own.write("input[name=code]", "4321")
+        await own.click(".commands form button")
+        await own.click(".agreement button")
+        await own.shows("panel: ", "[role=alert]")
+        assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
 
 
 async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, zigbee_lamp: World) -> None:

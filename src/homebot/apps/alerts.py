@@ -25,7 +25,7 @@ from homebot.devices.alerts import (
     say,
 )
 from homebot.devices.device import ChangedSettings, Device, DeviceChange
-from homebot.devices.findings import FindingKind, Findings
+from homebot.devices.findings import Finding, FindingKind, Findings
 from homebot.devices.gateway_messages import GatewayState
 from homebot.devices.names import (
     ALERT_FINDINGS,
@@ -109,12 +109,16 @@ class Incident(NamedTuple):
         since = min(alert.since or now, now) if is_new else self.since
         return self._replace(since=since, over_at=0.0, end_text=alert.over(language), text=alert.told(language))
 
+    def repeats_at(self, urgency: Urgency) -> float:
+        """Return when people are to be told again that it lasts."""
+        if not self.is_told or self.over_at or urgency != "high" or not self.text or self.repeats < 0:
+            return math.inf
+        return self.told_at + min(_REPEATED[0] * 2.0**self.repeats, _REPEATED[1])
+
     def due(self, told_after: float, urgency: Urgency = "normal") -> float:
         """Return when people are to be told that it began or, if they were, that it is over or lasts."""
-        if self.is_told and not self.over_at and urgency == "high" and self.text and self.repeats >= 0:
-            return self.told_at + min(_REPEATED[0] * 2.0**self.repeats, _REPEATED[1])
         if self.is_told == (not self.over_at):
-            return math.inf
+            return self.repeats_at(urgency)
         return self.since + told_after if not self.is_told else self.over_at + (_CALM if self.times < 2 else _LONG_CALM)
 
 
@@ -158,6 +162,8 @@ class Alerts(App[AlertsSettings]):
         self._incidents = {key: Incident(*fields) for key, fields in self.store.get("incidents", {}).items()}
         self._gateways: dict[str, Alert | None] = {}
         self._is_empty = False
+        self._shown: tuple[Finding, ...] = ()
+        self._published: Findings | None = None
         self._changed, self._pause = anyio.Event(), _AGAIN / 2
         node.create_subscription(ChangedSettings, DEVICE_SETTINGS, self._on_values, 100)
         node.create_subscription(DeviceChange, DEVICE_CHANGES, lambda _: self._changed.set(), 1)
@@ -183,7 +189,15 @@ class Alerts(App[AlertsSettings]):
             if one.is_told and not one.over_at:
                 self._incidents[key] = one._replace(repeats=-1)
         self.store["incidents"] = self._incidents
+        self._publish()
         return SuccessResponse(success=True, message="")
+
+    def _publish(self) -> None:
+        repeats = (one.repeats_at(_kind_of(key).urgency) < math.inf for key, one in self._incidents.items())
+        message = Findings(findings=self._shown, repeats=self.context.notifies and any(repeats))
+        if message != self._published:
+            self._published = message
+            self._findings.publish(message)
 
     async def _on_questions(self, asked: OpenQuestions) -> None:
         """Send the new questions, of which a flood holds no alert back."""
@@ -206,10 +220,12 @@ class Alerts(App[AlertsSettings]):
             ended, held = await self._ended(self._incidents.keys() - alerts.keys(), now)
         except ServiceError:
             return _AGAIN
-        self._findings.publish(Findings(findings=findings_of(one for one in alerts.values() if one.is_shown(now))))
+        self._shown = findings_of(one for one in alerts.values() if one.is_shown(now))
+        self._publish()
         lasting = alerts | held
         self._incidents = update_incidents(self._incidents, lasting, ended, now, self.settings.language)
         is_told = await self._publish_news(now)
+        self._publish()
         if self._incidents or "incidents" in self.store:
             self.store["incidents"] = self._incidents
         self._pause = _AGAIN / 2 if is_told else min(2 * self._pause, _LONGEST_PAUSE)

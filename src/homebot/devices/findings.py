@@ -42,9 +42,14 @@ class Finding(Message):
 
 
 class Findings(Message):
-    """The present alerts of the house, the worst first."""
+    """The present alerts of the house, the worst first.
+
+    Attributes:
+        repeats: Whether people are told of one again and again, until a call of ``/alerts/seen``.
+    """
 
     findings: tuple[Finding, ...]
+    repeats: bool = False
 
 
 class FindingKind(Enum):
