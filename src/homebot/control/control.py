@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
-    from homebot.control.sending import Rehearsal
+    from homebot.control.open_command import Rehearsal
     from homebot.control.settings import ControlSettings
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
@@ -106,7 +106,7 @@ class HouseWatch:
             layer, place = self._layer(), (change.device, change.part)
             if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:
                 layer.timelines.begin(device, change)
-            layer.executor.reports.on_change(change)
+            layer.sending.reports.on_change(change)
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         # Control's own commands do not come here; an id that another program gives would let it hide the command.
@@ -212,11 +212,11 @@ class Control:
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
         create(leases.GetLeases, names.GET_LEASES, lambda request: self._layer.leases.held_parts(request))
         create(
-            GetCauses, names.GET_CAUSES, lambda request: self._layer.executor.reports.causes(request), concurrent=True
+            GetCauses, names.GET_CAUSES, lambda request: self._layer.sending.reports.causes(request), concurrent=True
         )
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
-        create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))
+        create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.sending.witnesses.trust(request))
         create(GetQuestions, names.GET_QUESTIONS, lambda _: self._layer.executor.questions.listed())
         create(AnswerQuestion, names.ANSWER_QUESTION, lambda request: self._layer.executor.questions.answer(request))
         create(GetHealth, "~/health", self.health)

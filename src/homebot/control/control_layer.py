@@ -12,11 +12,12 @@ from homebot.control.explanations import Explanations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.denied_requests import DeniedRequests
 from homebot.control.journal.journal import CommandJournal
-from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
+from homebot.control.learnt import LearntPersistence
 from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
+from homebot.control.open_command import Rehearsal
 from homebot.control.policy_engine import PolicyEngine
-from homebot.control.sending import Rehearsal
+from homebot.control.sending import Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timelines import Timelines
 from homebot.devices.device_lookup import DeviceLookup
@@ -59,9 +60,7 @@ class ControlLayer:
         store = store or _store(node, settings, journal_file)
         self.journal = CommandJournal(node, store, lookup)
         self.learnt = LearntPersistence(node, store)
-        profiles = Profiles(self.learnt.saver(PROFILE))
-        self.learnt.add(PROFILE, profiles.restore)
-        self.timelines = Timelines(node, feed, profiles, settings.timeout, settings.settle)
+        self.timelines = Timelines(node, feed, self.learnt, settings.timeout, settings.settle)
         self.policies = PolicyEngine(
             node,
             lookup,
@@ -75,9 +74,8 @@ class ControlLayer:
             tables=tables,
         )
         leases = Leases(settings.hand_time)
-        self.executor = CommandExecutor(
-            node, settings, lookup, self.policies, self.journal, leases, self.timelines, feed, self.learnt, rehearsal
-        )
+        self.sending = Sending(node, settings, lookup, self.policies, self.journal, leases, self.timelines, rehearsal)
+        self.executor = CommandExecutor(node, lookup, self.policies, self.journal, leases, self.timelines, self.sending)
         self.words = CommandService(node, lookup, self.executor)
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
         self.denied = DeniedRequests(node, lookup, self.journal)
@@ -106,10 +104,10 @@ class ControlLayer:
 
     async def health(self) -> HealthResponse:
         """Return the health of the journal, with notes for the owner."""
-        notes = await self.policies.approval_notes() + self.executor.witnesses.notes() + self.policies.notes()
+        notes = await self.policies.approval_notes() + self.sending.witnesses.notes() + self.policies.notes()
         executor = self.executor
         counts = {"leases_refused": executor.leases.refused, "codes_refused": executor.codes.refused}
-        return self.journal.health(counts | executor.witnesses.counts | self.policies.counts, notes)
+        return self.journal.health(counts | self.sending.witnesses.counts | self.policies.counts, notes)
 
 
 def _with_approvals(settings: ControlSettings | None, *, approves_all: bool) -> ControlSettings:

@@ -1,115 +1,56 @@
-"""Sending of commands, and their repetition if no answer comes."""
+"""Sending of commands, their repetition if no answer comes, and their outcomes."""
 
 import asyncio
 import math
-from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import ClassVar, Final, Protocol, TypeVar, final
+from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.command import IssuedCommand
-from homebot.control.gateway_feed import GatewayFeed
+from homebot.control.command import IssuedCommand, certain_values, order_of
 from homebot.control.journal.journal import CommandJournal
+from homebot.control.journal.report_log import ReportLog
 from homebot.control.leases import Leases
+from homebot.control.open_command import OpenCommand, Rehearsal
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.shared_sending import SharedSending
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import Asked, LinkLost, Reported, ReportRole, SendingEnded, Sent, Withheld
+from homebot.control.timeline.facts import (
+    Answered,
+    Asked,
+    Cause,
+    Decided,
+    LinkLost,
+    Reported,
+    SendingEnded,
+    Sent,
+    Withheld,
+)
 from homebot.control.timeline.part_timeline import PartTimeline
-from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.progress import CommandProgress, Undoing
+from homebot.control.timelines import Timelines
+from homebot.control.witnesses import Witness, Witnesses
+from homebot.devices.command_messages import CommandEvent, CommandResult
 from homebot.devices.command_sender import CommandSender
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
-from homebot.devices.outcomes import NoAnswer, Outcome, Refused
-from homebot.devices.value import Value
+from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.outcomes import AlreadySo, Gone, NoAnswer, Outcome, Refused, Reverted
+from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import LinkError, RefusedError, ServiceError, UnansweredError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-_T = TypeVar("_T")
+MOST_PENDING: Final = 10_000
+"""The limit of commands without an outcome; further ones are refused."""
 
+REVERTED: Final = "control.reverted"
 WOULD_SEND: Final = "control.would_send"
 
-_MOST_RECORDED: Final = 20
-"""The limit of reports of one command in the journal."""
-
-_ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
-
-
-class Rehearsal(Protocol):
-    """Answers commands instead of sending them.
-
-    Attributes:
-        is_live: Whether the devices are real, so a raw command has no effect; in a replay it has its recorded effect.
-    """
-
-    is_live: ClassVar[bool]
-
-    def outcome(self, command: IssuedCommand) -> Outcome | None:
-        """Return the assumed outcome of *command*; None to send it to a muted gateway."""
-        ...
-
-
-@dataclass(slots=True, eq=False)
-class OpenCommand:
-    """A command without an outcome.
-
-    Its only task waits with a future and a shared timer: an event with a timeout would cost several times as much.
-
-    Attributes:
-        recorded: The last report of each capability in the journal, which does not record it twice.
-        members: The timelines of the members of a group.
-    """
-
-    command: IssuedCommand
-    timeline: PartTimeline
-    progress: CommandProgress
-    limits: TimeLimits
-    recorded: dict[str, object] = field(default_factory=dict)
-    members: tuple[PartTimeline, ...] = ()
-    _acknowledging: asyncio.Timeout | None = None
-    _waiter: asyncio.Future[None] | None = None
-
-    def is_news(self, fact: Reported) -> bool:
-        """Return whether a report differs from the last recorded one, and remember it; all steps on the way are one."""
-        role = fact.attribution.role if fact.attribution.command == self.command.id else None
-        news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
-        if self.recorded.get(fact.capability) == news or len(self.recorded) >= _MOST_RECORDED:
-            return False
-        self.recorded[fact.capability] = news
-        return True
-
-    def wake(self) -> None:
-        """Wake the task if it is waiting; a task that checks before it waits misses nothing."""
-        limit, progress = self._acknowledging, self.progress
-        if limit is not None and limit.when() is None and progress.wanted and progress.over_at == -math.inf:
-            limit.reschedule(asyncio.get_running_loop().time() + durations.ACKNOWLEDGED_TOO)
-        if self._waiter is not None and not self._waiter.done():
-            self._waiter.set_result(None)
-
-    async def wait(self, seconds: float) -> None:
-        """Wait up to *seconds* for news."""
-        self._waiter = asyncio.get_running_loop().create_future()
-        limit = self.limits.set(seconds, self.wake)
-        try:
-            await self._waiter
-        finally:
-            self.limits.discard(limit)
-
-    async def acknowledged(self, sending: Awaitable[_T]) -> _T | None:
-        """Return the result of *sending*; None if it has none a second after the part reported what was wanted."""
-        limit = self._acknowledging = asyncio.timeout(None)
-        try:
-            async with limit:
-                return await sending
-        except TimeoutError:
-            if not limit.expired():
-                raise
-            return None
-        finally:
-            self._acknowledging = None
+_CANCELLED: Final = "it was cancelled"
 
 
 @final
@@ -118,29 +59,92 @@ class Sending:
 
     A command is sent again only if the last sending can have no effect any more: the network has dropped the copy that
     it stored for an unreachable device, and after a lost connection the device has to report another value first.
+
+    Attributes:
+        open: The commands without an outcome, by id; the caller removes those that have ended.
     """
 
     def __init__(
         self,
         node: Node,
         settings: ControlSettings,
+        lookup: DeviceLookup,
         policies: PolicyEngine,
         journal: CommandJournal,
         leases: Leases,
-        feed: GatewayFeed,
+        timelines: Timelines,
         rehearsal: Rehearsal | None,
     ) -> None:
         self.rehearsal = rehearsal
         self._log = node.log
         self._settings = settings
         self._clock = node.graph.clock
+        self._lookup = lookup
         self._policies = policies
         self._journal = journal
         self._leases = leases
-        self._feed = feed
+        self._timelines = timelines
+        self._feed = timelines.feed
         self._sender = CommandSender(node)
+        self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
+        self._limits = TimeLimits()
+        self.open: dict[str, OpenCommand] = {}
+        timelines.on_news, timelines.on_undone = self._on_news, self._on_undone
+        timelines.feed.on_answer = self._on_answer
+        self.reports = ReportLog(journal, timelines)
+        self.witnesses = Witnesses(node, settings, timelines.feed, lookup)
 
-    async def run(self, sent: OpenCommand) -> Outcome:
+    async def send(self, command: IssuedCommand) -> Outcome:
+        """Send a command unless its part is already so, and return its outcome by reports and witnesses."""
+        if len(self.open) >= MOST_PENDING:
+            reason = f"{MOST_PENDING:,} commands wait for their outcome"
+            return Refused("control", reason, command_id=command.id)
+        if self._timelines.learnt.is_awaited:
+            await self._timelines.learnt.load()
+        opened, is_so = self._begin(command)
+        witnesses: list[Witness] = []
+        try:
+            if is_so:
+                return self._decided(opened, AlreadySo(command_id=command.id))
+            rehearsal = self.rehearsal
+            if rehearsal is not None and (assumed := self.rehearse(command, opened.timeline)) is not None:
+                return await self._rehearsed(opened, assumed)
+            if command.members:
+                members = self._timelines.command_members(opened.progress.order, command.members)
+                opened.members, opened.progress.members = tuple(members), tuple(members.values())
+            witnesses = await self.witnesses.begin(opened)
+            outcome = await self._run(opened)
+            if witnesses:
+                outcome = await self.witnesses.verify(opened, witnesses, outcome)
+            if await self._is_gone(command, outcome):
+                outcome = Gone(command_id=command.id)
+            return self._decided(opened, outcome)
+        finally:
+            for witness in witnesses:
+                witness.stop_watch()
+
+    def cancel(self, name: str) -> Outcome:
+        """Return the outcome of the command *name*, which its issuer cancelled: it is not sent again."""
+        opened = self.open.get(name)
+        if opened is None:
+            return NoAnswer(0.0, _CANCELLED, command_id=name)
+        sendings = opened.progress.transmission
+        waited, reason = self._clock.monotonic() - sendings.first_sent_at, "" if sendings.count else _CANCELLED
+        return self._decided(opened, NoAnswer(waited, reason, command_id=name))
+
+    def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:
+        """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
+        outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
+        if outcome is not None:
+            now = self._clock.monotonic()
+            self._leases.record_stop(command, now)
+            timeline.append(Sent(command.id, command.settings, now))
+            self._journal.record("would", command)
+            text = f"{command.issuer.removeprefix('/')} would set {command.label} → {settings_text(command.public())}"
+            self._log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
+        return outcome
+
+    async def _run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
         plan, command, progress, clock = self._plan(sent), sent.command, sent.progress, self._clock
         sendings = progress.transmission
@@ -163,17 +167,43 @@ class Sending:
                 sent.timeline.append(LinkLost(command.id, self._feed.last_loss(command.part.routes).monotonic))
         return outcome_of(progress, clock.monotonic())
 
-    def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:
-        """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
-        outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
-        if outcome is not None:
-            now = self._clock.monotonic()
-            self._leases.record_stop(command, now)
-            timeline.append(Sent(command.id, command.settings, now))
-            self._journal.record("would", command)
-            text = f"{command.issuer.removeprefix('/')} would set {command.label} → {settings_text(command.public())}"
-            self._log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
-        return outcome
+    def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
+        """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
+        if self._leases.parts:
+            self._leases.yield_to(command, self._clock.monotonic())
+        timeline, order = self._timelines.of(command.device, command.part), order_of(command)
+        is_at_rest = True
+        for other in timeline.active:
+            if other.is_open and not order.settings.keys().isdisjoint(other.order.settings):
+                is_at_rest = False
+        known, is_recent = dict[str, PlainValue](), False
+        if command.place not in self.witnesses.contradicted:
+            asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
+            known, is_recent = certain_values(command, asked, timeline, lost.wall, self._clock)
+        answers = not order.wanted and self._feed.is_answering(command.part.routes)
+        progress = timeline.command(order, self._clock.monotonic(), known, command.values, answers=answers)
+        opened = self.open[command.id] = OpenCommand(command, timeline, progress, self._limits)
+        is_so = is_recent and is_at_rest and progress.was_so
+        return opened, is_so and not (progress.has_echo or order.is_always_sent)
+
+    async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
+        await asyncio.sleep(durations.REHEARSED)
+        command = opened.command
+        self._decided(opened, AlreadySo(command_id=command.id))
+        wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
+        reported = {one.capability: one.value.plain() for one in command.public(wanted)}
+        return replace(assumed, reported=reported)
+
+    async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
+        """Return whether the answer is missing because the device or its part was removed meanwhile."""
+        if not (isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")):
+            return False
+        await asyncio.sleep(0)  # the directory handles the messages that the gateway published before its answer
+        try:
+            device = await self._lookup.device(command.device.id)
+        except ServiceError:
+            return False
+        return device is None or device.part(command.part.id) is None
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, order, profile = sent.command, sent.progress.order, sent.timeline.profile
@@ -274,6 +304,35 @@ class Sending:
             return None
         self._journal.record("sent", command)
         return False
+
+    def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
+        opened.timeline.append(Decided(opened.command.id, self._clock.monotonic(), outcome))
+        self._timelines.schedule(opened.command.place)
+        return outcome
+
+    def _on_news(self, progress: CommandProgress, fact: Reported | None) -> None:
+        """Record a report for a command, and wake the task that waits for it or for its end."""
+        opened = self.open.get(progress.order.id)
+        if fact is not None:
+            self.reports.on_report(progress, fact, opened if progress.is_open else None)
+        if opened is not None:
+            opened.wake()
+
+    def _on_undone(self, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
+        order, by = progress.order, "device" if cause is Cause.DEVICE else "unknown"
+        outcome = Reverted(undoing.after, by, command_id=order.id)
+        device, part = order.place
+        self._journal.decided(order.issuer, order.place, outcome, "reverted")
+        self._events.publish(
+            CommandEvent(device=device, part=part, issuer=order.issuer, result=CommandResult.of(outcome))
+        )
+        self._log.warning(REVERTED, message=f"{order.label}: {outcome.text}", device=device, command=order.id)
+
+    def _on_answer(self, command: str, capability: str, problem: str) -> None:
+        opened = self.open.get(command)
+        if opened is not None and capability in opened.command.settings:
+            opened.timeline.append(Answered(command, self._clock.monotonic(), capability, problem))
+            opened.wake()
 
 
 def not_sent(error: LinkError | RefusedError | ServiceError, waited: float = 0.0, command_id: str = "") -> Outcome:

@@ -10,7 +10,7 @@ from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.learnt import Profiles
+from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
@@ -43,12 +43,18 @@ class _TrackedPart:
 
 @final
 class Timelines:
-    """The timelines of the last 10,000 commanded parts. Set the callbacks before use."""
+    """The timelines of the last 10,000 commanded parts. Set the callbacks before use.
 
-    def __init__(self, node: Node, feed: GatewayFeed, profiles: Profiles, timeout: float, settle: float) -> None:
+    Args:
+        feed: The reports.
+        learnt: The profiles of the devices are saved and restored there.
+    """
+
+    def __init__(self, node: Node, feed: GatewayFeed, learnt: LearntPersistence, timeout: float, settle: float) -> None:
         self._clock = node.graph.clock
-        self._feed = feed
-        self._profiles = profiles
+        self.feed, self.learnt = feed, learnt
+        self._profiles = Profiles(learnt.saver(PROFILE))
+        learnt.add(PROFILE, self._profiles.restore)
         self._timeout = timeout
         self._settle = settle
         self._limits = TimeLimits()
@@ -177,13 +183,13 @@ class Timelines:
         entry.part = part
         settings = [one.name for one in part.part.capabilities if one.settable or one.name in SETTABLE]
         entry.relevant = frozenset([other for one in settings for other in related(one)])
-        entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, entry))
+        entry.stop_watch = self.feed.watch(part.routes, partial(self._on_value, entry))
 
     def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float, set_by: SetBy) -> None:
         if capability not in entry.relevant:
             return
         routes = entry.part.routes
-        lost_at, absent_at = self._feed.last_loss(routes).monotonic, self._feed.last_absence(routes)
+        lost_at, absent_at = self.feed.last_loss(routes).monotonic, self.feed.last_absence(routes)
         entry.timeline.report(self._clock.monotonic(), stamp, capability, value, lost_at, absent_at, set_by)
         self._update(entry)
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, final
 
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.sending import OpenCommand
+from homebot.control.open_command import OpenCommand
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import outcome_of
 from homebot.devices import Device, DevicePart

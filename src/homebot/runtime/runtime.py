@@ -58,7 +58,7 @@ from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
-    from homebot.control.sending import Rehearsal
+    from homebot.control.open_command import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.feature_context import FeatureContext, FeatureServer
     from homebot.house import World

@@ -11,7 +11,7 @@ from homebot.devices.outcomes import Contradicted
 
 if TYPE_CHECKING:
     from homebot.control.journal.journal import CommandJournal
-    from homebot.control.sending import OpenCommand
+    from homebot.control.open_command import OpenCommand
     from homebot.control.timeline.progress import CommandProgress
     from homebot.control.timelines import Timelines
     from homebot.devices.device import ChangedSetting
