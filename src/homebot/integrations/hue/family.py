@@ -38,7 +38,7 @@ class HueFamily(ServedFamily):
     """Lamps and sensors."""
 
     kinds = frozenset({"contact", "lamp", "lux", "motion"})
-    device = "homebot.integrations.hue.simulated.device:HueHouseDevice"
+    device = "homebot.integrations.hue.simulated.bridge:HueHouseDevice"
     network = HueNetwork
     extra = "testing"
     libraries = ("aiohttp", "trustme")

@@ -19,8 +19,7 @@ from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
-from homebot.integrations.wled.formats.segment import Fields
-from homebot.integrations.wled.formats.strip import WledStrip, effect_names, preset_names
+from homebot.integrations.wled.formats.strip import Fields, WledStrip, effect_names, preset_names
 from homebot.support.isolation import ungrouped
 
 if TYPE_CHECKING:

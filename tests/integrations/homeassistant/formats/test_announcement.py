@@ -4,7 +4,7 @@ import pytest
 
 from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.abbreviations import ABBREVIATIONS
-from homebot.integrations.homeassistant.formats.announcement import MAX_COMPONENTS, Announced, read_announcement
+from homebot.integrations.homeassistant.formats.reader import MAX_COMPONENTS, Announced, read_announcement
 from homebot.integrations.homeassistant.formats.topics import ConfigTopic, parse_config_topic, valid_topic
 from homebot.mqtt.topics import validate_filter, validate_topic
 

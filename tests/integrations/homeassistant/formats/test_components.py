@@ -22,8 +22,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.integrations.homeassistant.formats.components import BUILDERS
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
-from homebot.integrations.homeassistant.formats.reader import builder_of
-from homebot.integrations.homeassistant.formats.shapes import PartShapes
+from homebot.integrations.homeassistant.formats.reader import PartShapes, builder_of
 
 LINES = [json.loads(line) for line in Path(__file__).with_name("components.jsonl").read_text().splitlines()]
 

@@ -18,7 +18,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.integrations.esphome.formats.device import EsphomeDevice
 from homebot.integrations.homeassistant.gateway.entities import HomeAssistantEntities
 from homebot.integrations.homekit.formats.accessory import parse_accessories
-from homebot.integrations.homekit.gateway.accessory_device import describe
+from homebot.integrations.homekit.gateway.accessory_runner import describe
 from homebot.integrations.homekit.gateway.port import FoundAccessory
 from homebot.integrations.shelly.formats.gen1 import Gen1
 from homebot.integrations.shelly.formats.gen2_device import Gen2Device

@@ -3,7 +3,7 @@
 import pytest
 
 from homebot.errors import WireError
-from homebot.integrations.homekit.formats.setup_code import read_homekit_digits
+from homebot.integrations.homekit.formats.ecosystem import read_homekit_digits
 
 
 @pytest.mark.parametrize("text", ["031-45-154", "03145154", "031 45 154", "X-HM://0023ISYWY", "x-hm://0023ISYWYABCD"])

@@ -11,10 +11,8 @@ from homebot.conventions.capability_row import writer_of
 from homebot.errors import PeerError, WireError
 from homebot.gateways.announced.gateway_device import can_report
 from homebot.integrations.homekit.formats.accessory import parse_accessories
-from homebot.integrations.homekit.formats.climate import CLIMATE_ROWS
-from homebot.integrations.homekit.formats.lights_and_power import POWER_ROWS
-from homebot.integrations.homekit.formats.openings import OPENING_ROWS
 from homebot.integrations.homekit.formats.parts import _TYPE_OF, parts_of
+from homebot.integrations.homekit.formats.services import CLIMATE_ROWS, OPENING_ROWS, POWER_ROWS
 
 ROWS = (*CLIMATE_ROWS, *OPENING_ROWS, *POWER_ROWS)
 SERVICES = sorted(_TYPE_OF)

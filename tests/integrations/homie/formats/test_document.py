@@ -4,7 +4,7 @@ import pytest
 
 from homebot.errors import WireError
 from homebot.integrations.homie.formats.model import HomieDevice, Range
-from homebot.integrations.homie.formats.version5 import parse_document
+from homebot.integrations.homie.formats.reader import parse_document
 
 GOOD = {"datatype": "integer", "format": "0:100:5", "unit": "%", "settable": True, "retained": False, "name": "Dim"}
 

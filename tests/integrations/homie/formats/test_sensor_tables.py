@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.integrations.homie.formats.node_types import quantity_of
+from homebot.integrations.homie.formats.roles import quantity_of
 
 NONE: frozenset[str] = frozenset()
 

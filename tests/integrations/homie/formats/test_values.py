@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.integrations.homie.formats.model import HomieProperty, Range, parse_options, parse_range
-from homebot.integrations.homie.formats.values import publication, read_color, read_plain, spell_color, spell_plain
+from homebot.integrations.homie.formats.properties import publication, read_color, read_plain, spell_color, spell_plain
 
 
 def prop(datatype: str, *, within: Range | None = None, options: tuple[str, ...] = ()) -> HomieProperty:

@@ -21,7 +21,7 @@ from homebot.errors import TypeMismatchError
 from homebot.gateways.pairing import PairResponse
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.matter.gateway.commissioning import (
+from homebot.integrations.matter.gateway.gateway import (
     Commission,
     CommissioningNames,
     CommissionRequest,

@@ -20,7 +20,7 @@ from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import Graph, Node
 from homebot.integrations.matter.gateway import MatterGateway, MatterGatewaySettings
-from homebot.integrations.matter.gateway.commissioning import (
+from homebot.integrations.matter.gateway.gateway import (
     Commission,
     CommissioningNames,
     CommissionRequest,

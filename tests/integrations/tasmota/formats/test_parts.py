@@ -12,7 +12,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.integrations.tasmota.formats.config import read_config
 from homebot.integrations.tasmota.formats.light import LampState, speed_for
-from homebot.integrations.tasmota.formats.parts import build_parts, count_shutters
+from homebot.integrations.tasmota.formats.reader import build_parts, count_shutters
 from homebot.integrations.tasmota.formats.sensors import MAX_SENSORS, read_leaves
 
 MAC = "2462AB000011"

@@ -16,7 +16,7 @@ from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.integrations.things.formats.binding import ClassifiedPart
 from homebot.integrations.things.formats.classify import parts_of
-from homebot.integrations.things.formats.export import to_thing
+from homebot.integrations.things.formats.documents import to_thing
 from homebot.integrations.things.formats.mqtt.reader import MqttBinding
 from homebot.integrations.things.formats.parse import CONTEXT, read_thing
 from homebot.integrations.things.formats.payload import PayloadFormat, basic_formats

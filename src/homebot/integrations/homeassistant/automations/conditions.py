@@ -9,7 +9,7 @@ from itertools import chain, product
 from math import prod
 from typing import Final, TypeAlias
 
-from homebot.integrations.homeassistant.automations.automation import Automation
+from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, state_of_template, sun_moment
 from homebot.routines.times import read_span

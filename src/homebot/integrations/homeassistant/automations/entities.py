@@ -1,16 +1,20 @@
-"""The devices and parts of a house by the ids of their entities in Home Assistant. Pure."""
+"""The devices and parts of a house by the ids of their entities in Home Assistant; the context of reading. Pure."""
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Final, NamedTuple, final
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple, TypeVar, final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.tokens import quoted
-from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.errors import UsageError
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.folding import fold
+from homebot.support.located import Located
 
 _ID: Final = re.compile(r"[a-z_]+\.[a-z0-9_]+")
 _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\))?")
@@ -223,3 +227,42 @@ def _measured(part: Part, domain: str) -> Iterator[str]:
         is_flag = CAPABILITIES.get(capability.name, OWN).kind == "bool" or capability.name == "state"
         if capability.readable and not capability.settable and is_flag is _SENSORS[domain]:
             yield capability.name
+
+
+T = TypeVar("T")
+
+
+@dataclass
+class Automation:
+    """An automation, or its part for the triggers of one id.
+
+    Attributes:
+        trigger: The id of these triggers; None for all of the automation.
+        problems: All that is not carried over.
+        starts: The triggers of states: their entities and their states.
+    """
+
+    entities: Entities
+    problems: list[NotCarriedError]
+    trigger: str | None = None
+    starts: list[tuple[frozenset[str], frozenset[str]]] = field(default_factory=list)
+
+    def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:
+        """Return what *read* returns for each of *nodes* that is switched on and carried over."""
+        results: list[T] = []
+        for node in nodes:
+            with self.in_line(node.line):
+                fields = UnreadFields(node, what)
+                if fields.flag("enabled", default=True):
+                    results.append(read(fields))
+                    fields.end()
+        return results
+
+    @contextmanager
+    def in_line(self, line: int) -> Iterator[None]:
+        """Add what is refused to the problems, by default with *line*."""
+        try:
+            yield
+        except UsageError as exc:
+            own = exc.line if isinstance(exc, NotCarriedError) else 0
+            self.problems.append(NotCarriedError(str(exc), own or line))

@@ -1,24 +1,210 @@
 """Reader of files of automations: each becomes one routine, or one for each id of its triggers, or is refused. Pure.
 
-Source: Home Assistant core 2026.11, ``components/automation/config.py``; the keys of before 2024.10 count as well.
+Source: Home Assistant core 2026.11, ``components/automation/config.py``, ``helpers/script.py`` and the services of its
+domains; the keys of before 2024.10 count as well.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import Final
+from itertools import chain
+from typing import Final, cast
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device
 from homebot.errors import ConfigError, UsageError
-from homebot.integrations.homeassistant.automations.actions import Actions
-from homebot.integrations.homeassistant.automations.automation import Automation
-from homebot.integrations.homeassistant.automations.conditions import NEVER, conditions_of, texts_of
-from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
+from homebot.integrations.homeassistant.automations.conditions import JOINTS, NEVER, Condition, conditions_of, texts_of
+from homebot.integrations.homeassistant.automations.entities import Automation, Entities, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of, walk
+from homebot.integrations.homeassistant.automations.services import steps_of_service
+from homebot.integrations.homeassistant.automations.states import state_of_template
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
 from homebot.routines.imports import ImportedRoutines, Refusal
+from homebot.routines.program import MOST
+from homebot.routines.steps import Do, Notify, read_step
 from homebot.routines.text import read_routines, routine_text
 from homebot.support.located import Located
+
+Step = str | dict[str, object]
+"""A step of a routine, or a choice between some."""
+
+_CONDITIONS: Final = frozenset({"condition", *JOINTS})
+_KINDS: Final = (
+    *("service", "action", "scene", "delay", "wait_template", "wait_for_trigger", "choose", "if", "sequence"),
+    *("repeat", "parallel", "variables", "stop", "event", "device_id", "set_conversation_response"),
+)
+
+_MAX_DIGITS: Final = 4
+
+
+class Actions:
+    """Reader of the actions of one automation.
+
+    Args:
+        is_split: Whether there are several routines of it, which must not wait.
+        mode: The mode of the automation.
+    """
+
+    def __init__(self, automation: Automation, mode: str, *, is_split: bool) -> None:
+        self._automation = automation
+        self._mode = mode
+        self._is_split = is_split
+        self._has_waited = False
+
+    def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
+        """Return the conditions of the automation that its actions begin with, and its steps.
+
+        A new run ends the one before it, or waits for it, before its actions ask for anything.
+        """
+        first, steps = self._read(nodes)
+        if first and self._has_waited and self._mode in {"restart", "queued"}:
+            with self._automation.in_line(nodes[0].line):
+                first, steps = [], _choice(first, steps, [])
+        return first, steps
+
+    def _read(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
+        """Return the conditions at the beginning, and the steps; conditions in the middle decide over the rest."""
+        first: list[Condition] = []
+        steps: list[Step] = []
+        for number, node in enumerate(nodes):
+            if isinstance(node.value, dict) and _CONDITIONS.isdisjoint(node.value):
+                steps += [
+                    step for node_steps in self._automation.each([node], "action", self._steps) for step in node_steps
+                ]
+                continue
+            first_here = conditions_of(self._automation, [node])
+            if not steps:
+                first += first_here
+                continue
+            further, rest = self._read(nodes[number + 1 :])
+            with self._automation.in_line(node.line):
+                steps += _choice([*first_here, *further], rest, [])
+            break
+        return first, steps
+
+    def _steps(self, fields: UnreadFields) -> Sequence[Step]:
+        kind = fields.first_of(_KINDS)
+        match kind:
+            case "service" | "action" | "scene" | "device_id":
+                return steps_of_service(self._automation.entities, fields, kind)
+            case "delay":
+                length = fields.duration("delay")
+                self._pause()
+                return [f"wait {length}"] if length else []
+            case "wait_template" | "wait_for_trigger":
+                most = fields.duration("timeout")
+                if not most:
+                    how = "write after how long to go on, such as `timeout: '01:00:00'`"
+                    raise NotCarriedError(f"action {kind}: it may last forever; {how}")
+                if not fields.flag("continue_on_timeout", default=True):
+                    raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
+                text = (
+                    self._awaited(fields)
+                    if kind == "wait_for_trigger"
+                    else state_of_template(self._automation.entities, fields, kind)
+                )
+                self._pause()
+                return [f"wait until {text}, at most {most}"]
+            case "if":
+                conditions = conditions_of(self._automation, fields.items("if"))
+                return _choice(conditions, self._branch(fields.items("then")), self._branch(fields.items("else")))
+            case "choose":
+                default = self._branch(fields.items("default"))
+                options = self._automation.each(fields.items("choose"), "choose", self._option)
+                for conditions, steps in reversed(options):  # each is tried if those before it do not hold
+                    default = _choice(conditions, steps, default)
+                return default
+            case "sequence":
+                return self._branch(fields.items("sequence"))
+            case "parallel":
+                return self._parallel(fields)
+            case "repeat":
+                return self._repeated(fields.inner("repeat"))
+            case "":
+                fields.end()
+        raise NotCarriedError(f"action: `{kind}` has no counterpart in routines")
+
+    def _branch(self, nodes: Sequence[Located]) -> list[Step]:
+        conditions, steps = self._read(nodes)
+        return _choice(conditions, steps, [])
+
+    def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
+        conditions = conditions_of(self._automation, fields.items("conditions"))
+        nodes = fields.items("sequence")
+        return conditions, [] if NEVER in conditions else self._branch(nodes)
+
+    def _parallel(self, fields: UnreadFields) -> list[Step]:
+        """Read simultaneous actions: commands to different devices may be given in a row."""
+        branches = [self._branch([node]) for node in fields.items("parallel")]
+        reached: list[str] = []
+        for branch in branches:
+            steps = [read_step(text) if isinstance(text, str) else None for text in branch]
+            targets = {step.target for step in steps if isinstance(step, Do)}
+            if not all(isinstance(step, Do | Notify) for step in steps) or not targets.isdisjoint(reached):
+                raise NotCarriedError("action parallel: more than commands to different devices")
+            reached += targets
+        return [*chain.from_iterable(branches)]
+
+    def _repeated(self, fields: UnreadFields) -> list[Step]:
+        """Read repeated actions, which are written so often."""
+        count, steps = fields.text("count", "0"), self._branch(fields.items("sequence"))
+        fields.end()
+        is_plain = all(isinstance(step, str) and not step.startswith("wait until") for step in steps)
+        times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
+        if not is_plain or not 0 < times * max(len(steps), 1) <= MOST:  # before they are written
+            raise NotCarriedError(
+                f"action repeat: carried over are commands and delays with a `count`, at most {MOST} together"
+            )
+        return steps * times
+
+    def _pause(self) -> None:
+        self._has_waited = True
+        if self._is_split:
+            raise NotCarriedError("a wait in an automation with `condition: trigger`: its parts become routines")
+
+    def _awaited(self, fields: UnreadFields) -> str:
+        """Return the state that is awaited. Home Assistant waits for its beginning, and a routine for the state.
+
+        They differ if it holds already, which the trigger of the automation excludes until the first wait.
+        """
+        started_by = self._automation.starts
+        waited = Automation(self._automation.entities, self._automation.problems)
+        texts = waited.each(fields.items("wait_for_trigger"), "trigger", lambda node: read_triggers(waited, node))
+        triggers = [text for some in texts for text in some]
+        if len(triggers) != 1 or len(waited.starts) != 1:
+            raise NotCarriedError("action wait_for_trigger: routines wait for one state")
+        ((ids, states),) = waited.starts
+        is_other = started_by and all(
+            trigger_ids == ids and old and old.isdisjoint(states) for trigger_ids, old in started_by
+        )
+        if not is_other or self._has_waited or self._mode == "queued":
+            raise NotCarriedError(
+                "action wait_for_trigger: a routine would go on at once if it is so already; use wait_template"
+            )
+        return triggers[0]
+
+
+def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:
+    """Return the choice between *steps*, which are no choices, and *otherwise*."""
+    if NEVER in conditions:
+        return [*otherwise]
+    if not conditions or not (steps or otherwise):
+        return [*steps]
+    if not steps:
+        raise NotCarriedError("a choice that does something only if its conditions do not hold")
+    texts, inner = texts_of(conditions), steps[0]
+    if isinstance(inner, dict) and len(steps) == 1 and ("else" in inner or not otherwise):
+        further = cast("list[str]", inner["if"])
+        rest = [_choice_step(texts, cast("list[Step]", inner["else"]), otherwise)] if "else" in inner else []
+        return [_choice_step([*texts, *further], cast("list[Step]", inner["do"]), rest)]
+    return [_choice_step(texts, steps, otherwise)]
+
+
+def _choice_step(texts: list[str], steps: Sequence[Step], otherwise: Sequence[Step]) -> dict[str, object]:
+    if any(not isinstance(step, str) for step in steps):
+        raise NotCarriedError("a choice in a choice; routines have one level")
+    choice: dict[str, object] = {"if": texts, "do": [*steps]}
+    return {**choice, "else": [*otherwise]} if otherwise else choice
+
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
 _USUAL: Final[Mapping[str, object]] = {"if": [], "mode": "single", "enabled": True}

@@ -7,8 +7,7 @@ Source: Home Assistant core 2026.11, ``components/homeassistant/triggers``, ``co
 from typing import Final
 
 from homebot.errors import UsageError
-from homebot.integrations.homeassistant.automations.automation import Automation
-from homebot.integrations.homeassistant.automations.entities import KnownEntity, text_value
+from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, state_texts, sun_moment
 from homebot.routines.triggers import Press, read_trigger

@@ -14,20 +14,19 @@ from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
-from homebot.integrations.homeassistant.formats.published_climate import (
-    publish_climate,
-    publish_humidifier,
-    publish_water_heater,
-)
 from homebot.integrations.homeassistant.formats.published_controls import (
     FAN_ROWS,
     publish_alarm,
+    publish_climate,
     publish_cover,
+    publish_humidifier,
+    publish_light,
     publish_lock,
     publish_mower,
     publish_siren,
     publish_vacuum,
     publish_valve,
+    publish_water_heater,
 )
 from homebot.integrations.homeassistant.formats.published_entity import (
     Available,
@@ -36,7 +35,6 @@ from homebot.integrations.homeassistant.formats.published_entity import (
     is_settable,
     publish_single,
 )
-from homebot.integrations.homeassistant.formats.published_light import publish_light
 
 
 class _Whole(NamedTuple):

@@ -1,15 +1,20 @@
 """Reader of Home Assistant's discovery configs: configs in, descriptions out. Pure.
 
-Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
+A large house has five times as many configs as shapes of them: one shape for the batteries of all devices, and so on.
+One part of a shape is built; the others are made after it.
+
+Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``, of these ``discovery.py``; ``child_devices`` and the
+shared ``encoding``, ``qos`` and ``message_expiry_interval`` are from 2026.11.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from importlib import import_module
 from operator import attrgetter
-from typing import TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 from pydantic_core import to_json
 
@@ -20,14 +25,230 @@ from homebot.conventions.description import (
     DeviceAnnounced,
     DeviceWithdrawn,
 )
-from homebot.conventions.payload import clean_text
+from homebot.conventions.part_builder import is_movable, moved
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_object, shown, text_of
 from homebot.errors import WireError
-from homebot.integrations.homeassistant.formats.announcement import Announced, read_announcement
+from homebot.integrations.homeassistant.formats.abbreviations import ABBREVIATIONS, full_keys
 from homebot.integrations.homeassistant.formats.components import BUILDERS
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.device import cached_availability, device_in, read_availability
-from homebot.integrations.homeassistant.formats.shapes import SHAPED, PartShapes
 from homebot.integrations.homeassistant.formats.topics import DEVICE, ConfigTopic, parse_config_topic
+from homebot.support.bounded_map import BoundedMap
+
+SHAPED = frozenset({"binary_sensor", "button", "light", "number", "select", "sensor", "switch", "text"})
+"""Components that many devices have alike."""
+
+_OWN = frozenset(
+    {
+        *("availability", "availability_mode", "availability_template", "payload_available", "payload_not_available"),
+        *("default_entity_id", "device", "name", "object_id", "origin", "unique_id"),
+    }
+)
+"""Fields that are no part of a shape: the identity, and the availability, which is read apart from the part."""
+
+_PLAIN_TOPIC = re.compile("[^+#$\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]{1,255}").fullmatch
+_MAX_SHAPES = 1000
+_MAX_SHAPE_CHARACTERS = 2048
+
+
+class _Shape(NamedTuple):
+    """The part of a config that equal parts share.
+
+    Attributes:
+        topics: The fields with topics.
+        places: Of each topic, the place of the first that is the same.
+        others: All other fields, in JSON.
+    """
+
+    component: str
+    is_secret: bool
+    topics: tuple[str, ...]
+    places: tuple[int, ...]
+    others: bytes
+
+
+class PartShapes:
+    """The last thousand shapes of parts, each with the first part and its topics."""
+
+    def __init__(self) -> None:
+        self._known: BoundedMap[_Shape, tuple[DescribedPart, list[str]]] = BoundedMap(_MAX_SHAPES)
+
+    def part(self, config: DiscoveryConfig, build: Callable[[DiscoveryConfig], DescribedPart]) -> DescribedPart:
+        """Return the part that *build* makes of *config*.
+
+        Raises:
+            WireError: The config is invalid.
+        """
+        topics: list[str] = []
+        shape = _shape_of(config, topics)
+        if shape is None:
+            return build(config)
+        known = self._known.get(shape)
+        if known is not None:
+            first, its_topics = known
+            own = dict(zip(its_topics, topics, strict=True))
+            return moved(first, own, part_id=config.part_id, name=config.clean_text("name"))
+        described = build(config)
+        if is_movable(described, topics):
+            self._known[shape] = described, topics
+        return described
+
+
+def _shape_of(config: DiscoveryConfig, topics: list[str]) -> _Shape | None:
+    """Return the shape of *config*, its topics added to *topics*; None for an unusual one."""
+    values = config.values
+    if config.component not in SHAPED or not isinstance(values.get("name", ""), (str, type(None))):
+        return None
+    names, places, others = [], [], {}
+    for key, value in values.items():
+        if key.endswith("topic"):
+            if not isinstance(value, str) or not _PLAIN_TOPIC(value):
+                return None
+            names.append(key)
+            topics.append(value)
+            places.append(topics.index(value))
+        elif key not in _OWN:
+            others[key] = value
+    text = to_json(others)
+    if len(text) > _MAX_SHAPE_CHARACTERS:
+        return None
+    return _Shape(config.component, config.is_secret, tuple(names), tuple(places), text)
+
+
+MAX_COMPONENTS = 300
+"""Most components of one device: each may bring templates, which cost a millisecond at worst."""
+
+Fields: TypeAlias = Mapping[str, object]
+
+
+class Announced(NamedTuple):
+    """The content of one announcement.
+
+    Attributes:
+        components: The components of the device, without removed ones and unknown ones. The id of one without a
+            ``unique_id`` is the key of the announcement and, for a whole device, its name in the message.
+        common: The shared fields, or those of a single component; they have the device and its availability.
+        problems: Why components of a whole device are left out.
+    """
+
+    components: tuple[DiscoveryConfig, ...]
+    common: Fields
+    problems: tuple[WireError, ...] = ()
+
+
+def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced | None:
+    """Return the content of a config that is not empty; None if another form of announcement follows.
+
+    Raises:
+        WireError: It is not a JSON object, too long, or lacks a required field.
+    """
+    fields = parse_object(payload, MAX_ANNOUNCEMENT_BYTES)
+    if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
+        return None
+    fields = full_keys(fields, ABBREVIATIONS)
+    if topic.component == DEVICE:
+        return _whole_device(topic, fields)
+    if _BASE in fields:
+        fields = _with_base(fields)
+    return Announced((DiscoveryConfig(topic.component, topic.key, fields),), common=fields)
+
+
+_BASE = "~"
+_SHARED = (
+    "availability",
+    "availability_mode",
+    "availability_template",
+    "availability_topic",
+    "command_topic",
+    "payload_available",
+    "payload_not_available",
+    "state_topic",
+    "encoding",
+    "qos",
+    "message_expiry_interval",
+)
+
+
+def _with_base(fields: dict[str, object]) -> dict[str, object]:
+    base = fields.pop(_BASE, None)
+    if base is None:
+        return fields
+    if not isinstance(base, str):
+        raise WireError(f"~ is {shown(base)}, not a topic")
+    based = {key: _based(base, value) if key.endswith("topic") else value for key, value in fields.items()}
+    availability = based.get("availability")
+    if isinstance(availability, list):
+        based["availability"] = [_based_entry(base, entry) for entry in availability]
+    elif availability is not None:
+        based["availability"] = _based_entry(base, availability)
+    return based
+
+
+def _based_entry(base: str, entry: object) -> object:
+    if not isinstance(entry, dict):
+        return entry
+    return {
+        key: _based(base, value) if key == "topic" else value for key, value in full_keys(entry, ABBREVIATIONS).items()
+    }
+
+
+def _based(base: str, topic: object) -> object:
+    if not isinstance(topic, str) or not topic:
+        return topic
+    if topic[0] == _BASE:
+        topic = base + topic[1:]
+    if topic.endswith(_BASE):
+        topic = topic[:-1] + base
+    return topic
+
+
+def _child_devices(fields: Fields) -> Iterator[Fields]:
+    children = fields.get("child_devices")
+    for child in children if isinstance(children, list) else ():
+        if isinstance(child, dict):
+            yield full_keys(child, ABBREVIATIONS)
+
+
+def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
+    families = [family for family in (fields, *_child_devices(fields)) if family.get("components") is not None]
+    if not families:
+        raise WireError("a device's message has no components")
+    common = {key: fields[key] for key in _SHARED if key in fields}
+    configs: list[DiscoveryConfig] = []
+    problems: list[WireError] = []
+    entries: list[tuple[str, object, Fields]] = []
+    for family in families:
+        components = family["components"]
+        if not isinstance(components, dict):
+            raise WireError(f"components is {shown(components)}, not an object")
+        entries += ((name, entry, family) for name, entry in components.items())
+    if len(entries) > MAX_COMPONENTS:
+        raise WireError(f"a device has more than {MAX_COMPONENTS} components")
+    for name, entry, child in entries:
+        try:
+            component = _component(topic, name, entry, common, "" if child is fields else text_of(child.get("name")))
+        except WireError as error:
+            problems.append(WireError(f"component {shown(name)}: {error}"))
+        else:
+            configs += () if component is None else (component,)
+    if problems and not configs:
+        raise problems[0]
+    return Announced(tuple(configs), fields, tuple(problems))
+
+
+def _component(topic: ConfigTopic, name: str, entry: object, common: Fields, child: str) -> DiscoveryConfig | None:
+    """Return one component, with the name of its *child* device before its own; None if removed or unknown."""
+    if not isinstance(entry, dict):
+        raise WireError(f"it is {shown(entry)}, not an object")
+    full = full_keys(entry, ABBREVIATIONS)
+    platform = full.pop("platform", None)
+    if not isinstance(platform, str):
+        raise WireError(f"platform is {shown(platform)}, not a text")
+    if not full or platform not in BUILDERS:
+        return None
+    if child:
+        full["name"] = f"{child} {text_of(full.get('name'))}".strip()
+    return DiscoveryConfig(platform, f"{topic.key}/{name}", _with_base({**common, **full}))
 
 
 class HomeAssistantReader:

@@ -12,10 +12,8 @@ from homebot.conventions.capability_row import described
 from homebot.conventions.units import sensor_type
 from homebot.devices.part import Capability, Category, Part
 from homebot.integrations.homekit.formats.accessory import INFORMATION, Accessory, HapService
-from homebot.integrations.homekit.formats.climate import CLIMATE_ROWS
-from homebot.integrations.homekit.formats.lights_and_power import POWER_ROWS
-from homebot.integrations.homekit.formats.openings import OPENING_ROWS
 from homebot.integrations.homekit.formats.rows import ServiceRow, service_row
+from homebot.integrations.homekit.formats.services import CLIMATE_ROWS, OPENING_ROWS, POWER_ROWS
 
 AIR, MOTION, OCCUPANCY, CONTACT, LEAK, SMOKE = "8D", "85", "86", "80", "83", "87"
 MONOXIDE, DIOXIDE, BATTERY, FILTER = "7F", "97", "96", "BA"

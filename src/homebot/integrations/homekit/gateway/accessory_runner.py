@@ -3,10 +3,13 @@
 An accessory sends no event to the controller that wrote, so written values are read back. All values are read at
 intervals, because some have no events, and to check that the accessory is still there. Values are reported in order; if
 too many events wait, further ones are dropped, and all values are read.
+
+Source: HomeKit Accessory Protocol Specification R2, 8.1 (Accessory Information), 2.5.3.2 (bridges).
 """
 
 import asyncio
 from collections.abc import Awaitable, Callable, Collection, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
@@ -18,15 +21,79 @@ from homebot.conventions.joint_message import join
 from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.devices.gateway_messages import Command
+from homebot.devices.identity import identifiers, may_be_unique
 from homebot.errors import LinkError, RefusedError
 from homebot.gateways.announced.device_runner import DeviceRunner
+from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.integrations.homekit.formats.accessory import CharacteristicId, HapCharacteristic, parse_accessories
-from homebot.integrations.homekit.formats.parts import PRESS, PRESSES, HomekitPart
-from homebot.integrations.homekit.gateway.accessory_device import AccessoryDevice, describe
+from homebot.integrations.homekit.formats.accessory import (
+    Accessory,
+    CharacteristicId,
+    HapCharacteristic,
+    parse_accessories,
+)
+from homebot.integrations.homekit.formats.parts import PRESS, PRESSES, HomekitPart, parts_of
 from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitLink, HomekitPort, HomekitValues, Pairing
 from homebot.support.backoff import Backoff
 from homebot.support.numbers import whole_number
+
+_NAME, _SERIAL = "23", "30"
+_FACTS: Final = {"manufacturer": "20", "model": "21", "sw_version": "52", "hw_version": "53"}
+_FIRST: Final = 1
+"""The accessory ID of a standalone accessory, and of a bridge."""
+
+
+def key_of(server: str, aid: int) -> str:
+    """Return the key of an accessory: the pairing ID of its server, plus its accessory ID behind a bridge."""
+    return server if aid == _FIRST else f"{server}.{aid}"
+
+
+@dataclass(frozen=True, slots=True)
+class AccessoryDevice:
+    """An accessory, with its accessory ID, device and parts."""
+
+    aid: int
+    device: GatewayDevice
+    parts: Mapping[str, HomekitPart]
+
+    def find(self, iid: int) -> HapCharacteristic | None:
+        """Return a characteristic of its parts, or None for an unknown *iid*."""
+        known = (
+            characteristic for part in self.parts.values() for characteristic in part.service.characteristics.values()
+        )
+        return next((characteristic for characteristic in known if characteristic.iid == iid), None)
+
+
+def describe(sighted: FoundAccessory, accessory: Accessory | None = None) -> AccessoryDevice:
+    """Return an accessory as a device; without parts if it is not paired."""
+    known = accessory or Accessory(_FIRST)
+    key, information, is_first = key_of(sighted.id, known.aid), known.information, known.aid == _FIRST
+    parts = {part.part.id: part for part in parts_of(known)}
+    texts = {fact: known.information.text(kind) for fact, kind in _FACTS.items()}
+    texts["model"] = texts["model"] or sighted.model
+    texts["via_device"] = "" if known.aid == _FIRST else sighted.id
+    facts = {fact: text for fact, text in texts.items() if text}
+    own = "pairing" if is_first else f"aid {known.aid}"
+    serial = information.text(_SERIAL)
+    device = GatewayDevice(
+        key,
+        information.text(_NAME) or sighted.name,
+        tuple(part.part for part in parts.values()),
+        facts,
+        identifiers(
+            [
+                f"homekit {sighted.id.upper()} {own}",
+                *([serial] if may_be_unique(serial, facts.get("model", "")) else []),
+            ]
+        ),
+        whole_device=True,
+        authenticated=accessory is not None,  # it has proved the key of its pairing
+        service_type="" if parts else sighted.service_type,
+        raw_address=f"homekit/{key}",
+        sleeps=known.sleeps,
+    )
+    return AccessoryDevice(known.aid, device, parts)
+
 
 LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=2.0, late_cap=15.0, late_after=300.0, jitter=0.5)
 """An accessory that restarts is back within seconds."""

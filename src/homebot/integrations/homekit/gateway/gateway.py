@@ -25,9 +25,8 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
-from homebot.integrations.homekit.formats.setup_code import read_homekit_digits
-from homebot.integrations.homekit.gateway.accessory_device import describe
-from homebot.integrations.homekit.gateway.accessory_runner import AccessoryRunner
+from homebot.integrations.homekit.formats.ecosystem import read_homekit_digits
+from homebot.integrations.homekit.gateway.accessory_runner import AccessoryRunner, describe
 from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitPort, Pairing
 from homebot.plugins import check_extra
 from homebot.support.isolation import run_as

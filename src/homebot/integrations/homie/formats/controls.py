@@ -17,16 +17,17 @@ from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 from homebot.integrations.homie.formats.model import HomieNode, HomieProperty
-from homebot.integrations.homie.formats.node_types import tokens_in
 from homebot.integrations.homie.formats.properties import (
     add_properties,
     add_property,
     node_part,
     percent_of,
     percent_written,
+    publication,
+    read_color,
+    read_plain,
 )
-from homebot.integrations.homie.formats.roles import NodeRoles
-from homebot.integrations.homie.formats.values import publication, read_color, read_plain
+from homebot.integrations.homie.formats.roles import NodeRoles, tokens_in
 
 Props = Mapping[str, HomieProperty]
 _NodeProperty: TypeAlias = tuple[HomieNode, HomieProperty]

@@ -24,15 +24,17 @@ from homebot.integrations.homie.formats.controls import (
     find_vacuum,
 )
 from homebot.integrations.homie.formats.model import HomieDevice, HomieNode, HomieProperty
-from homebot.integrations.homie.formats.node_types import KINDS, declared_class, tokens_in
 from homebot.integrations.homie.formats.properties import add_properties, add_property, node_part
 from homebot.integrations.homie.formats.roles import (
     CONTROLS,
+    KINDS,
     THERMOSTAT_ROLES,
     NodeRoles,
     Role,
     as_settings,
+    declared_class,
     find_roles,
+    tokens_in,
 )
 
 

@@ -27,8 +27,7 @@ from homebot.gateways.http_address import http_origin
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.gateways.pinned_certificate import fetch_certificate, only_certificate
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
-from homebot.integrations.hue.gateway.bridge import BridgeRunner
-from homebot.integrations.hue.gateway.bridge_link import bridge_client, create_key
+from homebot.integrations.hue.gateway.bridge import BridgeRunner, bridge_client, create_key
 from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as

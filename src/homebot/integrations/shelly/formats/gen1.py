@@ -23,8 +23,14 @@ from homebot.conventions.description import (
 from homebot.conventions.payload import clean_text, parse_object, shown, text_of
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
-from homebot.integrations.shelly.formats.gen1_controls import NO_VALVE, Presses
-from homebot.integrations.shelly.formats.gen1_parts import Gen1Model, build_parts, find_model, is_known_topic
+from homebot.integrations.shelly.formats.gen1_parts import (
+    NO_VALVE,
+    Gen1Model,
+    Presses,
+    build_parts,
+    find_model,
+    is_known_topic,
+)
 
 
 @dataclass(slots=True)

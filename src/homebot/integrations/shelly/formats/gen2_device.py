@@ -25,22 +25,20 @@ from homebot.integrations.shelly.formats.gen2_component import (
     components_from,
     page_name,
 )
-from homebot.integrations.shelly.formats.gen2_controls import (
+from homebot.integrations.shelly.formats.gen2_parts import (
     LIGHTS,
+    SENSORS,
     build_cover,
     build_diffuser,
-    build_light,
-    build_switch,
-    build_thermostat,
-)
-from homebot.integrations.shelly.formats.gen2_sensors import (
-    SENSORS,
     build_further,
     build_input,
+    build_light,
     build_meters,
     build_own_temperature,
     build_power,
     build_sensor,
+    build_switch,
+    build_thermostat,
 )
 from homebot.integrations.shelly.formats.gen2_virtual import (
     CONSUMPTION,

@@ -21,10 +21,10 @@ from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices.gateway_messages import Command
 from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.address_guard import AddressGuard, guard_for
-from homebot.gateways.announced.device_runner import problems_of
+from homebot.gateways.announced.device_runner import DeviceRunner, problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.http_client import HttpClient
+from homebot.gateways.http_client import TIME_LIMIT, HttpClient
 from homebot.gateways.password_settings import read_logins
 from homebot.integrations.things.directory.directory_client import DirectoryReader
 from homebot.integrations.things.directory.documents import (
@@ -34,13 +34,79 @@ from homebot.integrations.things.directory.documents import (
     read_event,
     text_of,
 )
-from homebot.integrations.things.directory.listed_thing import ListedThing
 from homebot.integrations.things.directory.settings import ThingDirectorySettings
 from homebot.integrations.things.formats.parse import read_thing
 from homebot.integrations.things.formats.thing import Thing
 from homebot.integrations.things.http.http_port import HTTP_BINDING, HttpThingPort, login_at
-from homebot.integrations.things.http.thing_device import describe_thing
+from homebot.integrations.things.http.thing_device import ThingDevice, describe_thing
+from homebot.support.backoff import DEVICE_BACKOFF
 from homebot.support.isolation import run_as, ungrouped
+
+
+class ListedThing(DeviceRunner):
+    """A thing listed by a directory, confirmed when it answers itself.
+
+    Args:
+        device: Its device, which is published once it has answered, or has failed to for a moment.
+        connecting: The limit of concurrent connection attempts.
+    """
+
+    def __init__(
+        self,
+        thing: Thing,
+        device: GatewayDevice,
+        port: HttpThingPort,
+        devices: PublishedDevices,
+        *,
+        poll_every: float,
+        connecting: anyio.CapacityLimiter,
+    ) -> None:
+        super().__init__(device.name, device.key, devices, DEVICE_BACKOFF)
+        self._device = device
+        self._port = port
+        self._connecting = connecting
+        self._answered = anyio.Event()
+        self._thing = ThingDevice(thing, device, port, self, poll_every)
+
+    async def run(self) -> None:
+        """Work with the thing until stopped."""
+        async with self._port:
+            await super().run()
+
+    async def work(self) -> None:
+        """Use the thing, and check at intervals whether it is still there."""
+        self._answered = anyio.Event()
+        async with anyio.create_task_group() as tasks:
+            async with self._connecting:
+                tasks.start_soon(run_as, "a thing", self._thing.run)
+                with anyio.move_on_after(TIME_LIMIT):
+                    await self._answered.wait()
+            tasks.start_soon(run_as, "a thing", partial(self._port.watch, self.confirm))
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it."""
+        await self._thing.perform(command)
+
+    def describe(self, device: GatewayDevice) -> None:
+        """Do nothing: the directory described it."""
+
+    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
+        """Publish whether the thing can be reached, and if so, that it was heard."""
+        if reachable:
+            self.confirm()
+        super().report_reachable(reachable=reachable, part=part)
+
+    def confirm(self) -> None:
+        """Publish that the thing itself was heard, unless it has been removed."""
+        self._answered.set()
+        if not self.is_stopped:
+            self.on_answer()
+            self._devices.put(self._device, "it answers")
+
+    def list_unheard(self) -> None:
+        """Publish the thing as known from its directory."""
+        self._devices.put(self._device, "the directory lists it", confirmed=False)
+
 
 LIST_AGAIN: Final = 3600.0
 """Seconds between readings of the list if the directory reports changes."""

@@ -12,8 +12,7 @@ from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part, payload_digest
 from homebot.integrations.things.formats.binding import Binding, ClassifiedAffordance, ClassifiedPart
-from homebot.integrations.things.formats.payload import is_rgb
-from homebot.integrations.things.formats.scale import bounds_of, unit_of
+from homebot.integrations.things.formats.payload import bounds_of, is_rgb, unit_of
 from homebot.integrations.things.formats.thing import Affordance, DataSchema, Form, Thing
 from homebot.integrations.things.formats.vocabulary import (
     CAPABILITY_TYPES,

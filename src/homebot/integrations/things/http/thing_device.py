@@ -24,8 +24,7 @@ from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCodec
 from homebot.integrations.things.formats.binding import Binding, ClassifiedAffordance, ClassifiedPart, RequestBinding
 from homebot.integrations.things.formats.classify import parts_of
-from homebot.integrations.things.formats.payload import decode_document, encode_document
-from homebot.integrations.things.formats.scale import in_told_unit
+from homebot.integrations.things.formats.payload import decode_document, encode_document, in_told_unit
 from homebot.integrations.things.formats.thing import Affordance, Form, Thing, facts_of, identifiers_of
 from homebot.support.isolation import run_as, ungrouped
 

@@ -14,19 +14,17 @@ from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clea
 from homebot.conventions.secrets import names_secret
 from homebot.devices.part import payload_digest
 from homebot.integrations.zigbee2mqtt.formats.bridge_device import BridgeDevice
-from homebot.integrations.zigbee2mqtt.formats.climate import (
-    build_climate,
-    build_thermometer,
-    is_program,
-    type_of_climate,
-)
 from homebot.integrations.zigbee2mqtt.formats.controls import (
+    build_climate,
     build_cover,
     build_fan,
     build_lock,
     build_opener,
     build_siren,
+    build_thermometer,
     build_valve,
+    is_program,
+    type_of_climate,
 )
 from homebot.integrations.zigbee2mqtt.formats.expose import SPECIFIC_TYPES, Expose, read_exposes
 from homebot.integrations.zigbee2mqtt.formats.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of

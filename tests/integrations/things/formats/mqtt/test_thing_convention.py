@@ -14,7 +14,7 @@ from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.integrations.things.formats.export import to_thing
+from homebot.integrations.things.formats.documents import to_thing
 from homebot.integrations.things.formats.mqtt import ThingDescriptions, ThingSettings
 from homebot.integrations.things.formats.parse import CONTEXT
 from homebot.integrations.things.formats.thing import NO_SECURITY

@@ -19,14 +19,16 @@ from homebot.integrations.homeassistant.formats.jinja.lists import (
     values_of,
 )
 from homebot.integrations.homeassistant.formats.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS
-from homebot.integrations.homeassistant.formats.jinja.patterns import (
+from homebot.integrations.homeassistant.formats.jinja.texts import (
+    TEXT_FILTERS,
+    TEXT_FUNCTIONS,
     find_all,
     find_all_index,
     matches,
     replaces,
     searches,
+    strftime_format,
 )
-from homebot.integrations.homeassistant.formats.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
 from homebot.integrations.homeassistant.formats.jinja.values import Namespace, TemplateError, Undefined, real, text
 
 

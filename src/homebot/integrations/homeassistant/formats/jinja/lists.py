@@ -7,8 +7,7 @@ from typing import Final
 
 from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
 from homebot.integrations.homeassistant.formats.jinja.numbers import BINARY, ORDER, is_number
-from homebot.integrations.homeassistant.formats.jinja.patterns import matches, searches
-from homebot.integrations.homeassistant.formats.jinja.texts import join
+from homebot.integrations.homeassistant.formats.jinja.texts import join, matches, searches
 from homebot.integrations.homeassistant.formats.jinja.values import (
     MAX_ITEMS,
     UNDEFINED,

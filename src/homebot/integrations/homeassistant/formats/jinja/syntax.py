@@ -7,9 +7,12 @@ Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 """
 
 import operator
+import warnings
 from collections.abc import Callable, Iterable, Sequence
+from itertools import islice
 from typing import Final, TypeAlias, final
 
+import jinja2
 from jinja2 import nodes
 
 from homebot.integrations.homeassistant.formats.jinja.evaluation import Evaluate, Program, Run, path_program
@@ -18,10 +21,10 @@ from homebot.integrations.homeassistant.formats.jinja.lists import CHECKS, slice
 from homebot.integrations.homeassistant.formats.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
 from homebot.integrations.homeassistant.formats.jinja.numbers import BINARY, CONSTANTS, ORDER
 from homebot.integrations.homeassistant.formats.jinja.texts import METHODS, method_of
-from homebot.integrations.homeassistant.formats.jinja.tree import tree_of
 from homebot.integrations.homeassistant.formats.jinja.values import (
     MAX_DEPTH,
     MAX_FOR_DEPTH,
+    MAX_TOKENS,
     UNDEFINED,
     Namespace,
     TemplateError,
@@ -29,6 +32,43 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
     item,
     text,
 )
+
+_ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
+
+
+def tree_of(source: str) -> nodes.Template:
+    """Return the tree of the template *source*.
+
+    Raises:
+        TemplateError: It is none, or too large; words that follow "the template".
+    """
+    _check_brackets(source)
+    try:
+        # Python warns of texts such as '\d', which are common in regular expressions.
+        with warnings.catch_warnings(action="ignore"):
+            if len(source) > MAX_TOKENS and any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
+                raise TemplateError(f"has more than {MAX_TOKENS} tokens")
+            return _ENVIRONMENT.parse(source)
+    except jinja2.TemplateSyntaxError as error:
+        raise TemplateError(f"is not a valid template: {(error.message or '')[:_MAX_SHOWN_CHARACTERS]}") from error
+    except RecursionError:
+        raise TemplateError("is nested too deeply") from None
+    except (ValueError, OverflowError) as error:
+        raise TemplateError("has a number or text that cannot be read") from error
+
+
+def _check_brackets(source: str) -> None:
+    if source.count("(") + source.count("[") + source.count("{") <= MAX_DEPTH:
+        return
+    depth = 0
+    for character in source:
+        if character in "([{":
+            depth += 1
+            if depth > MAX_DEPTH:
+                raise TemplateError("is nested too deeply")
+        elif character in ")]}":
+            depth = max(0, depth - 1)
+
 
 _Function: TypeAlias = Callable[..., object]
 _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
