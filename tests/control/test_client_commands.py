@@ -70,7 +70,8 @@ async def test_one_refusal_names_right_and_approval(open_home: OpenHome, *, appr
             assert "a right that names it (it is a door lock)" in reason
             assert ("; approve it with `homebot approve Door`, and " in reason) is approvals
             assert (
-                "homebot token new NAME" in reason or "only an app or a routine in homebot.toml can have one" in reason
+                "homebot token new NAME" in reason
+                or "only an app or a routine can have one, by its key `act`" in reason
             )
 
 
