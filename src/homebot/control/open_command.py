@@ -19,7 +19,7 @@ _T = TypeVar("_T")
 _MOST_RECORDED: Final = 20
 """The limit of reports of one command in the journal."""
 
-_ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
+_ON_THE_WAY: Final = (ReportRole.STEP, ReportRole.ASTRAY)
 
 
 class Rehearsal(Protocol):

@@ -14,7 +14,6 @@ from homebot.devices.device import target_of
 from homebot.devices.obedience import STOPPED, departs, fits
 from homebot.devices.value import PlainValue
 
-_OF_ROLE: Final = {ReportRole.EFFECT: Cause.COMMAND, ReportRole.ECHO: Cause.ECHO, ReportRole.STEP: Cause.TRANSITION}
 _RESTS: Final = frozenset({"open", "closed", STOPPED})
 """States of a motor at rest."""
 
@@ -88,10 +87,12 @@ def _cause_without_command(fact: Reported) -> tuple[Cause, str]:
 
 def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause | None:
     """Return the cause of a report with *role* for *command*; None if the command does not explain it."""
-    if role is ReportRole.ECHO and command.is_raw:
+    if role is ReportRole.ECHO:
+        return Cause.COMMAND if command.is_raw else Cause.ECHO
+    if role is ReportRole.EFFECT:
         return Cause.COMMAND
-    if role in _OF_ROLE:
-        return _OF_ROLE[role]
+    if role is ReportRole.STEP:
+        return Cause.TRANSITION
     if fact.is_after_loss or fact.was_absent:
         return None
     if role is ReportRole.UNDONE:

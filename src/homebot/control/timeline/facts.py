@@ -70,7 +70,7 @@ class Attribution(NamedTuple):
     @property
     def may_be_person(self) -> bool:
         """True if it has to be treated as a person's action, to be safe."""
-        return self.is_foreign or self.cause in {Cause.PERSON, Cause.UNKNOWN}
+        return self.is_foreign or self.cause is Cause.PERSON or self.cause is Cause.UNKNOWN
 
     @property
     def is_hand(self) -> bool:
@@ -231,9 +231,3 @@ class Reported:
     def is_change(self) -> bool:
         """True if the value is known to have been different before: a lamp that is off has no colour."""
         return None not in (self.value, self.previous) and self.value != self.previous
-
-    @property
-    def may_be_will(self) -> bool:
-        """True if a person or a program may have wanted this value: commands are not repeated against it."""
-        is_wanted = self.attribution.may_be_person or self.attribution.cause is Cause.PROGRAM
-        return is_wanted and (self.is_change or self.is_news)

@@ -262,7 +262,7 @@ class PartTimeline:
     @property
     def next_at(self) -> float:
         """The time of the next call of :meth:`advance`; inf for never."""
-        return min([one.next_at for one in self.active], default=math.inf)
+        return min([one.next_at for one in self.active if one.is_confirmed], default=math.inf)
 
     def advance(self, now: float) -> None:
         """End the commands that waited for a further report that did not come."""
@@ -374,15 +374,16 @@ class PartTimeline:
 
     def _note(self, fact: Reported, commands: list[CommandProgress]) -> None:
         """Keep the newest changes, and stop the repetitions of *commands* against what may be a person's will."""
-        if fact.is_change or fact.is_first:
+        is_change, may_be_person = fact.is_change, fact.attribution.may_be_person
+        if is_change or fact.is_first:
             self.newest[fact.capability] = fact
-        if fact.is_change and fact.attribution.may_be_person:
+        if is_change and may_be_person:
             self.unexplained_change = fact
         elif self.unexplained_change is fact:
             self.unexplained_change = None
-        for one in commands:
-            is_new = fact.is_first and one.last.get(fact.capability, fact.value) != fact.value
-            if fact.may_be_will or (is_new and fact.attribution.may_be_person):
+        is_will = (is_change or fact.is_news) and (may_be_person or fact.attribution.cause is Cause.PROGRAM)
+        for one in commands if is_will or (fact.is_first and may_be_person) else ():
+            if is_will or one.last.get(fact.capability, fact.value) != fact.value:
                 one.will_at = fact.at
 
     def _bring(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:

@@ -3,6 +3,8 @@
 Replaying the facts gives the same progress. The cost of a report does not depend on the number of earlier ones.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -84,6 +86,25 @@ class CommandProgress:
         suspected: The capabilities whose fast reports were retracted before, as a bridge's echoes are.
     """
 
+    will_at = told_otherwise_at = -math.inf
+    members: tuple[CommandProgress, ...] = ()
+    fellows: Sequence[CommandProgress] = ()
+    superseded_by = ""
+    outcome: Outcome | None = None
+    is_open = True
+    ended_at = until = math.inf
+    learns_late = is_learnt = is_confirmed = has_held = False
+    undoing: Undoing | None = None
+    led_nowhere = _steps = _NO_NUMBERS
+    followers: frozenset[PartRef] = frozenset()
+    suspected = _NONE
+    _released = _NONE  # capabilities that newer commands set
+    _step = ""  # the capability of the last value that a further step has to follow
+    _step_value: PlainValue = None
+    _level_until = math.inf
+    _settle = _steps_until = 0.0
+    _fades_until = -math.inf
+
     def __init__(
         self,
         order: Order,
@@ -105,27 +126,8 @@ class CommandProgress:
         }
         if order.turns_on:  # the wanted colour or level does not show that it is on
             self.wanted["on_off"] = WantedValue(order, "on_off", value=True, known=NOTHING, profile=profile)
-        self.will_at = -math.inf
-        self.members: tuple[CommandProgress, ...] = ()
-        self.fellows: Sequence[CommandProgress] = ()
-        self.told_otherwise_at = -math.inf
-        self.superseded_by = ""
         self.must_answer = answers and not self.wanted
-        self.learns_late = self.is_learnt = False
-        self.is_open, self.ended_at, self.until = True, math.inf, math.inf
-        self.outcome: Outcome | None = None
-        self.is_confirmed = self.has_held = False
-        self.undoing: Undoing | None = None
-        self.led_nowhere = self._steps = _NO_NUMBERS
-        self._released = _NONE  # capabilities that newer commands set
-        self._step = ""  # the capability of the last value that a further step has to follow
-        self._step_value: PlainValue = None
-        self._level_until = math.inf
-        self._settle = self._steps_until = 0.0
-        self._fades_until = -math.inf
         self._fades_out = order.settings.get("on_off") is False
-        self.followers: frozenset[PartRef] = frozenset()
-        self.suspected = _NONE
         if profile.returns:
             self.suspected = frozenset(
                 [one for one in order.settings if one not in order.echoed and profile.is_echo(one)]
