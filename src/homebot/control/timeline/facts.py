@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, NamedTuple, TypeAlias
 
@@ -205,6 +205,7 @@ class Reported:
         is_programmed: Whether it is a regular change of another program.
         drifted_from: The command whose confirmed number it still fits; empty for none.
         attribution: Its cause and role, judged when it arrived; all else reads this column.
+        is_change: Whether the value is known to have been different before: a lamp that is off has no colour.
     """
 
     at: float
@@ -227,7 +228,7 @@ class Reported:
     drifted_from: str = ""
     attribution: Attribution = NOT_JUDGED
 
-    @property
-    def is_change(self) -> bool:
-        """True if the value is known to have been different before: a lamp that is off has no colour."""
-        return None not in (self.value, self.previous) and self.value != self.previous
+    is_change: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.is_change = self.previous is not None and self.value is not None and self.value != self.previous

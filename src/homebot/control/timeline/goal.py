@@ -43,18 +43,19 @@ class WantedValue:
         is_step: Whether *seen* is an intermediate value.
     """
 
+    seen: PlainValue | Nothing = NOTHING
+    seen_at = -math.inf
+    met_at: float | None = None
+    echoed_at: float | None = None
+    fast_at: float | None = None
+    returned_after: float | None = None
+    is_answered = is_step = False
+
     def __init__(
         self, order: Order, capability: str, value: PlainValue, known: PlainValue | Nothing, profile: DeviceProfile
     ) -> None:
         self._order, self._capability, self._known, self._profile = order, capability, known, profile
         self.value = value
-        self.seen: PlainValue | Nothing = NOTHING
-        self.met_at: float | None = None
-        self.echoed_at: float | None = None
-        self.fast_at: float | None = None
-        self.returned_after: float | None = None
-        self.seen_at = -math.inf
-        self.is_answered = self.is_step = False
 
     @property
     def was_so(self) -> bool:

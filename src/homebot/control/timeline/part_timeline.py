@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, final
 
 from homebot.control import durations
-from homebot.control.timeline.cause import NOWHERE, HeldValue, Nearby, judge, rests_where_sent
+from homebot.control.timeline.cause import NOWHERE, HeldValue, Nearby, Roles, judge, rests_where_sent
 from homebot.control.timeline.facts import (
     Attribution,
     Cause,
@@ -153,7 +153,7 @@ class PartTimeline:
         """Append a fact about a command, and learn from its outcome."""
         if isinstance(fact, Sent):
             self.sent.append(fact)
-            for capability, value in fact.settings.items():
+            for capability, value in fact.settings.items() if self._brought else ():
                 brought = self._brought.get(capability)
                 if brought is not None and brought.value == value:  # a repetition starts timers anew
                     self._brought[capability] = brought._replace(at=fact.at)
@@ -364,16 +364,16 @@ class PartTimeline:
         if is_unexplained and not (fact.along or fact.timed >= ENOUGH):
             fact.is_programmed = self._programs.recognizes(fact, is_lit=self.value("on_off") is not False)
 
-    def _judge(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
+    def _judge(self, fact: Reported, roles: Roles) -> None:
         """Store the cause of a report, the only time that it is asked for."""
         fact.attribution = judge(fact, roles)
         if fact.is_change and fact.attribution.may_be_person:
             self._relate(fact)
             fact.attribution = judge(fact, roles)
-        self._note(fact, [one for one, _ in roles])
+        self._note(fact, roles)
 
-    def _note(self, fact: Reported, commands: list[CommandProgress]) -> None:
-        """Keep the newest changes, and stop the repetitions of *commands* against what may be a person's will."""
+    def _note(self, fact: Reported, roles: Roles) -> None:
+        """Keep the newest changes, and stop the repetitions of commands against what may be a person's will."""
         is_change, may_be_person = fact.is_change, fact.attribution.may_be_person
         if is_change or fact.is_first:
             self.newest[fact.capability] = fact
@@ -382,11 +382,11 @@ class PartTimeline:
         elif self.unexplained_change is fact:
             self.unexplained_change = None
         is_will = (is_change or fact.is_news) and (may_be_person or fact.attribution.cause is Cause.PROGRAM)
-        for one in commands if is_will or (fact.is_first and may_be_person) else ():
+        for one, _ in roles if is_will or (fact.is_first and may_be_person) else ():
             if is_will or one.last.get(fact.capability, fact.value) != fact.value:
                 one.will_at = fact.at
 
-    def _bring(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
+    def _bring(self, fact: Reported, roles: Roles) -> None:
         """Remember the value that a command brought, from when on it lasts, until another value follows; or an echo."""
         capability, brought = fact.capability, self._brought.get(fact.capability)
         for one, role in roles:
@@ -419,7 +419,7 @@ class PartTimeline:
             }:  # else another explains it
                 own_role = None if progress.is_raw else role
                 fact.attribution = Attribution(cause, progress.order.id, own_role, progress.order.is_foreign)
-                self._note(fact, [progress])
+                self._note(fact, [(progress, role)])
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
         if not progress.is_confirmed:

@@ -235,10 +235,10 @@ class CommandProgress:
             self._decide(fact.outcome, fact.at, settle)
             return
         self.transmission.apply(fact)
-        if isinstance(fact, Sent) and self.is_raw and self.outcome is not None:  # it is told to the group again
+        if self.is_raw and self.outcome is not None and isinstance(fact, Sent):  # it is told to the group again
             self.is_confirmed = self.is_learnt = False
             self.ended_at, self.until = fact.at, fact.at + durations.LATE
-        if isinstance(fact, SendingEnded) and fact.is_unacknowledged and not self.wanted:
+        if not self.wanted and isinstance(fact, SendingEnded) and fact.is_unacknowledged:
             self.must_answer = True  # a device without reports may still answer
 
     def supersede(self, newer: Order, now: float) -> None:
@@ -282,7 +282,7 @@ class CommandProgress:
         capability, value, wanted = fact.capability, fact.value, self.wanted.get(fact.capability)
         if value == STOPPED:
             self.motion.stopped_at = fact.at
-        is_late = fact.at > self.ended_at + durations.LATE and not self.is_confirmed
+        is_late = not (self.is_open or self.is_confirmed) and fact.at > self.ended_at + durations.LATE
         if self.superseded_by or is_late or capability in self._released:
             return self._late_role(wanted, fact, is_exact=is_late)
         if value is None:
@@ -315,7 +315,8 @@ class CommandProgress:
             self._settle, self.until = settle, now + settle + self.order.transition
             self._fades_until = now + self.order.transition if self.order.has_ramp else -math.inf
             self._steps_until = now + self.order.transition + durations.LAST_STEPS
-            self._end_steps(self._step)
+            if self._step:
+                self._end_steps(self._step)
         else:
             is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
             is_sent = self.transmission.count > 0

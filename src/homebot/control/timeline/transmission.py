@@ -29,18 +29,18 @@ class Transmission:
             group took the place of the first sending.
     """
 
+    attempts = count = asked_after = 0
+    can_be_asked = True
+    told_at: float | None = None
+    began = asked_at = lost_at = -math.inf
+    is_unacknowledged = _is_shared = False
+    refusal = ""
+    routes: tuple[str, ...] = ()
+    echoed: frozenset[str] = frozenset()
+
     def __init__(self, given_at: float) -> None:
-        self.attempts = self.count = self.asked_after = 0
-        self.can_be_asked = True
         self.first_sent_at = self.sent_at = given_at
-        self.told_at: float | None = None
-        self.began = self.asked_at = self.lost_at = -math.inf
-        self._is_shared = False
-        self.is_unacknowledged = False
         self.accepted: dict[str, float] = {}
-        self.refusal = ""
-        self.routes: tuple[str, ...] = ()
-        self.echoed: frozenset[str] = frozenset()
 
     def apply(self, fact: CommandFact) -> None:
         """Add the next fact."""
