@@ -9,8 +9,8 @@ from tests.guide import blocks_in, guide
 
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
+from homebot.features.history.settings import HistorySettings
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
-from homebot.history.settings import HistorySettings
 
 
 @pytest.fixture

@@ -21,9 +21,9 @@ from homebot.devices.names import COPY_FILES
 from homebot.discovery.record import Records
 from homebot.discovery.store import IndexFile, index_path
 from homebot.errors import LinkError
+from homebot.features.history.history_file import HistoryFile
+from homebot.features.history.settings import KeepSettings
 from homebot.graph import Graph, Node
-from homebot.history.history_file import HistoryFile
-from homebot.history.settings import KeepSettings
 from homebot.journal.journal_file import JournalFile
 from homebot.runtime.kept_files import serve_copies
 from homebot.support.owner_token import OWNER_FILE, make_owner_token

@@ -14,8 +14,8 @@ from homebot.cli import main
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.discovery.persistence import _understood
 from homebot.discovery.store import IndexFile
-from homebot.history.history_file import HistoryFile
-from homebot.history.settings import KeepSettings
+from homebot.features.history.history_file import HistoryFile
+from homebot.features.history.settings import KeepSettings
 from homebot.journal.journal_file import JournalFile
 from homebot.recording.recording import load_recording
 from homebot.runtime.kept_files import KEPT_FILES

@@ -14,9 +14,9 @@ from homebot.apps.stores import STORE_SCHEMA
 from homebot.devices.names import COPY_FILES
 from homebot.discovery.store import INDEX_FILE, INDEX_SCHEMA
 from homebot.errors import LinkError, UsageError
+from homebot.features.history.history import HISTORY_FILE
+from homebot.features.history.history_file import HISTORY_SCHEMA
 from homebot.graph import Node
-from homebot.history.history import HISTORY_FILE
-from homebot.history.history_file import HISTORY_SCHEMA
 from homebot.journal.journal_file import JOURNAL_SCHEMA
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.runtime.app_host import STORE_FILE

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
     from homebot.discovery.reading_limits import LimitsOfDevices
-    from homebot.history.settings import HistorySettings
+    from homebot.features.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.messages.interfaces.settings import RosSettings
     from homebot.robots.settings import RobotSettings
@@ -420,7 +420,7 @@ def _robots(config: Config) -> Mapping[str, RobotSettings]:
 def _history(config: Config) -> HistorySettings | None:
     if config.history is None:
         return None
-    from homebot.history.settings import HistorySettings  # noqa: PLC0415 - only with the table
+    from homebot.features.history.settings import HistorySettings  # noqa: PLC0415 - only with the table
 
     return parse_settings(HistorySettings, config.history, config.source, "history", config.folder)
 

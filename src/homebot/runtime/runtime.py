@@ -462,7 +462,7 @@ class Runtime:
     async def _alerts(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
         await anyio.sleep(_LATER)
-        module = import_module("homebot.apps.alerts")
+        module = import_module("homebot.features.alerts.alerts")
         component = PlannedComponent(
             "alerts",
             module.Alerts,
@@ -473,7 +473,7 @@ class Runtime:
     async def _history(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
         await anyio.sleep(_LATER)
-        from homebot.history.history import keep_history  # noqa: PLC0415 - the start does without
+        from homebot.features.history.history import keep_history  # noqa: PLC0415 - the start does without
 
         index = self.index_file if self._plan.discovery.persist else None
         await keep_history(self.graph, self._plan.history, index, self.app_host.context.zone)

@@ -14,7 +14,6 @@ import pytest
 from tests.sizes import size
 from tests.whole_house import WHOLE_HOUSE
 
-from homebot.apps.alerts import MOST_INCIDENTS, update_incidents
 from homebot.clock import LoopClock
 from homebot.config import AlertKey, parse_config
 from homebot.devices.alerts import ALERTS, GATEWAY, LANGUAGES, WATCHED, Alert, AlertKind
@@ -24,6 +23,7 @@ from homebot.devices.gateway_messages import GatewayState
 from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, SEE_ALERTS, GatewayNames
 from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
+from homebot.features.alerts.alerts import MOST_INCIDENTS, update_incidents
 from homebot.graph import Node, qos_profile_latched
 from homebot.house import World
 from homebot.house.description import load_world
@@ -40,7 +40,7 @@ from homebot.testing import VirtualHouse, virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
 
-HOUSES = Path(__file__).parents[2] / "examples" / "houses"
+HOUSES = Path(__file__).parents[3] / "examples" / "houses"
 NEVER = Time(sec=0, nanosec=0)
 NOTIFY: dict[str, dict[str, object]] = {"notify": {}}
 

@@ -14,7 +14,7 @@ from itertools import accumulate
 from typing import Any, Final
 
 from homebot.errors import WireError
-from homebot.history.buckets import Bucket
+from homebot.features.history.buckets import Bucket
 
 _VERSION: Final = b"\x01"
 _LEVEL: Final = 1

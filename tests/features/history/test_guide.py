@@ -8,7 +8,7 @@ from tests.patience import PATIENCE
 from tests.shell import homebot_in, run
 from tests.system.attack_probe import until
 
-from homebot.cli.commands.history import plot_lines
+from homebot.features.history.command import plot_lines
 
 pytestmark = pytest.mark.slow
 

@@ -2,7 +2,7 @@
 
 import anyio
 import pytest
-from tests.history.conftest import MIDNIGHT, KeptHouse, MakeHouse
+from tests.features.history.conftest import MIDNIGHT, KeptHouse, MakeHouse
 
 pytestmark = pytest.mark.virtual_time
 

@@ -3,7 +3,7 @@
 from homebot.clock import ManualClock
 from homebot.devices.device import StateChange
 from homebot.devices.value import Reading, Value
-from homebot.history.collector import Collector
+from homebot.features.history.collector import Collector
 from homebot.messages import Time
 
 

@@ -19,13 +19,13 @@ from homebot.devices.names import FIND_DEVICES
 from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import LinkError, ServiceError
+from homebot.features.history.batch import Series
+from homebot.features.history.buckets import COUNTERS
+from homebot.features.history.collector import Collector
+from homebot.features.history.correction import Correction
+from homebot.features.history.history_file import HistoryStore
+from homebot.features.history.reading import HistoryReader, Numbers, Span, StoredStates
 from homebot.graph import Node
-from homebot.history.batch import Series
-from homebot.history.buckets import COUNTERS
-from homebot.history.collector import Collector
-from homebot.history.correction import Correction
-from homebot.history.history_file import HistoryStore
-from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates
 from homebot.messages import Time
 from homebot.support.similar import did_you_mean
 

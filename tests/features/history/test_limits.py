@@ -7,17 +7,17 @@ from pathlib import Path
 
 import anyio
 import pytest
-from tests.history.conftest import MIDNIGHT, MakeHouse
+from tests.features.history.conftest import MIDNIGHT, MakeHouse
 
 from homebot.clock import LoopClock
 from homebot.devices.health import HealthRequest
 from homebot.devices.history_messages import ReadEnergyRequest, ReadHistoryRequest
+from homebot.features.history.batch import Batch, Series
+from homebot.features.history.collector import MOST_WAITING, Collector
+from homebot.features.history.history import HistoryKeeper
+from homebot.features.history.history_file import HistoryFile, HistoryStore
+from homebot.features.history.settings import HistorySettings, KeepSettings
 from homebot.graph import Graph, Node
-from homebot.history.batch import Batch, Series
-from homebot.history.collector import MOST_WAITING, Collector
-from homebot.history.history import HistoryKeeper
-from homebot.history.history_file import HistoryFile, HistoryStore
-from homebot.history.settings import HistorySettings, KeepSettings
 from homebot.messages import Time
 
 HOUR = 3_600_000

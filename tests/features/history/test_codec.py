@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
-from homebot.history.buckets import FIVE_MINUTES, HOUR, buckets_of, combined, wider
-from homebot.history.codec import (
+from homebot.features.history.buckets import FIVE_MINUTES, HOUR, buckets_of, combined, wider
+from homebot.features.history.codec import (
     decode_batch,
     decode_buckets,
     decode_values,

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from tests.sizes import size
 
-from homebot.history.batch import Batch, Series
-from homebot.history.history_file import HistoryFile
-from homebot.history.settings import KeepSettings
+from homebot.features.history.batch import Batch, Series
+from homebot.features.history.history_file import HistoryFile
+from homebot.features.history.settings import KeepSettings
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="/proc counts the bytes")]
 

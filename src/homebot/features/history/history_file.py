@@ -14,15 +14,15 @@ from typing import Final, NamedTuple, TypeVar, final
 from anyio import to_thread
 
 from homebot.errors import HomebotError, LinkError
+from homebot.features.history.batch import Batch, Place, Series
+from homebot.features.history.buckets import COUNTERS, HOUR
+from homebot.features.history.codec import decode_values, encode_batch
+from homebot.features.history.collector import Collector
+from homebot.features.history.correction import Correction, correct
+from homebot.features.history.reading import HistoryReader
+from homebot.features.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours
+from homebot.features.history.settings import HistorySettings, KeepSettings
 from homebot.graph import Node
-from homebot.history.batch import Batch, Place, Series
-from homebot.history.buckets import COUNTERS, HOUR
-from homebot.history.codec import decode_values, encode_batch
-from homebot.history.collector import Collector
-from homebot.history.correction import Correction, correct
-from homebot.history.reading import HistoryReader
-from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours
-from homebot.history.settings import HistorySettings, KeepSettings
 from homebot.log import LogLimit
 from homebot.support.kept_file import KeptFile
 from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema

@@ -5,8 +5,8 @@ from array import array
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, wider
-from homebot.history.codec import (
+from homebot.features.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, wider
+from homebot.features.history.codec import (
     decode_batch,
     decode_buckets,
     decode_values,
@@ -14,7 +14,7 @@ from homebot.history.codec import (
     encode_buckets,
     encode_values,
 )
-from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, read_blob
+from homebot.features.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, read_blob
 
 _DAY: Final = HOUR * HOURS
 

@@ -4,10 +4,10 @@ import random
 
 import anyio
 import pytest
-from tests.history.conftest import MIDNIGHT, MakeHouse
+from tests.features.history.conftest import MIDNIGHT, MakeHouse
 
-from homebot.history.buckets import FIVE_MINUTES, buckets_of
-from homebot.history.counter import CounterTotal
+from homebot.features.history.buckets import FIVE_MINUTES, buckets_of
+from homebot.features.history.counter import CounterTotal
 
 MINUTE = 60_000
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from typing import Final, NamedTuple, final
 
-from homebot.history.batch import Batch, StateRow
-from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
-from homebot.history.codec import decode_buckets, decode_values
-from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
-from homebot.history.settings import KeepSettings
+from homebot.features.history.batch import Batch, StateRow
+from homebot.features.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
+from homebot.features.history.codec import decode_buckets, decode_values
+from homebot.features.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
+from homebot.features.history.settings import KeepSettings
 
 _DAY: Final = HOUR * HOURS
 _HOUR_SECONDS: Final = 3600

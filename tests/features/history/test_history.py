@@ -6,10 +6,10 @@ from zoneinfo import ZoneInfo
 import anyio
 import pytest
 from anyio import to_thread
-from tests.history.conftest import MIDNIGHT, MakeHouse
+from tests.features.history.conftest import MIDNIGHT, MakeHouse
 
-from homebot.history.history_file import HistoryFile
-from homebot.history.settings import KeepSettings
+from homebot.features.history.history_file import HistoryFile
+from homebot.features.history.settings import KeepSettings
 from homebot.support.sqlite_file import SqliteFile
 
 pytestmark = pytest.mark.virtual_time

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Final, final
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.house_view import HouseWatcher
-from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
-from homebot.history.buckets import COUNTERS
-from homebot.history.counter import CounterTotal
-from homebot.history.sealing import MASK
+from homebot.features.history.batch import Batch, Place, Series, StateRow, StoredState
+from homebot.features.history.buckets import COUNTERS
+from homebot.features.history.counter import CounterTotal
+from homebot.features.history.sealing import MASK
 
 if TYPE_CHECKING:
     from homebot.clock import Clock

@@ -13,11 +13,11 @@ from homebot.devices.health import Count, GetHealth, HealthRequest, HealthRespon
 from homebot.devices.history_messages import CorrectHistory, ReadEnergy, ReadHistory
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
+from homebot.features.history.collector import Collector
+from homebot.features.history.history_file import HistoryStore
+from homebot.features.history.history_service import HistoryService
+from homebot.features.history.settings import HistorySettings
 from homebot.graph import Graph, Node
-from homebot.history.collector import Collector
-from homebot.history.history_file import HistoryStore
-from homebot.history.history_service import HistoryService
-from homebot.history.settings import HistorySettings
 from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 

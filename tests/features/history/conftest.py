@@ -25,11 +25,11 @@ from homebot.devices.history_messages import (
 from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.devices.value import PlainValue
 from homebot.discovery import Directory, DirectorySettings
+from homebot.features.history.history import HistoryKeeper
+from homebot.features.history.settings import HistorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
-from homebot.history.history import HistoryKeeper
-from homebot.history.settings import HistorySettings
 from homebot.messages import Time
 
 MIDNIGHT = 1_767_225_600.0

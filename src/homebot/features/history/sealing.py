@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import groupby, pairwise
 from typing import Final, TypeAlias
 
-from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
-from homebot.history.codec import decode_batch, decode_buckets, decode_values, encode_buckets, encode_values
+from homebot.features.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
+from homebot.features.history.codec import decode_batch, decode_buckets, decode_values, encode_buckets, encode_values
 
 BITS: Final = 16
 MASK: Final = 0xFFFF

@@ -1,0 +1,1 @@
+"""Alerts: people are told what is wrong in the house."""
