@@ -29,11 +29,11 @@ from homebot.devices.names import READ_JOURNAL, SUGGEST_HABITS
 from homebot.devices.part import Capability, Part
 from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.graph import Graph, Node
 from homebot.features.history.batch import Batch, Series, StateRow
 from homebot.features.history.history import HistoryKeeper
 from homebot.features.history.history_file import HistoryFile
 from homebot.features.history.settings import HistorySettings
+from homebot.graph import Graph, Node
 from homebot.journal.file_store import FileStore
 from homebot.journal.journal_file import JournalFile
 from homebot.journal.store import JournalNote

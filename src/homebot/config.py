@@ -25,7 +25,6 @@
 The table of a gateway or app belongs to its plug-in: :func:`parse_settings` checks it with the plug-in's model.
 """
 
-import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -54,7 +53,6 @@ from homebot.feature import feature_tables, find_features
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
-from homebot.units import DURATION
 
 __all__ = [
     "PEOPLE",
@@ -157,18 +155,11 @@ class HomeSettings(BaseModel):
         return self
 
 
-def _or_never(value: object) -> object:
-    return math.inf if value is False else value
-
-
 AlertKey: TypeAlias = Literal[
     "smoke", "co", "gas", "leak", "alarm", "gateway", "tamper", "problem", "door", "unreachable", "silent", "battery"
 ]
 Urgency: TypeAlias = Literal["high", "normal", "low"]
 """How people are told: at once, alone and again until seen; when it is due; once a day, all together."""
-
-_Delay: TypeAlias = Annotated[float, DURATION, BeforeValidator(_or_never), Field(ge=0)]
-
 
 _Tables: TypeAlias = Annotated[
     tuple[object, ...], BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else (value,))
@@ -190,9 +181,7 @@ class Config(BaseModel):
 
     Attributes:
         door: The address at which rosbridge clients reach this homebot; empty for the default.
-        history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
         notify: The table ``[notify]``: where notifications of apps are sent; None to only log them.
-        alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
         devices: The tables ``[devices.NAME]``: the owner's limits of readings.
         groups: The tables ``[[groups]]``: names for the devices that fit a query.
         features: The tables of features, by key: a table, or a tuple of tables.
@@ -208,9 +197,7 @@ class Config(BaseModel):
     door: Table = Field(default_factory=dict)
     discovery: Table = Field(default_factory=dict)
     control: Table = Field(default_factory=dict)
-    history: Table | None = None
     notify: Table | None = None
-    alerts: dict[AlertKey, _Delay] = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
     devices: dict[str, Table] = Field(default_factory=dict)
     groups: _Tables = ()

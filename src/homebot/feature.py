@@ -6,12 +6,12 @@ another package is at an entry point ``homebot.features``. The core loops over f
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, Protocol
 
 from homebot.errors import PluginError
 from homebot.plugins import entry_points_of_others, error_text
@@ -34,6 +34,22 @@ class Verb(NamedTuple):
     purpose: str
     add_arguments: str
     after: str = ""
+
+
+class RunFacts(Protocol):
+    """The facts of a run on which a feature may depend: those of :class:`~homebot.feature_context.FeatureContext`."""
+
+    @property
+    def keeps_data(self) -> bool:
+        """True if the run keeps data of its own accord: in files, or in memory of a simulated house."""
+
+    @property
+    def is_rehearsal(self) -> bool:
+        """True if nothing is sent to devices, as in a dry run and a replay."""
+
+    @property
+    def table(self) -> Callable[[str], Any]:
+        """A function that returns a table of a feature by its key; None if the configuration has none."""
 
 
 class FeatureTable(NamedTuple):
@@ -61,6 +77,9 @@ class Feature:
             the node and a :class:`~homebot.feature_context.FeatureContext` when one is first used.
         services: Its services and actions.
         stores: Names of stores of work to finish after a restart: with anything in one, *server* is called at once.
+        runs: An async function that runs all the time, from two seconds after the start; called with the context.
+        is_wanted: Returns whether *runs* is to run, and its modules to be loaded.
+        files: Its data files beside that of the directory, which backups have, with their schemas as ``module:name``.
         tables: Its tables of the configuration, by key.
         verbs: Its commands of the command line, by name.
         messages: Modules with its messages, for clients.
@@ -74,6 +93,9 @@ class Feature:
     server: str = ""
     services: tuple[OfferedService, ...] = ()
     stores: tuple[str, ...] = ()
+    runs: str = ""
+    is_wanted: Callable[[RunFacts], bool] = lambda _: True
+    files: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, FeatureTable] = field(default_factory=dict)
     verbs: Mapping[str, Verb] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
@@ -86,6 +108,7 @@ class Feature:
         """Yield the names that no other feature may offer."""
         yield f"the node {self.name}"
         yield from (f"the service {service.name}" for service in self.services)
+        yield from (f"the file {name}" for name in self.files)
         yield from (f"the table {key}" for key in self.tables)
         yield from (f"the command {verb}" for verb in self.verbs)
         yield from (f"the cause {kind}" for kind in self.causes)

@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
+    from datetime import tzinfo
+    from pathlib import Path
 
+    from pydantic import BaseModel
+
+    from homebot.apps import App
+    from homebot.config import Language
     from homebot.control import Control
     from homebot.discovery import Directory
+    from homebot.graph import Graph
 
 
 class FeatureServer(Protocol):
@@ -24,6 +31,13 @@ class FeatureContext:
     """The house, for a feature. Parts that may change or start later are functions.
 
     Attributes:
+        graph: The graph, for nodes of its own.
+        keeps_data: Whether the run keeps data of its own accord: in files, or in memory of a simulated house.
+        is_rehearsal: Whether nothing is sent to devices, as in a dry run and a replay.
+        language: The language of texts for people.
+        zone: The time zone of the home; None for the computer's.
+        file: Returns the path of a data file; None if the run keeps nothing in files.
+        run_app: Runs an app with its settings in a node of that name, until cancelled.
         control: Returns the control layer; None before it runs.
         directory: Returns the directory; None before it runs.
         table: Returns its table of a key as its reader returned it; None if the configuration has none.
@@ -31,6 +45,13 @@ class FeatureContext:
         write_stores: Writes all changes of stores now; returns the problem, empty for none.
     """
 
+    graph: Graph
+    keeps_data: bool
+    is_rehearsal: bool
+    language: Language
+    zone: tzinfo | None
+    file: Callable[[str], Path | None]
+    run_app: Callable[[str, type[App[Any]], BaseModel], Awaitable[None]]
     control: Callable[[], Control | None]
     directory: Callable[[], Directory | None]
     table: Callable[[str], Any]

@@ -58,7 +58,6 @@ COMMANDS: Final = {
     "why": "explain why a device is in its state",
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",
-    "history": "show past measurements as a table, a plot, CSV or JSON; energy by day",
     "record": "record the house, for a replay",
     "bag": "record and play bags of ROS 2 (MCAP files)",
     "replay": "replay a recorded day, and show which commands differ",

@@ -28,10 +28,8 @@ from websockets.exceptions import WebSocketException
 
 from homebot.bridges.home_api.shapes import (
     MOST_COMMANDED,
-    MOST_POINTS,
     DeviceList,
     HabitList,
-    HistoryAnswer,
     HomeAnswer,
     OutcomeAnswer,
     ProposalAnswer,
@@ -252,18 +250,7 @@ def _add_questions(server: MCPServer, api: ApiClient) -> None:
         """Return why a device is in its state or, given a state such as `on`, why it is not in that one."""
         return tool_answer(await api.read("/api/why/", device, state=state))
 
-    async def history(
-        device: Device,
-        capability: Annotated[Words, Field(description="empty for all")] = "",
-        since: Annotated[str, Field(max_length=40, description="how far back")] = "24h",
-        points: Annotated[int, Field(ge=1, le=MOST_POINTS, description="most values of each")] = 50,
-    ) -> Annotated[CallToolResult, HistoryAnswer]:
-        """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
-        return tool_answer(
-            await api.read("/api/history", device=device, capability=capability, since=since, points=points)
-        )
-
-    for tool in (home, find_devices, why, history):
+    for tool in (home, find_devices, why):
         server.add_tool(tool, annotations=READS)
 
 

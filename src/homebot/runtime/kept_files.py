@@ -14,8 +14,7 @@ from homebot.apps.stores import STORE_SCHEMA
 from homebot.devices.names import COPY_FILES
 from homebot.discovery.store import INDEX_FILE, INDEX_SCHEMA
 from homebot.errors import LinkError, UsageError
-from homebot.features.history.history import HISTORY_FILE
-from homebot.features.history.history_file import HISTORY_SCHEMA
+from homebot.feature import all_features, load
 from homebot.graph import Node
 from homebot.journal.journal_file import JOURNAL_SCHEMA
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
@@ -27,8 +26,8 @@ from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database
 KEPT_FILES: Final[Mapping[str, SqliteSchema]] = {
     INDEX_FILE: INDEX_SCHEMA,
     JOURNAL_FILE: JOURNAL_SCHEMA,
-    HISTORY_FILE: HISTORY_SCHEMA,
     STORE_FILE: STORE_SCHEMA,
+    **{name: load(schema) for feature in all_features() for name, schema in feature.files.items()},
 }
 
 _COPIES: Final = "copies-"

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
     from homebot.discovery.reading_limits import LimitsOfDevices
-    from homebot.features.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.messages.interfaces.settings import RosSettings
     from homebot.robots.settings import RobotSettings
@@ -46,12 +45,10 @@ _DOORS = "control.presence_guard.doors"
 
 OWN_NODES = frozenset(
     {
-        "alerts",
         "apps",
         "broker",
         "control",
         "discovery",
-        "history",
         "homebot",
         "identify",
         "machine",
@@ -101,7 +98,6 @@ class Plan:
         link: The link to ROS 2 robots; None for none.
         places: The rooms and the owner's statements about devices.
         limits: The limits of readings; None for none.
-        history: The settings of the history; None for the defaults.
         notify: The settings of notifications of apps; None to only log them.
         features: The tables of features as their readers returned them, by key.
         left_out: The mistakes of wrong routines, groups, arrays of features and features of other packages, by their
@@ -123,7 +119,6 @@ class Plan:
     grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
-    history: HistorySettings | None = None
     notify: NotifySettings | None = None
     features: Mapping[str, Any] = field(default_factory=dict)
     left_out: Mapping[str, ConfigError] = field(default_factory=dict)
@@ -176,12 +171,6 @@ class Plan:
     def names_robots(self) -> bool:
         """True if a table or a token's right names a robot."""
         return bool(self.robots or self.door.robots())
-
-    def keeps_history(self, *, by_default: bool) -> bool:
-        """Return whether a history is kept: in a file if there is an index, else in memory."""
-        if self.history is not None and self.history.enabled is not None:
-            return self.history.enabled
-        return by_default
 
 
 def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> Plan:
@@ -417,14 +406,6 @@ def _robots(config: Config) -> Mapping[str, RobotSettings]:
     return read_robots(config.robots, config.source, config.folder)
 
 
-def _history(config: Config) -> HistorySettings | None:
-    if config.history is None:
-        return None
-    from homebot.features.history.settings import HistorySettings  # noqa: PLC0415 - only with the table
-
-    return parse_settings(HistorySettings, config.history, config.source, "history", config.folder)
-
-
 def _notify(config: Config) -> NotifySettings | None:
     if config.notify is None:
         return None
@@ -449,7 +430,6 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "limits": _limits,
     "robots": _robots,
     "link": _link,
-    "history": _history,
     "notify": _notify,
     "features": _features,
 }

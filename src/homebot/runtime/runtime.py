@@ -11,7 +11,6 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import datetime
 from functools import cache, cached_property, partial
 from http import HTTPStatus
-from importlib import import_module
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -58,6 +57,8 @@ from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from homebot.control.open_command import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.feature_context import FeatureContext, FeatureServer
@@ -74,7 +75,7 @@ NO_OWNER = "runtime.no_owner_token"
 STOPPING = "runtime.stopping"
 
 _LATER = 2.0
-"""Seconds after which alerts and the history begin, so that they do not delay the start, and devices are known."""
+"""Seconds after which features begin to run, so that they do not delay the start, and devices are known."""
 
 ServiceT = TypeVar("ServiceT")
 
@@ -328,17 +329,18 @@ class Runtime:
         yield running("discovery", self._directory)
         yield running("control", self._control)
         # Stopped before control, so that what they hold can be put back.
-        yield from (running(feature.name, partial(self._feature, feature)) for feature in all_features())
+        yield from (
+            running(feature.name, partial(self._feature, feature)) for feature in all_features() if feature.server
+        )
         yield running("identify", self._identify)
         if self.record_into is not None:
             yield running("recorder", partial(self._recording.record_into, self.record_into))
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
-        if not self.is_dry_run and self.rehearsal is None:
-            yield running("alerts", self._alerts)
         if self.watches_apps:
             yield running("app_watch", self.app_manager.reload_changed)
-        if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
-            yield running("history", self._history)
+        for feature in all_features():
+            if feature.runs and feature.is_wanted(self._feature_context):
+                yield running(feature.name, partial(self._run_feature, feature))
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
 
     def _check_rights(self) -> None:
@@ -431,6 +433,13 @@ class Runtime:
         from homebot.feature_context import FeatureContext  # noqa: PLC0415 - few features are used
 
         return FeatureContext(
+            graph=self.graph,
+            keeps_data=self.index_file is not None or self.house is not None,
+            is_rehearsal=self.is_dry_run or self.rehearsal is not None,
+            language=self.config.home.language,
+            zone=self.app_host.context.zone,
+            file=self._beside_index,
+            run_app=self._run_app,
             control=lambda: self._controller,
             directory=lambda: self._index,
             table=lambda key: self._plan.features.get(key),  # noqa: PLW0108 - a reload replaces the plan
@@ -459,24 +468,14 @@ class Runtime:
         text = plan.as_other_machine or self.app_manager.running_text(self.app_manager.apps)
         _log.info(APPS, message=text, names=[app.name for app in plan.apps])
 
-    async def _alerts(self, *, task_status: TaskStatus[None]) -> None:
+    async def _run_feature(self, feature: Feature, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
         await anyio.sleep(_LATER)
-        module = import_module("homebot.features.alerts.alerts")
-        component = PlannedComponent(
-            "alerts",
-            module.Alerts,
-            module.AlertsSettings(told_after=self.config.alerts, language=self.config.home.language),
-        )
+        await load(feature.runs)(self._feature_context)
+
+    async def _run_app(self, name: str, kind: type[App], settings: BaseModel) -> None:
+        component = PlannedComponent(name, kind, settings)
         await self.app_host.serve(component, task_status=anyio.TASK_STATUS_IGNORED)
-
-    async def _history(self, *, task_status: TaskStatus[None]) -> None:
-        task_status.started()
-        await anyio.sleep(_LATER)
-        from homebot.features.history.history import keep_history  # noqa: PLC0415 - the start does without
-
-        index = self.index_file if self._plan.discovery.persist else None
-        await keep_history(self.graph, self._plan.history, index, self.app_host.context.zone)
 
     @cached_property
     def _recording(self) -> RunRecording:

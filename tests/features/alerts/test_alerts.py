@@ -20,9 +20,10 @@ from homebot.devices.alerts import ALERTS, GATEWAY, LANGUAGES, WATCHED, Alert, A
 from homebot.devices.capabilities import ALERTING, CAPABILITIES, SETTABLE
 from homebot.devices.findings import Finding, Findings
 from homebot.devices.gateway_messages import GatewayState
-from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, SEE_ALERTS, GatewayNames
+from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, GatewayNames
 from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
+from homebot.features.alerts import SEE_ALERTS
 from homebot.features.alerts.alerts import MOST_INCIDENTS, update_incidents
 from homebot.graph import Node, qos_profile_latched
 from homebot.house import World
@@ -36,6 +37,7 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
+from homebot.runtime.plan import make_plan
 from homebot.testing import VirtualHouse, virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
@@ -209,7 +211,7 @@ async def test_the_delay_of_each_kind_can_be_set(house: VirtualHouse) -> None:
 
 def test_an_unknown_kind_is_an_error() -> None:
     with pytest.raises(ConfigError, match=r"alerts\.leek"):
-        parse_config({"alerts": {"leek": 5}}, "homebot.toml")
+        make_plan(parse_config({"alerts": {"leek": 5}}, "homebot.toml"))
 
 
 @pytest.mark.rooms("homeassistant")
@@ -347,7 +349,7 @@ async def test_a_fire_is_told_alone_first_and_again_until_it_is_seen(house: Virt
         page.create_subscription(Findings, ALERT_FINDINGS, lambda one: repeats.append(one.repeats), qos_profile_latched)
         await house.run_for("1s")
         assert repeats.pop()
-        await page.create_client(Trigger, SEE_ALERTS).call(TriggerRequest())
+        await page.create_client(Trigger, SEE_ALERTS.name).call(TriggerRequest())
         await house.run_for("3h")
     assert repeats
     assert not any(repeats), "the page has a button as long as it is of use"

@@ -22,9 +22,9 @@ from homebot.devices.history_messages import (
     ReadHistoryRequest,
     ReadHistoryResponse,
 )
-from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.devices.value import PlainValue
 from homebot.discovery import Directory, DirectorySettings
+from homebot.features.history import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.features.history.history import HistoryKeeper
 from homebot.features.history.settings import HistorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -46,9 +46,9 @@ class KeptHouse:
     def __init__(self, clock: SetClock, gateway: MemoryGateway, app: Node, history: HistoryKeeper) -> None:
         self.clock = clock
         self._gateway = gateway
-        self._read = app.create_client(ReadHistory, READ_HISTORY)
-        self._energy = app.create_client(ReadEnergy, READ_ENERGY)
-        self._correct = app.create_client(CorrectHistory, CORRECT_HISTORY)
+        self._read = app.create_client(ReadHistory, READ_HISTORY.name)
+        self._energy = app.create_client(ReadEnergy, READ_ENERGY.name)
+        self._correct = app.create_client(CorrectHistory, CORRECT_HISTORY.name)
         self.history = history
 
     async def report(self, device: str, **values: PlainValue) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
-from datetime import UTC, datetime
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, cast
 
@@ -28,19 +27,16 @@ from homebot.devices.wording.journal_words import (
     was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import from_seconds, iso
+from homebot.devices.wording.time_format import iso
 from homebot.devices.wording.values import main_parts, span, state_text
 from homebot.support.folding import fold
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
-from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
     from homebot.devices.habit_messages import SuggestHabitsResponse
-    from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
     from homebot.devices.services import ListedDevice
 
@@ -209,21 +205,6 @@ def _why_not(wanted: ExplainMissingStateResponse, now: float) -> tuple[str, list
     return reason, steps
 
 
-async def history(home: HomeCalls, asked: shapes.HistoryQuestion) -> shapes.HistoryAnswer:
-    """Return the values of a device over a time."""
-    since = from_seconds(max(0.0, home.now() - parse_duration(asked.since, "since")))
-    if not home.offers(names.READ_HISTORY):
-        problem = "no history is kept, or it has not begun yet; [history] of homebot.toml has `enabled = true` for one"
-        raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, problem)
-    device, _ = await meant_device(home, asked.device)
-    request = {"device": device.id, "capability": asked.capability, "since": since, "points": asked.points}
-    found = cast("ReadHistoryResponse", await call_or_fail(home, names.READ_HISTORY, request))
-    if not found.series and (name := asked.capability) and name not in CAPABILITIES:
-        hint = did_you_mean(name, CAPABILITIES, "the answer without one names those of the device")
-        raise ProblemError(HTTPStatus.BAD_REQUEST, f"capability: nothing has a value {name!r}; {hint}")
-    return shapes.HistoryAnswer(id=device.id, series=tuple(map(_series, found.series)), more=found.left_out)
-
-
 async def call_or_fail(home: HomeCalls, service: str, request: Mapping[str, object]) -> JsonMessage:
     """Return the answer of *service*; a failure is a problem."""
     answer = await home.call(service, request)
@@ -237,7 +218,7 @@ def _line(device: ListedDevice) -> shapes.DeviceLine:
     values: dict[str, shapes.ShortValue] = {}
     for one in device.states:
         name = "on" if one.capability == "on_off" else one.capability
-        value = _short(one.value)
+        value = short_value(one.value)
         if value is not None and name not in shapes.DeviceLine.model_fields:
             values[name if often[one.capability] == 1 else f"{one.part}.{name}"] = value
     return shapes.DeviceLine(
@@ -252,7 +233,7 @@ def _line(device: ListedDevice) -> shapes.DeviceLine:
     )
 
 
-def _short(value: object) -> shapes.ShortValue | None:
+def short_value(value: object) -> shapes.ShortValue | None:
     """Return *value*, as JSON has it, with two decimal places at most; None for an unknown one."""
     match value:
         case bool() | None:
@@ -269,10 +250,3 @@ def _takes(device: Device) -> dict[str, str]:
     for one in (one for part in main_parts(device) for one in part.part.capabilities if one.settable):
         found[one.name] = span(one) or ("on, off" if CAPABILITIES.get(one.name, OWN).kind == "bool" else "any")
     return found
-
-
-def _series(one: HistorySeries) -> shapes.ValueSeries:
-    values = [_FLAGS.get(word, printable(word, _WIDEST)) for word in one.words] or map(_short, one.values)
-    times = (datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ") for at in one.times)
-    points = tuple((at, value) for at, value in zip(times, values, strict=True) if value is not None)
-    return shapes.ValueSeries(capability=one.capability, part=one.part, unit=one.unit, width=one.width, points=points)

@@ -43,7 +43,6 @@ _CORE_ROUTES: Final = (
     ApiRoute("POST", "/api/routines", shapes.RoutineQuestion, shapes.ProposalAnswer, answers.propose_routine),
     ApiRoute("GET", "/api/habits", shapes.NoQuestion, shapes.HabitList, answers.list_habits),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),
-    ApiRoute("GET", "/api/history", shapes.HistoryQuestion, shapes.HistoryAnswer, answers.history),
 )
 
 

@@ -36,9 +36,6 @@ PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
 MOST_COMMANDED: Final = 50
 """Devices of one command."""
 
-MOST_POINTS: Final = 500
-"""Values of each capability in a history."""
-
 ShortName: TypeAlias = Annotated[ShortText, Field(min_length=1)]
 _Names: TypeAlias = Annotated[tuple[ShortName, ...], Field(min_length=1, max_length=MOST_COMMANDED)]
 
@@ -89,15 +86,6 @@ class WhyQuestion(DeviceQuestion):
     """A device, and a state that it is not in; empty to ask why it is as it is."""
 
     state: Annotated[str, Field(max_length=100)] = ""
-
-
-class HistoryQuestion(Question):
-    """A device, a capability (empty for all), and the length of time, such as `24h` or `7d`."""
-
-    device: ShortName
-    capability: ShortText = ""
-    since: Annotated[str, Field(max_length=40)] = "24h"
-    points: Annotated[int, Field(ge=1, le=MOST_POINTS)] = 50
 
 
 class CommandQuestion(Question):
@@ -205,24 +193,6 @@ class WhyAnswer(Answer):
     why: PrintableText
     is_so: bool | None = None
     steps: tuple[PrintableText, ...] = ()
-    more: int = 0
-
-
-class ValueSeries(Answer):
-    """The values of a capability with their times; of numbers the mean of `width` seconds each if that is not 0."""
-
-    capability: str
-    part: str = ""
-    unit: str = ""
-    width: float = 0.0
-    points: tuple[tuple[str, ShortValue], ...]
-
-
-class HistoryAnswer(Answer):
-    """The history of a device, and how many more series there are."""
-
-    id: str
-    series: tuple[ValueSeries, ...]
     more: int = 0
 
 

@@ -1,1 +1,16 @@
-"""Alerts: people are told what is wrong in the house."""
+"""Alerts: people are told what is wrong in the house, once for each cause."""
+
+from typing import Final
+
+from homebot.feature import Feature, FeatureTable
+from homebot.rights import OfferedService, Right
+
+SEE_ALERTS: Final = OfferedService("/alerts/seen", Right.ACT)
+
+FEATURE: Final = Feature(
+    name="alerts",
+    services=(SEE_ALERTS,),
+    runs="homebot.features.alerts.alerts:tell_people",
+    is_wanted=lambda house: not house.is_rehearsal,
+    tables={"alerts": FeatureTable("homebot.features.alerts.alerts:read_alerts")},
+)

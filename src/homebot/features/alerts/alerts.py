@@ -4,14 +4,14 @@ import math
 from collections.abc import Container, Iterable, Mapping
 from datetime import datetime, timedelta
 from functools import lru_cache, partial
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import anyio
 from anyio import to_thread
-from pydantic import Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.apps.base import App, AppSettings
-from homebot.config import Language, Urgency
+from homebot.config import AlertKey, Config, Language, Urgency, parse_settings
 from homebot.devices.alerts import (
     ALERTS,
     GATEWAY,
@@ -33,7 +33,6 @@ from homebot.devices.names import (
     DEVICE_SETTINGS,
     FIND_DEVICES,
     OPEN_QUESTIONS,
-    SEE_ALERTS,
     GatewayNames,
     gateway_of,
 )
@@ -43,9 +42,12 @@ from homebot.devices.query.vocabulary import HOUSEHOLD
 from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
+from homebot.feature_context import FeatureContext
+from homebot.features.alerts import FEATURE, SEE_ALERTS
 from homebot.graph import qos_profile_latched
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.support.bounded_map import BoundedMap
+from homebot.units import DURATION
 
 MOST_INCIDENTS: Final = 100
 """The limit of those that last, the worst first, and of all others; of more alerts people are not told."""
@@ -84,6 +86,31 @@ class AlertsSettings(AppSettings):
 
     told_after: dict[str, float] = Field(default_factory=dict)
     language: Language = "en"
+
+
+def _or_never(value: object) -> object:
+    return math.inf if value is False else value
+
+
+class _AlertTimes(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    alerts: dict[AlertKey, Annotated[float, DURATION, BeforeValidator(_or_never), Field(ge=0)]]
+
+
+def read_alerts(config: Config) -> dict[AlertKey, float]:
+    """Return the table ``[alerts]``: seconds after which people are told of each kind; infinite for never.
+
+    Raises:
+        ConfigError: It is wrong.
+    """
+    return parse_settings(_AlertTimes, {"alerts": config.features["alerts"]}, config.source, "", config.folder).alerts
+
+
+async def tell_people(house: FeatureContext) -> None:
+    """Tell people of alerts until cancelled."""
+    settings = AlertsSettings(told_after=house.table("alerts") or {}, language=house.language)
+    await house.run_app(FEATURE.name, Alerts, settings)
 
 
 class Incident(NamedTuple):
@@ -170,7 +197,7 @@ class Alerts(App[AlertsSettings]):
         for gateway in filter(None, map(gateway_of, node.graph.get_node_names())):
             on_state = partial(self._on_gateway, gateway)
             node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
-        node.create_service(Trigger, SEE_ALERTS, self._on_seen)
+        node.create_service(Trigger, SEE_ALERTS.name, self._on_seen)
         self._asked = BoundedMap[str, None](_MOST_ASKED)
         node.create_subscription(OpenQuestions, OPEN_QUESTIONS, self._on_questions, qos_profile_latched)
         while True:

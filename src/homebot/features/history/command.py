@@ -19,11 +19,11 @@ from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import print_table
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
-from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import from_seconds
 from homebot.devices.wording.values import value_text
 from homebot.errors import PeerError, UsageError
+from homebot.features.history import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
@@ -87,7 +87,7 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
     since, until = _time_asked(door, options)
     request = _devices(door, text) | {"since": from_seconds(since), "until": from_seconds(until)}
     if options.energy:
-        return _print_energy(_ask(door, READ_ENERGY, request), options)
+        return _print_energy(_ask(door, READ_ENERGY.name, request), options)
     request |= {"capability": options.capability, "points": _points(options)}
     found, since = _series(door, request, since)
     if not found.series and (name := options.capability) and name not in CAPABILITIES:
@@ -127,7 +127,7 @@ def _correct(door: DoorClient, options: argparse.Namespace) -> int:
         "value": options.value or 0.0,
         "drops": options.drop,
     }
-    count = cast("CorrectHistoryResponse", _ask(door, CORRECT_HISTORY, request)).count
+    count = cast("CorrectHistoryResponse", _ask(door, CORRECT_HISTORY.name, request)).count
     print(f"{count} number{'s' if count > 1 else ''} corrected")
     return 0
 
@@ -145,7 +145,7 @@ def _moment(text: str, now: datetime) -> float:
 def _series(door: DoorClient, request: Mapping[str, object], since: float) -> tuple[ReadHistoryResponse, float]:
     """Return the series, and when they begin: of a young history, rows for the whole time would be few."""
     while True:
-        found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, {**request, "since": from_seconds(since)}))
+        found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY.name, {**request, "since": from_seconds(since)}))
         begins = min((one.times[0] for one in found.series if one.times), default=since)
         if begins <= since:
             return found, since

@@ -12,17 +12,15 @@ from anyio.abc import TaskStatus
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.history_messages import CorrectHistory, ReadEnergy, ReadHistory
 from homebot.devices.house_view import HouseView
-from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
+from homebot.feature_context import FeatureContext
+from homebot.features.history import CORRECT_HISTORY, FEATURE, HISTORY_FILE, READ_ENERGY, READ_HISTORY
 from homebot.features.history.collector import Collector
 from homebot.features.history.history_file import HistoryStore
 from homebot.features.history.history_service import HistoryService
 from homebot.features.history.settings import HistorySettings
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
-
-HISTORY_FILE: Final = "history.sqlite"
-"""The name of the file, beside the index file."""
 
 _LOOK_EVERY: Final = 60.0
 """The longest time between two clock checks, in seconds: the clock may be set, or the computer may sleep."""
@@ -36,11 +34,11 @@ _MANY: Final = 20_000
 _LAST_CHANCE: Final = 5.0
 
 
-async def keep_history(graph: Graph, settings: HistorySettings | None, index: Path | None, zone: tzinfo | None) -> None:
-    """Keep the history until cancelled, in a file beside *index*; in memory without one."""
-    path = None if index is None else index.with_name(HISTORY_FILE)
-    async with Node(graph, "history") as node:
-        await run_as(node.full_name, HistoryKeeper(node, settings or HistorySettings(), path, zone).serve)
+async def keep_history(house: FeatureContext) -> None:
+    """Keep the history until cancelled, in a file or, in a run without files, in memory."""
+    async with Node(house.graph, FEATURE.name) as node:
+        settings = house.table("history") or HistorySettings()
+        await run_as(node.full_name, HistoryKeeper(node, settings, house.file(HISTORY_FILE), house.zone).serve)
 
 
 @final
@@ -65,9 +63,9 @@ class HistoryKeeper:
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the history until cancelled."""
         create = self._node.create_service
-        create(ReadHistory, READ_HISTORY, self._service.read, concurrent=True)
-        create(CorrectHistory, CORRECT_HISTORY, self._service.correct)
-        create(ReadEnergy, READ_ENERGY, self._service.energy, concurrent=True)
+        create(ReadHistory, READ_HISTORY.name, self._service.read, concurrent=True)
+        create(CorrectHistory, CORRECT_HISTORY.name, self._service.correct)
+        create(ReadEnergy, READ_ENERGY.name, self._service.energy, concurrent=True)
         create(GetHealth, "~/health", self.health)
         try:
             await self._open()

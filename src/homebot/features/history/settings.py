@@ -4,6 +4,7 @@ from typing import Final, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from homebot.config import Config, parse_settings
 from homebot.units import Seconds
 
 _DAY: Final = 86_400.0
@@ -48,3 +49,12 @@ class HistorySettings(BaseModel):
     keep: KeepSettings = KeepSettings()
     batch: Seconds = 300.0
     series: int = Field(default=1000, ge=1, le=20_000)
+
+
+def read_history(config: Config) -> HistorySettings:
+    """Return the table ``[history]``.
+
+    Raises:
+        ConfigError: It is wrong.
+    """
+    return parse_settings(HistorySettings, config.features["history"], config.source, "history", config.folder)
