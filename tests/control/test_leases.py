@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from structlog.testing import capture_logs
-from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey_after, refusal, report
+from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey, obey_after, refusal, report
 from tests.sizes import examples
 
 from homebot.control.durations import REMEMBERED
@@ -21,7 +21,7 @@ from homebot.devices.command_messages import (
     PerformCommand,
     Setting,
 )
-from homebot.devices.gateway_messages import Command
+from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.devices.handles import Closure, DoorLock, Thermostat
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.lease_messages import EndLeases, HeldPart, HolderRequest, HoldRequest, ReleaseLease, RenewLease
@@ -378,6 +378,23 @@ async def test_a_lamp_that_is_held_dark_takes_no_colour_and_one_that_is_held_on_
         assert isinstance(await lamp.turn_on(kelvin=2700), Refused)
     async with lamp.hold("on", by="cook"):
         assert isinstance(await lamp.turn_on(kelvin=2700), Confirmed)
+
+
+async def test_a_refusal_by_the_device_is_no_hand_and_the_value_is_commanded_again(home: Home) -> None:
+    answers = home.gateway.node.create_publisher(CommandAnswer, home.gateway.names.answers, 10)
+
+    async def refuse(_home: Home, command: Command) -> None:
+        given = {"key": command.key, "part": command.part, "capability": command.capability, "command_id": command.id}
+        answers.publish(CommandAnswer(gateway="memory", success=False, message="it is too hot", **given))
+
+    lamp = await home.lamp("on_off", behaviour=refuse)
+    async with lamp.hold("on", by="robot", ttl=9) as held:
+        assert isinstance(held.outcome, Contradicted)
+        (part,) = await home.leases()
+        assert part.saw == ""
+        home.behaviours["lamp"] = obey
+        await anyio.sleep(31)
+        assert (len(home.commands), lamp.on) == (2, True)
 
 
 async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(home: Home) -> None:

@@ -97,9 +97,9 @@ class LeaseService:
             return self._refused(request, lease)
         if lease.stop_watch is None:
             timeline = self._executor.timelines.of(device, part)
-            held = HeldValue(lease.capability, lease.value, timeline.profile, partial(self._on_report, lease))
-            timeline.held.append(held)
-            lease.stop_watch = partial(timeline.held.remove, held)
+            lease.held = HeldValue(lease.capability, lease.value, timeline.profile, partial(self._on_report, lease))
+            timeline.held.append(lease.held)
+            lease.stop_watch = partial(timeline.held.remove, lease.held)
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._record("held", lease, request.issuer, request.by, request.trigger)
@@ -204,7 +204,7 @@ class LeaseService:
         now = self._clock.monotonic()
         if now < lease.hand_until:
             return  # stopped meanwhile
-        if isinstance(outcome, Contradicted):
+        if isinstance(outcome, Contradicted) and lease.held is not None and lease.held.is_by_hand:
             self._leases.outrank(lease, outcome.saw, now)
         elif not outcome.succeeded:
             lease.again_at = now + _AGAIN

@@ -8,6 +8,7 @@ from typing import Final, TypeAlias, final
 import anyio
 
 from homebot.control.command import IssuedCommand
+from homebot.control.timeline.cause import HeldValue
 from homebot.control.timeline.facts import PartRef
 from homebot.devices.command_messages import Setting
 from homebot.devices.obedience import STOPPED, changes
@@ -72,6 +73,7 @@ class Lease:
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: When a hand, or a stop command, no longer outranks the lease.
         yielded_to: The issuer of a person's command that outranks it: it is neither renewed nor commanded again.
+        held: The watched value; None before the watch begins.
         stop_watch: Ends the watch of the part; None before it begins.
     """
 
@@ -83,6 +85,7 @@ class Lease:
     hand_until: float = -math.inf
     saw: str = ""
     yielded_to: str = ""
+    held: HeldValue | None = None
     stop_watch: Callable[[], None] | None = None
     lock: anyio.Lock = field(default_factory=anyio.Lock)
     outcome: Outcome = _COMMANDING

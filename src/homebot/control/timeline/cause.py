@@ -46,6 +46,7 @@ class HeldValue:
     Attributes:
         on_report: Called with each report of the value and None, with the first report of another one and its cause.
         is_so: Whether the part is known to have it.
+        is_by_hand: Whether the newest report is another value, by a hand.
     """
 
     capability: str
@@ -53,6 +54,7 @@ class HeldValue:
     profile: DeviceProfile
     on_report: Callable[[PlainValue, Attribution | None], None]
     is_so: bool = False
+    is_by_hand: bool = False
 
     def confirm(self, settings: Mapping[str, PlainValue]) -> None:
         """Record that a command with *settings* has succeeded."""
@@ -62,10 +64,12 @@ class HeldValue:
         """Record a report and its cause; an intermediate step says nothing."""
         if capability != self.capability or found.cause is Cause.TRANSITION:
             return
+        has_departed = self.profile.departs(capability, self.value, value)
+        self.is_by_hand = has_departed and found.is_hand
         if self.profile.fits(capability, self.value, value):
             self.is_so = self.is_so or found.cause is not Cause.ECHO
             self.on_report(value, None)
-        elif self.is_so and self.profile.departs(capability, self.value, value):
+        elif self.is_so and has_departed:
             self.is_so = False
             self.on_report(value, found)
 
