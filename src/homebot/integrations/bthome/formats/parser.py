@@ -24,6 +24,7 @@ from homebot.errors import WireError
 from homebot.integrations.bthome.formats.packet import (
     BTHOME_UUID,
     BTHomeFrame,
+    BTHomePacket,
     Measured,
     read_frame,
     read_objects,
@@ -75,9 +76,10 @@ class _BTHomeSender:
         if self.was_read and data == self.data and is_recent:
             return ()
         body = frame.body if key is None else key.open(frame, now)
-        if body is None:
-            return ()
-        packet = read_objects(body)
+        return () if body is None else self._record_packet(read_objects(body), now)
+
+    def _record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
+        """Store the parts of a packet, and return its values; none if it is older than the last one."""
         if self._is_late(packet.packet_id, now):
             return ()
         self.was_read, self.packet_id = True, packet.packet_id

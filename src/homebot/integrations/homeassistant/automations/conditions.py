@@ -66,20 +66,11 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
     joint = kind or fields.first_of(JOINTS)
     match joint:
         case "and" | "or" | "not":
-            alternatives = _each(automation, fields.items("conditions" if kind else joint))
-            if joint == "or":
-                return _any_of(alternatives)
-            return [condition for some in alternatives for condition in (_denied(some) if joint == "not" else some)]
+            return _joined(joint, _each(automation, fields.items("conditions" if kind else joint)))
         case "time":
             return _time(fields)
         case "sun":
-            events = {side: fields.text(side, "") for side in _OTHER_SIDE}
-            texts = [f"{side} {sun_moment(fields, event, f'{side}_offset')}" for side, event in events.items() if event]
-            if not texts:
-                raise NotCarriedError("condition sun: `after` and `before` are missing")
-            if (condition := _BY_SUN.get(tuple(texts))) is not None:
-                return condition
-            return [tuple(texts)] if [*events.values()] == ["sunset", "sunrise"] else [(text,) for text in texts]
+            return _sun(fields)
         case "trigger":
             if automation.trigger is None:
                 raise NotCarriedError("condition trigger: no trigger has an id")
@@ -87,10 +78,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
         case "template":
             return [_state(state_of_template(automation.entities, fields, "value_template"))]
         case kind if kind in STATES:
-            of_any = kind == "state" and fields.text("match", "all") == "any"
-            states_of_entities = STATES[kind](automation.entities, fields, "state")
-            conditions = [_any_of([[_state(state)] for state in states]) for states in states_of_entities]
-            return _any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
+            return _states(automation, kind, fields)
         case "":
             fields.end()
     raise NotCarriedError(f"condition: {kind!r} has no counterpart in routines")
@@ -98,6 +86,29 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
 
 def _state(text: str) -> Condition:
     return (text if text in _OPPOSITES else f"({text})",)
+
+
+def _joined(joint: str, alternatives: Sequence[list[Condition]]) -> list[Condition]:
+    if joint == "or":
+        return _any_of(alternatives)
+    return [condition for some in alternatives for condition in (_denied(some) if joint == "not" else some)]
+
+
+def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
+    of_any = kind == "state" and fields.text("match", "all") == "any"
+    states_of_entities = STATES[kind](automation.entities, fields, "state")
+    conditions = [_any_of([[_state(state)] for state in states]) for states in states_of_entities]
+    return _any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
+
+
+def _sun(fields: UnreadFields) -> list[Condition]:
+    events = {side: fields.text(side, "") for side in _OTHER_SIDE}
+    texts = [f"{side} {sun_moment(fields, event, f'{side}_offset')}" for side, event in events.items() if event]
+    if not texts:
+        raise NotCarriedError("condition sun: `after` and `before` are missing")
+    if (condition := _BY_SUN.get(tuple(texts))) is not None:
+        return condition
+    return [tuple(texts)] if [*events.values()] == ["sunset", "sunrise"] else [(text,) for text in texts]
 
 
 def _time(fields: UnreadFields) -> list[Condition]:

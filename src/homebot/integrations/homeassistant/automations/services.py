@@ -86,22 +86,9 @@ _FIELDS: Final = {
 
 def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list[str]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
-    match key:
-        case "device_id":
-            fields.take(key)
-            name = f"{fields.text('domain')}.{fields.text('type')}"
-        case "scene":
-            name = "scene.turn_on"
-        case _:
-            name = fields.text(key)
+    name = _service_name(fields, key)
     domain, data = name.partition(".")[0], fields.inner("data", "service_data")
-    inner = fields.inner("target")  # older texts have it in the data or beside the service
-    ids, areas, devices = (
-        [text for place in (inner, data, fields) for text in place.texts(kind)]
-        for kind in ("entity_id", "area_id", "device_id")
-    )
-    inner.end()
-    target = _Target([*ids, *fields.texts("scene")], areas, devices)
+    target = _target_of(fields, data)
     if domain in {"notify", "persistent_notification"} and target.is_to_notify:
         return [_message(name, data)]
     if name not in _SERVICES:
@@ -145,6 +132,24 @@ class _Target(NamedTuple):
             raise NotCarriedError("no target; name an entity")
         if self.entities and self.areas:
             raise NotCarriedError("the target has both `entity_id` and `area_id`; name the entities")
+
+
+def _service_name(fields: UnreadFields, key: str) -> str:
+    if key == "device_id":
+        fields.take(key)
+        return f"{fields.text('domain')}.{fields.text('type')}"
+    return "scene.turn_on" if key == "scene" else fields.text(key)
+
+
+def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:
+    """Return the target, which older texts have in the data or beside the service."""
+    target = fields.inner("target")
+    ids, areas, devices = (
+        [text for place in (target, data, fields) for text in place.texts(kind)]
+        for kind in ("entity_id", "area_id", "device_id")
+    )
+    target.end()
+    return _Target([*ids, *fields.texts("scene")], areas, devices)
 
 
 def _message(name: str, data: UnreadFields) -> str:

@@ -289,10 +289,7 @@ class HomeAssistantReader:
                 build = builder_of(config.component)
                 part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
                 if "group" in config.values:
-                    members = config.values.get("group")
-                    listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
-                    named = tuple([f"#{clean_text(entity_id)}" for entity_id in listed if isinstance(entity_id, str)])
-                    part = part._replace(part=part.part.model_copy(update={"members": named}))
+                    part = _with_members(part, config)
                 if config_topic.component == DEVICE:
                     part = part._replace(availability=cached_availability(config))
             except WireError as error:
@@ -329,6 +326,14 @@ _MAX_MEMBERS = 100
 _SERVICE_TYPE = attrgetter("part.service_type")
 
 
+def _with_members(described: DescribedPart, config: DiscoveryConfig) -> DescribedPart:
+    """Return *described* with the members of a group, which its config names by their ``unique_id``."""
+    members = config.values.get("group")
+    listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
+    named = tuple([f"#{clean_text(entity_id)}" for entity_id in listed if isinstance(entity_id, str)])
+    return described._replace(part=described.part.model_copy(update={"members": named}))
+
+
 def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
     common = announced.common
     device = device_in(to_json((common.get("device"), common.get("origin"))))
@@ -348,10 +353,8 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
     else:
         ((part, config),) = parts.values()
         key, described, whole = config.discovery_id, (part,), cached_availability(config)
-    facts = {}
-    for part_id, (_, part_config) in parts.items():
-        if not part_config.flag("enabled_by_default", default=True):
-            facts[f"hidden {part_id}"] = "by default"
+    hidden = [part_id for part_id, (_, own) in parts.items() if not own.flag("enabled_by_default", default=True)]
+    facts = {f"hidden {part_id}": "by default" for part_id in hidden}
     lone_name = "" if device.identifiers else described[0].part.name or clean_text(config_topic.object_id)
     return DeviceAnnounced(
         key=key,

@@ -123,6 +123,12 @@ class HomeAssistantEntities:
         for entity_id in gone:
             if forget or self._entities[entity_id].entry.key != entity_id:
                 del self._entities[entity_id]
+        self._parts = groups = self._group()
+        self._devices = {key: device for key, device in self._devices.items() if key in groups}
+        return {key: tuple(parts.values()) for key, parts in groups.items()}
+
+    def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
+        """Return the entities by device and part, each with its newest entry."""
         groups: dict[str, dict[str, HomeAssistantEntity]] = {}
         for entity_id, entity in sorted(self._entities.items(), key=_order):
             entity.device_key, entity.entry = "", self.registries.entity(entity_id)
@@ -139,9 +145,7 @@ class HomeAssistantEntities:
         for key in self.triggers:
             if self.registries.device(key) is not None and not self.registries.is_left_out(key):
                 groups.setdefault(key, {})
-        self._parts = groups
-        self._devices = {key: device for key, device in self._devices.items() if key in groups}
-        return {key: tuple(parts.values()) for key, parts in groups.items()}
+        return groups
 
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
         """Return the entities of a device, in the order of its parts."""

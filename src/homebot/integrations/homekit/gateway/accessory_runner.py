@@ -223,12 +223,8 @@ class AccessoryRunner(DeviceRunner):
             {(accessory.aid, characteristic.iid): value for characteristic, value in wanted.items()},
             is_timed=any("tw" in characteristic.perms for characteristic in wanted),
         )
-        what = f"{command.capability} for {accessory.device.name}"
         for status in statuses.values():
-            code = -abs(status)  # some accessories omit the sign
-            if code in _LINK_PROBLEMS:
-                raise LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
-            raise RefusedError(what, f"HAP status {code}", code)
+            raise _error_of(f"{command.capability} for {accessory.device.name}", status)
         for characteristic, value in wanted.items():
             # the next command, before it is read back, may depend on it: a temperature on a mode
             characteristic.value = value
@@ -350,3 +346,10 @@ class AccessoryRunner(DeviceRunner):
             for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
                 if row.read is not None and not kinds.isdisjoint(row.watched):
                     await self._devices.report(key, {row.capability: row.read(part.service)}, part.part.id)
+
+
+def _error_of(what: str, status: int) -> LinkError | RefusedError:
+    code = -abs(status)  # some accessories omit the sign
+    if code in _LINK_PROBLEMS:
+        return LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
+    return RefusedError(what, f"HAP status {code}", code)

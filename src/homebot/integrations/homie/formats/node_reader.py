@@ -124,13 +124,7 @@ class _NodeReader:
         )
         if datatype not in _DATATYPES:
             raise WireError(f"datatype is {shown(datatype)}")
-        options: tuple[str, ...] = ()  # of an enum, the forms of a colour, or the names of false and true
-        if datatype in _WITH_OPTIONS or (datatype == "boolean" and form):
-            options = parse_options(form)
-        if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-            raise WireError(f"format {shown(form)} names no colour formats")
-        if datatype == "boolean" and form and len(options) != len(("false", "true")):
-            raise WireError(f"format {shown(form)} does not name false and true")
+        options = _read_options(datatype, form)
         flags = _flags(prop_id, options) if datatype == "enum" else None
         if flags:
             datatype = "boolean"
@@ -159,6 +153,18 @@ class _NodeReader:
         if not isinstance(value, dict):
             raise WireError(f"{shown(name)} is {shown(value)}, not an object")
         return value
+
+
+def _read_options(datatype: str, form: str) -> tuple[str, ...]:
+    """Return the options of an enum, the forms of a colour, or the names of false and true; empty for any other."""
+    if datatype not in _WITH_OPTIONS and not (datatype == "boolean" and form):
+        return ()
+    options = parse_options(form)
+    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
+        raise WireError(f"format {shown(form)} names no colour formats")
+    if datatype == "boolean" and len(options) != len(("false", "true")):
+        raise WireError(f"format {shown(form)} does not name false and true")
+    return options
 
 
 def _flags(prop_id: str, options: tuple[str, ...]) -> tuple[str, str] | None:

@@ -47,12 +47,7 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
         controls.append(build_vacuum(vacuum))
         nodes = tuple(as_settings(node, vacuum.props) for node in nodes)
     others: list[BytesPart] = []
-    lamp = tuple(filter(_may_be_of_a_lamp, nodes))
-    roles = [role for node in lamp for role in _light_roles(node)]
-    is_guessed = any(node.kind == "light" and node.is_guess for node in lamp)
-    is_lamp = is_guessed or declared_class(device.type) == "light" or set(roles) - {"on_off"}
-    if not is_lamp or len(set(roles)) != len(roles):  # there are several lamps, or none
-        lamp = ()
+    lamp = _lamp(device, nodes)
     if lamp:
         props = {role: prop for role in LIGHT_ROLES for node in lamp if (prop := node.prop(role)) is not None}
         part = node_part(lamp[0].node, "light", guessed=any(node.is_guess for node in lamp))
@@ -88,6 +83,17 @@ _SINGLE = (
     "thermostat_mode",
     "fan_mode",
 )
+
+
+def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
+    """Return the nodes of the only lamp; none for no lamp or several."""
+    lamp = tuple(filter(_may_be_of_a_lamp, nodes))
+    roles = [role for node in lamp for role in _light_roles(node)]
+    if len(set(roles)) != len(roles):
+        return ()
+    is_guessed = any(node.kind == "light" and node.is_guess for node in lamp)
+    is_lamp = is_guessed or declared_class(device.type) == "light" or set(roles) - {"on_off"}
+    return lamp if is_lamp else ()
 
 
 def _light_roles(node: NodeRoles) -> frozenset[str]:

@@ -229,6 +229,9 @@ class Version4(Registry[_Homie4Device]):
         device = self.devices.find(name, _Homie4Device)
         if device is None or not self._record(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
+        return self._describe(device, domain, device_id)
+
+    def _describe(self, device: _Homie4Device, domain: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()

@@ -152,19 +152,7 @@ class SimulatedHueBridge(WebDevice):
             about |= {"mac": in_pairs(self.id[:6] + self.id[10:]), "swversion": "1968096020", "apiversion": "1.68.0"}
             return WebReply(as_json(about))
         if request.path == "/api" and request.method == "POST":
-            name = as_object(request.body).get("devicetype")
-            if not isinstance(name, str) or not 0 < len(name) <= 40:
-                return WebReply(
-                    as_json([{"error": {"type": 6, "address": "", "description": "parameter not available"}}])
-                )
-            if not self._is_pressed:
-                return WebReply(
-                    as_json([{"error": {"type": 101, "address": "", "description": "link button not pressed"}}])
-                )
-            self._is_pressed = False
-            key = resource_uuid(self.id, name, str(len(self.keys)))
-            self.keys.add(key)
-            return WebReply(as_json([{"success": {"username": key}}]))
+            return self._make_key(request.body)
         if request.headers.get(KEY_HEADER) not in self.keys:
             return _answered(403, error="unauthorized user")
         if not request.path.startswith(_RESOURCES):
@@ -192,6 +180,18 @@ class SimulatedHueBridge(WebDevice):
             case _:
                 return _answered(405, error="Method Not Allowed")
 
+    def _make_key(self, body: bytes) -> WebReply:
+        name = as_object(body).get("devicetype")
+        if not isinstance(name, str) or not 0 < len(name) <= 40:
+            return WebReply(as_json([{"error": {"type": 6, "address": "", "description": "parameter not available"}}]))
+        if not self._is_pressed:
+            problem = {"type": 101, "address": "", "description": "link button not pressed"}
+            return WebReply(as_json([{"error": problem}]))
+        self._is_pressed = False
+        key = resource_uuid(self.id, name, str(len(self.keys)))
+        self.keys.add(key)
+        return WebReply(as_json([{"success": {"username": key}}]))
+
     def _obey(self, kind: str, rid: str, payload: bytes) -> WebReply:
         resource, body = self.resources.get(rid), as_object(payload)
         if resource is None or resource["type"] != kind:
@@ -213,12 +213,7 @@ class SimulatedHueBridge(WebDevice):
             case "light":
                 return self._light(rid, body, done)
             case "grouped_light":
-                children = self.resources[str(at(resource, "owner", "rid"))]["children"]
-                inside = {at(child, "rid") for child in children} if isinstance(children, list) else set()
-                for light_id, light in tuple(self.resources.items()):
-                    if light["type"] == "light" and not inside.isdisjoint((light_id, at(light, "owner", "rid"))):
-                        self._light(light_id, body, [])
-                self.change(str(resource["id"]), {"on": body["on"]} if "on" in body else {})
+                self._group(resource, body)
             case "geofence_client":
                 self.change(rid, body)
         return _answered(200, done)
@@ -237,6 +232,14 @@ class SimulatedHueBridge(WebDevice):
         device.obey(body)
         self._end_scenes()
         return _answered(200, done)
+
+    def _group(self, grouped: Resource, body: Mapping[str, object]) -> None:
+        children = self.resources[str(at(grouped, "owner", "rid"))]["children"]
+        inside = {at(child, "rid") for child in children} if isinstance(children, list) else set()
+        for rid, light in tuple(self.resources.items()):
+            if light["type"] == "light" and not inside.isdisjoint((rid, at(light, "owner", "rid"))):
+                self._light(rid, body, [])
+        self.change(str(grouped["id"]), {"on": body["on"]} if "on" in body else {})
 
     def _end_scenes(self) -> None:
         for rid, resource in self.resources.items():

@@ -179,13 +179,7 @@ class MatterGateway(LinkedGateway):
 
     async def _on_event(self, event: str, data: object, payload: bytes) -> None:
         await anyio.lowlevel.checkpoint()
-        node_id: object = data
-        if isinstance(data, list):
-            node_id = data[0] if data else None
-        elif isinstance(data, dict):
-            node_id = data.get("node_id")
-        known = self._nodes.get(node_id) if isinstance(node_id, int) else None
-        source = shown(node_id) if known is None else known.published[0].device.key
+        source = self._source_of(data)
         try:
             match event:
                 case "node_added" | "node_updated":
@@ -209,6 +203,16 @@ class MatterGateway(LinkedGateway):
                     pass  # endpoint_added comes with node_updated; others are about the server
         except WireError as exc:
             self.devices.reject(source, payload, str(exc))
+
+    def _source_of(self, data: object) -> str:
+        """Return the source of an event: the key of the node, if it is known."""
+        node_id: object = data
+        if isinstance(data, list):
+            node_id = data[0] if data else None
+        elif isinstance(data, dict):
+            node_id = data.get("node_id")
+        known = self._nodes.get(node_id) if isinstance(node_id, int) else None
+        return shown(node_id) if known is None else known.published[0].device.key
 
     async def _add_node(self, data: object, why: str) -> None:
         node = MatterNode.parse(data)

@@ -96,15 +96,7 @@ class MatterNode:
 
     def devices(self, fabric: str = "") -> tuple[NodeDevice, ...]:
         """Return the node as devices, itself and then those behind it; *fabric* is the compressed ID, if known."""
-        bridged = [endpoint for endpoint in self._sorted() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
-        owners = {endpoint.id: endpoint.id for endpoint in bridged}
-        for bridged_endpoint in bridged:
-            pending = list(bridged_endpoint.children)
-            while pending:
-                child = pending.pop()
-                if child in self.endpoints and child not in owners and child:
-                    owners[child] = bridged_endpoint.id
-                    pending += self.endpoints[child].children
+        owners = self._owners()
         key = f"node-{self.id}"
         root = self.endpoints.get(0) or MatterEndpoint(0)
         place = f"matter:deviceid_{fabric}-{self.id:016X}" if fabric else ""  # as Home Assistant spells it
@@ -120,6 +112,19 @@ class MatterNode:
     def is_reachable(self, device: NodeDevice) -> bool:
         """Return whether *device*, which is one of its devices, can be reached."""
         return self.is_available and device.root.flag(BRIDGED, _REACHABLE) is not False
+
+    def _owners(self) -> dict[int, int]:
+        """Return the bridged endpoint of each endpoint that belongs to one."""
+        bridged = [endpoint for endpoint in self._sorted() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
+        owners = {endpoint.id: endpoint.id for endpoint in bridged}
+        for endpoint in bridged:
+            pending = list(endpoint.children)
+            while pending:
+                child = pending.pop()
+                if child in self.endpoints and child not in owners and child:
+                    owners[child] = endpoint.id
+                    pending += self.endpoints[child].children
+        return owners
 
     def _sorted(self) -> list[MatterEndpoint]:
         return [self.endpoints[number] for number in sorted(self.endpoints)]

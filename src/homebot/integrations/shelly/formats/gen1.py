@@ -123,6 +123,7 @@ def _kind(suffix: str) -> str:
 
 _MAX_DEVICES = 5000
 _MAX_NAME_CHARACTERS = 100
+_DEVICE_ID = re.compile(r"[^+#/\0]{1,100}")
 _NO_NAMES = frozenset({"announce", "command"})
 _LEVELS = 3
 
@@ -163,6 +164,9 @@ class Gen1:
             return () if device.is_announced else self._described(device, topic)
         if payload in {b"", NO_VALVE} or not is_known_topic(suffix):
             return ()
+        return self._on_state(topic, name, suffix)
+
+    def _on_state(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._device(name)
         if device is None or suffix in device.suffixes:
             return ()
@@ -173,16 +177,7 @@ class Gen1:
 
     def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         announcement = parse_object(payload)
-        device_id, mac = announcement.get("id"), announcement.get("mac", "")
-        if (
-            not isinstance(device_id, str)
-            or not 0 < len(device_id) <= _MAX_NAME_CHARACTERS
-            or set(device_id) & set("+#/\0")
-        ):
-            raise WireError(f"an announcement has the invalid id {shown(device_id)}")
-        if not isinstance(mac, str):
-            raise WireError(f"an announcement has the invalid mac {shown(mac)}")
-        mac = clean_text(mac, 20)
+        device_id, mac = _ids(announcement)
         if not name and mac:
             name = self._names.get(mac, "")
         device = self._device(name or device_id)
@@ -213,3 +208,12 @@ class Gen1:
         self._devices.pin(device.name)
         device.described_by = described.topic
         return (described,)
+
+
+def _ids(announcement: Mapping[str, object]) -> tuple[str, str]:
+    device_id, mac = announcement.get("id"), announcement.get("mac", "")
+    if not isinstance(device_id, str) or not _DEVICE_ID.fullmatch(device_id):
+        raise WireError(f"an announcement has the invalid id {shown(device_id)}")
+    if not isinstance(mac, str):
+        raise WireError(f"an announcement has the invalid mac {shown(mac)}")
+    return device_id, clean_text(mac, 20)

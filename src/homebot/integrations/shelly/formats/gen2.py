@@ -65,20 +65,7 @@ class Gen2:
         if topic.startswith(f"{self._client}/") and topic.endswith("/rpc"):
             return self._answered(topic.removeprefix(f"{self._client}/").removesuffix("/rpc"), payload)
         if topic.endswith("/events/rpc"):
-            prefix = topic.removesuffix("/events/rpc")
-            frame = as_fields(to_json(payload))
-            device = self._device(prefix) if frame else None
-            method, params = frame.get("method"), frame.get("params")
-            if device is None or not isinstance(params, dict):
-                return ()
-            if device.has_status and device.described:
-                return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
-            if method == "NotifyStatus" and mac_in(prefix):
-                return self._add_components(device, params, f"{prefix}/events/rpc", len(payload))
-            requests = self._requests(device)
-            if method == "NotifyFullStatus" and self._record_answer(device, "status", params, len(payload)):
-                return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + requests
-            return requests
+            return self._on_notification(topic, payload)
         prefix, _, component = topic.partition("/status/")
         if component:
             device = self._device(prefix) if mac_in(prefix) else None
@@ -96,6 +83,22 @@ class Gen2:
         if device.described:
             return () if retained else (self._request(device),)
         return (self._request(device),) if retained else self._requests(device)
+
+    def _on_notification(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        prefix = topic.removesuffix("/events/rpc")
+        frame = as_fields(to_json(payload))
+        device = self._device(prefix) if frame else None
+        method, params = frame.get("method"), frame.get("params")
+        if device is None or not isinstance(params, dict):
+            return ()
+        if device.has_status and device.described:
+            return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
+        if method == "NotifyStatus" and mac_in(prefix):
+            return self._add_components(device, params, topic, len(payload))
+        requests = self._requests(device)
+        if method == "NotifyFullStatus" and self._record_answer(device, "status", params, len(payload)):
+            return self._described(device, topic, text_of(frame.get("src"))) + requests
+        return requests
 
     def _add_components(
         self, device: Gen2Device, components: Fields, topic: str, size: int

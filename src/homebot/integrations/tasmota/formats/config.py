@@ -178,8 +178,6 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         raise WireError(f"config: tp is {shown(fields.get('tp'))}, not a list of three prefixes")
     names = _texts(fields, "fn", _MAX_INPUTS)
     texts = _texts(fields, "state", len(STATE_TEXTS))
-    options = fields.get("so")
-    listed = list(options.items())[:_MAX_OPTIONS] if isinstance(options, dict) else []
     facts = {fact: clean_text(_text(fields, key)) for fact, key in _FACTS.items()}
     return TasmotaConfig(
         mac=mac,
@@ -195,11 +193,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         switch_modes=_numbers(fields.get("swc"), _MAX_INPUTS),
         switch_names=_texts(fields, "swn", _MAX_INPUTS),
         buttons=_numbers(fields.get("btn"), _MAX_INPUTS),
-        options={
-            int(key): _number(value)
-            for key, value in listed
-            if key.isascii() and key.isdecimal() and len(key) < _DIGITS
-        },
+        options=_options(fields.get("so")),
         light_type=_number(fields.get("lt_st")),
         is_linked=fields.get("lk") != 0,
         is_tuya=bool(_number(fields.get("ty"))),
@@ -268,6 +262,13 @@ def _tilts(value: object) -> tuple[Tilt | None, ...]:
 
 
 _DIGITS = 5
+
+
+def _options(value: object) -> dict[int, int]:
+    listed = list(value.items())[:_MAX_OPTIONS] if isinstance(value, dict) else []
+    return {
+        int(key): _number(number) for key, number in listed if key.isascii() and key.isdecimal() and len(key) < _DIGITS
+    }
 
 
 def _text(fields: Mapping[str, object], key: str) -> str:

@@ -84,19 +84,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     candidates = [candidate for affordance in thing.affordances for candidate in _split(affordance, binding)]
     for candidate in candidates:
         _find_meaning(candidate, main)
-    locks = [candidate for candidate in candidates if candidate.capability == "lock" and not candidate.is_settable]
-    if locks:  # its actions are the commands for its read-only state
-        lock = locks[0]
-        acting = [
-            (candidate, name)
-            for candidate in candidates
-            for name in candidate.affordance.types
-            if name in LOCK_ACTIONS and candidate.written
-        ]
-        lock.actions = {LOCK_ACTIONS[name]: candidate for candidate, name in acting}
-        candidates = [
-            candidate for candidate in candidates if not any(candidate is action for action in lock.actions.values())
-        ]
+    candidates = _with_lock_actions(candidates)
     unknown, main_is_guess = [candidate for candidate in candidates if not candidate.service_type], not main
     if main_is_guess:
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
@@ -109,6 +97,22 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     for candidate in candidates:
         groups.setdefault(_group(candidate, owned, groups), []).append(candidate)
     return tuple(_part(thing, name, members, kind, main_is_guess=main_is_guess) for name, members in groups.items())
+
+
+def _with_lock_actions(candidates: list[_Candidate]) -> list[_Candidate]:
+    """Return *candidates* with the actions of a lock as commands for its read-only state."""
+    locks = [candidate for candidate in candidates if candidate.capability == "lock" and not candidate.is_settable]
+    if not locks:
+        return candidates
+    acting = [
+        (candidate, name)
+        for candidate in candidates
+        for name in candidate.affordance.types
+        if name in LOCK_ACTIONS and candidate.written
+    ]
+    locks[0].actions = {LOCK_ACTIONS[name]: candidate for candidate, name in acting}
+    used = [*locks[0].actions.values()]
+    return [candidate for candidate in candidates if not any(candidate is action for action in used)]
 
 
 def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:

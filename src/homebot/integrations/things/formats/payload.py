@@ -255,21 +255,26 @@ def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -
     if kind == "bool":
         return _encode_flag(affordance, require_bool(name, value))
     if kind == "number":
-        bounds = capability.bounds or CAPABILITIES[name].bounds or (-math.inf, math.inf)
-        number = require_number(name, value, bounds[0], bounds[-1])
-        least = affordance.schema.minimum or 0
-        if name == "level" and number == 0 and least > 0:  # otherwise 0 % would be rounded up, and the lamp stay on
-            problem = f"its {affordance.name[:60]} is never below {least:g}, and it has no switch"
-            raise RefusedError(f"{name} {shown(value)}", problem)
-        number = on_the_wire(name, affordance, number)
-        if not math.isfinite(number):
-            raise RefusedError(f"{name} {shown(value)}", "it takes a number that its format can express")
-        return int(number) if number.is_integer() else number
+        return _encode_number(capability, affordance, value)
     if capability.options:
         return require_option(name, value, capability.options)
     if not isinstance(value, str):
         raise RefusedError(f"{name} {shown(value)}", "it takes a text")
     return value
+
+
+def _encode_number(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
+    name = capability.name
+    bounds = capability.bounds or CAPABILITIES[name].bounds or (-math.inf, math.inf)
+    number = require_number(name, value, bounds[0], bounds[-1])
+    least = affordance.schema.minimum or 0
+    if name == "level" and number == 0 and least > 0:  # otherwise 0 % would be rounded up, and the lamp stay on
+        problem = f"its {affordance.name[:60]} is never below {least:g}, and it has no switch"
+        raise RefusedError(f"{name} {shown(value)}", problem)
+    number = on_the_wire(name, affordance, number)
+    if not math.isfinite(number):
+        raise RefusedError(f"{name} {shown(value)}", "it takes a number that its format can express")
+    return int(number) if number.is_integer() else number
 
 
 def _decode(capability: Capability, affordance: Affordance, value: object) -> PlainValue:

@@ -83,23 +83,10 @@ class _PartsBuilder:
         is_valve = types <= {"switch"} and _VALVES.search(device.facts.get("model", ""))
         self._valves = _OWN_VALVES | {"state"} if is_valve else _OWN_VALVES
         self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
-        roles = {
-            "opener": self._door is not None,
-            "siren": not _SOUNDS.isdisjoint(self._names),
-            "effect": any(expose.type == "light" and not expose.endpoint for expose in self._exposes),
-        }
-        self._possible_roles = frozenset(role for role, is_possible in roles.items() if is_possible)
+        self._possible_roles = self._find_possible_roles()
         self._auxiliary: dict[str, Expose] = {}
         for expose in exposes:
-            if expose.type == "enum" and expose.name in _MOTORS and expose.is_published:
-                role = f"motor{expose.suffix}"
-            elif is_program(expose):
-                role = "program"
-            else:
-                role = _ROLES.get((expose.type, expose.name), "")
-                is_of_endpoint = role == "effect" and expose.endpoint
-                if role not in self._possible_roles or not expose.is_settable or is_of_endpoint:
-                    continue
+            role = self._role(expose)
             if role == "opener" or (role and role not in self._auxiliary):
                 self._auxiliary[role] = expose
         if self._door is not None and "opener" in self._auxiliary:
@@ -118,6 +105,24 @@ class _PartsBuilder:
             yield part.build()
         for number, name in self._device.scenes.items():
             yield _scene(self._topics, number, name)
+
+    def _find_possible_roles(self) -> frozenset[str]:
+        roles = {
+            "opener": self._door is not None,
+            "siren": not _SOUNDS.isdisjoint(self._names),
+            "effect": any(expose.type == "light" and not expose.endpoint for expose in self._exposes),
+        }
+        return frozenset(role for role, is_possible in roles.items() if is_possible)
+
+    def _role(self, expose: Expose) -> str:
+        """Return the role of an auxiliary expose; empty for any other."""
+        if expose.type == "enum" and expose.name in _MOTORS and expose.is_published:
+            return f"motor{expose.suffix}"
+        if is_program(expose):
+            return "program"
+        role = _ROLES.get((expose.type, expose.name), "")
+        is_of_endpoint = role == "effect" and expose.endpoint
+        return role if role in self._possible_roles and expose.is_settable and not is_of_endpoint else ""
 
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
