@@ -122,12 +122,15 @@ class SensorLibraryParser(BroadcastParser):
             problem = "it is encrypted with another bind key"
             if getattr(sensor.reader, "bindkey", None) is None:
                 problem = "it is encrypted, and no bind key is configured for it"
+        facts: dict[str, str | None] = {}
+        if about := next(iter(update.devices.values()), None):  # the device itself, not probes at it
+            facts = {"manufacturer": about.manufacturer, "model": about.model, "firmware": about.sw_version}
         return Broadcast(
             name=update.title or _name_of(update) or advertisement.name,
             parts=tuple(sensor.parts.values()),
             values=values if is_new else (),
             expiries=sensor.expiries(),
-            metadata=_metadata(update),
+            metadata={name: str(fact) for name, fact in facts.items() if fact},
             silence=ON_BATTERY if any("battery" in part for part in sensor.parts) else 0.0,
             problem=problem,
         )
@@ -303,15 +306,6 @@ def _part_id(key: DeviceKey) -> str:
 def _name_of(update: SensorUpdate) -> str:
     """Return the name that a library without titles gives the device: ``RuuviTag EFAF``, ``IBS-TH EEFF``."""
     return next((device.name for device in update.devices.values() if device.name), "")
-
-
-def _metadata(update: SensorUpdate) -> dict[str, str]:
-    """Return the facts of the device itself, not of probes at it."""
-    info = next(iter(update.devices.values()), None)
-    if info is None:
-        return {}
-    facts = {"manufacturer": info.manufacturer, "model": info.model, "firmware": info.sw_version}
-    return {name: str(fact) for name, fact in facts.items() if fact}
 
 
 def _unreadable(

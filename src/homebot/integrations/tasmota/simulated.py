@@ -42,7 +42,11 @@ class TasmotaDialect(Dialect):
     def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its two announcements, kept."""
         mac = hardware_address(device).upper()
-        messages = {"config": _config(device, mac), "sensors": {"sn": _sensors(device), "ver": 1}}
+        sensors: dict[str, object] = {"Switch1": "OFF"} if device.kind in SWITCHES else {}
+        if device.kind in SENSORS:
+            chip, quantity = SENSORS[device.kind]
+            sensors = {chip: {quantity: 0}}
+        messages = {"config": _config(device, mac), "sensors": {"sn": sensors, "ver": 1}}
         return tuple(
             OutgoingMessage(f"tasmota/discovery/{mac}/{name}", as_json(message), retain=True)
             for name, message in messages.items()
@@ -115,13 +119,6 @@ def _config(device: SimulatedDeviceInfo, mac: str) -> dict[str, object]:
         "dslp": 0,
         "ver": 1,
     }
-
-
-def _sensors(device: SimulatedDeviceInfo) -> dict[str, object]:
-    if device.kind in SENSORS:
-        chip, quantity = SENSORS[device.kind]
-        return {chip: {quantity: 0}}
-    return {"Switch1": "OFF"} if device.kind in SWITCHES else {}
 
 
 def _reading(device: SimulatedDeviceInfo, state: DeviceState) -> dict[str, object]:

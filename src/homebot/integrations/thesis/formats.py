@@ -159,8 +159,14 @@ class Thesis:
         Raises:
             WireError: The topic has too few or too many levels, or an empty one.
         """
-        home, levels = self._split(topic)
-        if home is None:
+        if not self._root:
+            home, _, rest = topic.partition("/")
+            if self._home not in ("", home):
+                return None
+            levels = rest.split("/")
+        elif topic == self._root or topic.startswith(f"{self._root}/"):
+            home, levels = self._root, topic.split("/")[self._root.count("/") + 1 :]
+        else:
             return None
         if len(levels) != len(LEVELS):
             shape = "/".join((self._root or "HOME", *LEVELS))
@@ -186,13 +192,3 @@ class Thesis:
             owns=(base,),
             text=endpoint,
         )
-
-    def _split(self, topic: str) -> tuple[str | None, list[str]]:
-        if not self._root:
-            home, _, rest = topic.partition("/")
-            return home if self._home in ("", home) else None, rest.split("/")
-        if topic == self._root:
-            return self._root, []
-        if topic.startswith(f"{self._root}/"):
-            return self._root, topic[len(self._root) + 1 :].split("/")
-        return None, []

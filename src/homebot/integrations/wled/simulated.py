@@ -110,10 +110,11 @@ class ServedWled(ServedWebDevice):
             if isinstance(given, dict):
                 own.update({name: value for name, value in given.items() if name in own})
         is_on = not self.state.is_on if wanted.get("on") == "t" else wanted.get("on")
+        steps = to_number(segment.get("cct"))
         for command in lamp_order(
             is_on=is_on if isinstance(is_on, bool) else None,
             brightness=scaled(wanted.get("bri"), FULL),
-            kelvin=_kelvin(segment.get("cct")),
+            kelvin=steps if steps is None or steps > FULL else WARMEST + STEP * steps,
         ):
             self.on_command(command)
         self.show()
@@ -199,9 +200,3 @@ class ServedWled(ServedWebDevice):
             "mac": self.mac,
             "ip": self.server.address,
         }
-
-
-def _kelvin(cct: object) -> float | None:
-    """Return the kelvin of a white, in kelvin or in steps."""
-    steps = to_number(cct)
-    return steps if steps is None or steps > FULL else WARMEST + STEP * steps

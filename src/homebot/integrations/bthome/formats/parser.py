@@ -80,7 +80,9 @@ class _BTHomeSender:
 
     def _record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
         """Store the parts of a packet, and return its values; none if it is older than the last one."""
-        if self._is_late(packet.packet_id, now):
+        number, last = packet.packet_id, self.packet_id
+        is_newer = number is None or last is None or 0 < (number - last) % 256 < NEWER_BY
+        if not is_newer and now - self.received_at <= REPEATS_WITHIN:
             return ()
         self.was_read, self.packet_id = True, packet.packet_id
         if packet.firmware:
@@ -121,11 +123,6 @@ class _BTHomeSender:
     def _meant(self, measured: Measured) -> Measured:
         own = self.model.objects.get(measured.part)
         return measured if own is None else measured._replace(part=own.name, object=own)
-
-    def _is_late(self, number: int | None, now: float) -> bool:
-        if number is None or self.packet_id is None or now - self.received_at > REPEATS_WITHIN:
-            return False
-        return not 0 < (number - self.packet_id) % 256 < NEWER_BY
 
 
 class BTHomeParser(BroadcastParser):

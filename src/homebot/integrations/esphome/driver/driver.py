@@ -55,7 +55,19 @@ class EsphomeDriver(Driver):
             device = EsphomeDevice(*await connection.describe())
             if device.left_out:
                 self.host.reject(b"", f"{service.name} lists {device.left_out} entities too many; they are left out")
-            self.host.describe(self._described(device, authenticated=key is not None))
+            self.host.describe(
+                GatewayDevice(
+                    self.service.key,
+                    device.name or self.service.name,
+                    device.parts(),
+                    metadata=device.metadata,
+                    identifiers=device.identifiers,
+                    authenticated=key is not None,
+                    area=device.area,
+                    stale_after=STALE_AFTER_SLEEP if device.sleeps else 0.0,
+                    sleeps=device.sleeps,
+                )
+            )
             self._connection, self._device = connection, device
             try:
                 await StateQueue(device, self.host).relay(connection)
@@ -75,19 +87,6 @@ class EsphomeDriver(Driver):
         )
         connection.send(entity.component, entity.key, fields)
         return along
-
-    def _described(self, device: EsphomeDevice, *, authenticated: bool) -> GatewayDevice:
-        return GatewayDevice(
-            self.service.key,
-            device.name or self.service.name,
-            device.parts(),
-            metadata=device.metadata,
-            identifiers=device.identifiers,
-            authenticated=authenticated,
-            area=device.area,
-            stale_after=STALE_AFTER_SLEEP if device.sleeps else 0.0,
-            sleeps=device.sleeps,
-        )
 
     def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:
         """Return the key and the password of the device.

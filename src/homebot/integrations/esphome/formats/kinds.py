@@ -110,7 +110,15 @@ def _read_white(info: Fields, state: Fields) -> PlainValue:
         return None
     mired = number_of(state, "color_temperature")
     if mode & _COLD_WARM:
-        mired = _mixed(info, state, mired)
+        cold, warm = number_of(state, "cold_white") or 0.0, number_of(state, "warm_white") or 0.0
+        if min(cold, warm) < 0 or not cold + warm:
+            mired = None
+        else:
+            coldest, warmest = _mired_range(info)
+            middle = (coldest + warmest) / 2
+            # the reported value is the last command; the channels, which are not linear (gamma), may contradict it
+            if mired is None or not coldest <= mired <= warmest or (mired - middle) * (warm - cold) < 0:
+                mired = coldest + (warmest - coldest) * warm / (cold + warm)
     return None if not mired or not 1 <= mired <= _MAX_MIRED else float(round(MIRED / mired))
 
 
@@ -125,21 +133,6 @@ def _write_white(info: Fields, value: PlainValue, _code: str) -> Fields:
     return state
 
 
-def _mixed(info: Fields, state: Fields, reported: float | None) -> float | None:
-    """Return the mired of a mixture of two whites: the reported one, unless the channels contradict it.
-
-    The reported value is its last command as a colour temperature; the channels are not linear (gamma).
-    """
-    cold, warm = number_of(state, "cold_white") or 0.0, number_of(state, "warm_white") or 0.0
-    if min(cold, warm) < 0 or not cold + warm:
-        return None
-    coldest, warmest = _mired_range(info)
-    middle = (coldest + warmest) / 2
-    if reported is not None and coldest <= reported <= warmest and (reported - middle) * (warm - cold) >= 0:
-        return reported
-    return coldest + (warmest - coldest) * warm / (cold + warm)
-
-
 def _is_white(mode: int, state: Fields) -> bool:
     """Return whether a lamp in a mode with colours and white shines white only."""
     return mode in (47, 51) and number_of(state, "color_brightness") == 0
@@ -150,19 +143,13 @@ def _read_color(info: Fields, state: Fields) -> PlainValue:
     if not isinstance(mode, int) or mode not in _CHANNELS or _is_white(mode, state):
         return None
     letters, whites = _CHANNELS[mode]
-    shares = _shares(state, ("color_brightness", "red", "green", "blue", *whites))
-    if shares is None:
+    values = [number_of(state, name) for name in ("color_brightness", "red", "green", "blue", *whites)]
+    shares = [value for value in values if value is not None and 0 <= value <= 1]
+    if len(shares) < len(values):
         return None
     strength, *channels = shares
     rgb = [channel * (strength if whites else 1.0) for channel in channels[:3]]
     return to_hue_saturation(letters, tuple(round(255 * channel) for channel in (*rgb, *channels[3:])), _kelvins(info))
-
-
-def _shares(state: Fields, names: tuple[str, ...]) -> list[float] | None:
-    """Return the numbers from 0 to 1 with these *names*; None if one of them is none."""
-    values = [number_of(state, name) for name in names]
-    shares = [value for value in values if value is not None and 0 <= value <= 1]
-    return shares if len(shares) == len(values) else None
 
 
 def _write_color(info: Fields, value: PlainValue, _code: str) -> Fields:

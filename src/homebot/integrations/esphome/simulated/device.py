@@ -245,7 +245,20 @@ class EsphomeServedDevice(ServedDevice):
             case "HelloRequest":
                 return (("HelloResponse", {**_VERSION, "name": self.name}),)
             case "DeviceInfoRequest":
-                return (self._info(),)
+                pairs = [self.mac[at : at + 2].upper() for at in range(0, 12, 2)]
+                info = {
+                    "name": self.name,
+                    "friendly_name": self.device.device_id,
+                    "mac_address": ":".join(pairs),
+                    "model": f"simulated {self.device.kind}",
+                    "manufacturer": "homebot",
+                    "esphome_version": "2026.10.0",
+                    "suggested_area": self.device.room,
+                    "has_deep_sleep": self.sleeps,
+                    "uses_password": bool(self._password),
+                    "api_encryption_supported": bool(self._identity.key),
+                }
+                return (("DeviceInfoResponse", info),)
             case "ListEntitiesRequest":
                 return self._listed(), ("ListEntitiesDoneResponse", {})
             case "SubscribeStatesRequest":
@@ -256,21 +269,6 @@ class EsphomeServedDevice(ServedDevice):
                 return (("AuthenticationResponse", {"invalid_password": fields.get("password") != self._password}),)
             case _:
                 return ()
-
-    def _info(self) -> ApiMessage:
-        pairs = [self.mac[at : at + 2].upper() for at in range(0, 12, 2)]
-        return "DeviceInfoResponse", {
-            "name": self.name,
-            "friendly_name": self.device.device_id,
-            "mac_address": ":".join(pairs),
-            "model": f"simulated {self.device.kind}",
-            "manufacturer": "homebot",
-            "esphome_version": "2026.10.0",
-            "suggested_area": self.device.room,
-            "has_deep_sleep": self.sleeps,
-            "uses_password": bool(self._password),
-            "api_encryption_supported": bool(self._identity.key),
-        }
 
     def _listed(self) -> ApiMessage:
         own = {"object_id": self.device.kind, "name": "", "key": _KEY}

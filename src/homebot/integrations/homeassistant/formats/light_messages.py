@@ -47,17 +47,6 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     return entity.build()
 
 
-def _modes(config: DiscoveryConfig) -> frozenset[str]:
-    modes = frozenset(config.options("supported_color_modes"))
-    if not modes:
-        colors = frozenset(filter(config.flag, _COLOR_FLAGS))
-        return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
-    alone = len(modes) > 1 and modes & {"brightness", "onoff"}
-    if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
-        raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be combined")
-    return modes
-
-
 class JsonLight:
     """Reader and writer of JSON. A colour is read in the reported mode, or in the only mode with a value.
 
@@ -72,7 +61,15 @@ class JsonLight:
         any_effect = config.flag("effect")
         whites = read_white_range(config)
         self._fades = config.flag("transition", default=True)
-        self.lamp = LightFeatures(_modes(config), whites, effects, any_effect=any_effect, steps=self._scale)
+        modes = frozenset(config.options("supported_color_modes"))
+        alone = len(modes) > 1 and modes & {"brightness", "onoff"}
+        if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
+            listed = shown(", ".join(sorted(modes)))
+            raise WireError(f"light: supported_color_modes are {listed}, which cannot be combined")
+        if not modes:  # one flag for each, as until 2025.2
+            colors = frozenset(filter(config.flag, _COLOR_FLAGS))
+            modes = colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
+        self.lamp = LightFeatures(modes, whites, effects, any_effect=any_effect, steps=self._scale)
 
     def publish(self, light: LightCommand) -> Publications:
         """Encode a command."""

@@ -220,32 +220,28 @@ def publish_single(part: Part, capability: Capability, base: str) -> tuple[Publi
 def _setting(part: Part, capability: Capability, base: str) -> PublishedEntity:
     known = CAPABILITIES[capability.name]
     options = capability.options or known.options
-    fields: Mapping[str, object] = {}
+    fields: dict[str, object] = {}
     if known.kind == "bool":
         component = "switch"
         if part.service_type == "plug" and capability.name == "on_off":
             fields = {"device_class": "outlet"}
     elif known.kind == "number":
-        component, fields = "number", _number_fields(capability)
+        component = "number"
+        low, high = capability.bounds or known.bounds or _WIDE
+        if low >= high:
+            low, high = _WIDE
+        span = high - low
+        fields = {"min": low, "max": high, "mode": "box" if span > _MAX_STEPS else "auto"}
+        fields["step"] = next((step for most, step in _STEPS if span <= most), 1.0)
+        if capability.grid:
+            fields["step"] = capability.grid[1]
+        if unit := capability.unit or known.unit:
+            fields["unit_of_measurement"] = unit
     else:
         component, fields = ("select", {"options": list(options)}) if options else ("text", {})
     entity = PublishedEntity(base, component, capability.name, fields)
     entity.add(capability, Row(capability.name, "state_topic", "command_topic"))
     return entity
-
-
-def _number_fields(capability: Capability) -> dict[str, object]:
-    known = CAPABILITIES[capability.name]
-    low, high = capability.bounds or known.bounds or _WIDE
-    if low >= high:
-        low, high = _WIDE
-    span = high - low
-    fields: dict[str, object] = {"min": low, "max": high, "mode": "box" if span > _MAX_STEPS else "auto"}
-    fields["step"] = (
-        capability.grid[1] if capability.grid else next((step for most, step in _STEPS if span <= most), 1.0)
-    )
-    unit = capability.unit or known.unit
-    return {**fields, "unit_of_measurement": unit} if unit else fields
 
 
 def _sensor(part: Part, capability: Capability, base: str) -> PublishedEntity:

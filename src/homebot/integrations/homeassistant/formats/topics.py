@@ -167,7 +167,15 @@ class CommandTopic(NamedTuple):
         Raises:
             RefusedError: The template is unusable, fails, or renders a text that cannot be encoded.
         """
-        text = str(value) if self.template is None else self._rendered(self.template, {"value": value, **variables})
+        if self.template is None:
+            text = str(value)
+        else:
+            if self.template.problem:
+                raise RefusedError(f"a command on {self.topic}", f"its template {self.template.problem}")
+            try:
+                text = self.template.render({"value": value, **variables})
+            except TemplateError as error:
+                raise RefusedError(f"a command on {self.topic}", f"its template failed: {error}") from None
         try:
             payload = text.encode(self.encoding or "utf-8")
         except UnicodeEncodeError:
@@ -188,11 +196,3 @@ class CommandTopic(NamedTuple):
             if not code:
                 raise
             raise RefusedError(f"a command on {self.topic}", "its template failed with this code") from None
-
-    def _rendered(self, template: Template, variables: Mapping[str, object]) -> str:
-        if template.problem:
-            raise RefusedError(f"a command on {self.topic}", f"its template {template.problem}")
-        try:
-            return template.render(variables)
-        except TemplateError as error:
-            raise RefusedError(f"a command on {self.topic}", f"its template failed: {error}") from None

@@ -119,7 +119,22 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
             rows_by_capability.setdefault(capability.name, (capability, row))
         if rows_by_capability and (has_function or service.type != INFORMATION):
             has_function = True
-            part = _part(service, own_name, tuple(capability for capability, _ in rows_by_capability.values()))
+            capabilities = tuple(capability for capability, _ in rows_by_capability.values())
+            other = "x_setting" if capabilities[0].settable else sensor_type(capabilities[0].name)
+            only_heats = service.type == _HEATER and _COOL_TO not in service.characteristics
+            service_type = "thermostat" if only_heats else _TYPE_OF.get(service.type, other)
+            name = service.text(_CONFIGURED_NAME) or service.text(_NAME)
+            index = service.number(_LABEL_INDEX)
+            if name in {"", own_name}:
+                name = "" if index is None else f"{index:g}"
+            part = Part(
+                id=str(service.iid),
+                name=name,
+                service_type=service_type,
+                tag=_TAGS.get(service.type, ""),
+                category=_CATEGORIES.get(service_type, ""),
+                capabilities=capabilities,
+            )
             yield HomekitPart(part, service, {name: row for name, (_, row) in rows_by_capability.items()})
         lock = _CHILD_LOCK.describe(service)
         if lock is not None:
@@ -142,21 +157,3 @@ def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
             sources[int(number)] = f"{name} {number:.0f}" if name in sources.values() else name
     if sources:
         yield service_row(_TELEVISION, "option", _SOURCE, _SOURCE, sources)
-
-
-def _part(service: HapService, own_name: str, capabilities: tuple[Capability, ...]) -> Part:
-    other = "x_setting" if capabilities[0].settable else sensor_type(capabilities[0].name)
-    only_heats = service.type == _HEATER and _COOL_TO not in service.characteristics
-    service_type = "thermostat" if only_heats else _TYPE_OF.get(service.type, other)
-    name = service.text(_CONFIGURED_NAME) or service.text(_NAME)
-    index = service.number(_LABEL_INDEX)
-    if name in {"", own_name}:
-        name = "" if index is None else f"{index:g}"
-    return Part(
-        id=str(service.iid),
-        name=name,
-        service_type=service_type,
-        tag=_TAGS.get(service.type, ""),
-        category=_CATEGORIES.get(service_type, ""),
-        capabilities=capabilities,
-    )

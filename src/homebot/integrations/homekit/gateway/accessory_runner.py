@@ -315,21 +315,19 @@ class AccessoryRunner(DeviceRunner):
             if is_read:
                 is_away = whole_number(entry.get("status")) == _NO_POWER
                 self._devices.report_reachable(accessory.device.key, reachable=not is_away)
-            if self._store(known, entry, is_routine=is_routine):
+            value = entry.get("value")
+            if known.type == PRESS and whole_number(value) not in PRESSES:
+                if value is not None:  # as it is read
+                    self.reject(b"", f"{shown(value)} is not a press")
+                is_news = False
+            else:
+                is_old = is_routine and value == known.value
+                known.value = value  # None for one that could not be read, so the next one is news
+                is_news = "value" in entry and not is_old
+            if is_news:
                 news.setdefault(aid, {})[iid] = entry["value"]
         for aid, changed in news.items():
             await self._report_changed(self._accessories[aid], changed)
-
-    def _store(self, known: HapCharacteristic, entry: Mapping[str, object], *, is_routine: bool) -> bool:
-        """Keep a value, and return whether to report it; reject one that should be a press and is not."""
-        value = entry.get("value")
-        if known.type == PRESS and whole_number(value) not in PRESSES:
-            if value is not None:  # as it is read
-                self.reject(b"", f"{shown(value)} is not a press")
-            return False
-        is_old = is_routine and value == known.value
-        known.value = value  # None for one that could not be read, so the next one is news
-        return "value" in entry and not is_old
 
     async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
         key = accessory.device.key

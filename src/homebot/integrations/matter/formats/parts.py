@@ -112,9 +112,14 @@ def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *
     service_type = next((kind for kind in kinds if kind != _METER), only_meter)
     if is_guessed := not service_type:
         service_type = next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor")
+    # such as ``2``, ``top`` or ``column 1 up``
+    words = list(dict.fromkeys(_tag_words(endpoint)))
+    while len(" ".join(words)) > _MAX_NAME_CHARACTERS:
+        words.pop()
+    name = next(_label_names(endpoint), "") or " ".join(words)
     return Part(
         id=str(endpoint.id),
-        name=_name(endpoint),
+        name=name,
         service_type="window_covering" if covers and service_type == "closure" else service_type,
         advertised=_advertised(endpoint),
         guessed=is_guessed,
@@ -146,16 +151,6 @@ def _advertised(endpoint: MatterEndpoint) -> str:
         number for number in endpoint.device_types[:5] if number not in _UTILITIES and number not in _SERVICE_TYPES
     ]
     return ", ".join(sorted(_NAMES.get(number, f"0x{number:04X}") for number in unlisted))  # what ends it counts
-
-
-def _name(endpoint: MatterEndpoint) -> str:
-    """Return a name such as ``2``, ``top`` or ``column 1 up``; empty if it has none of its own."""
-    if label := next(_label_names(endpoint), ""):
-        return label
-    words = list(dict.fromkeys(_tag_words(endpoint)))
-    while len(" ".join(words)) > _MAX_NAME_CHARACTERS:
-        words.pop()
-    return " ".join(words)
 
 
 def _label_names(endpoint: MatterEndpoint) -> Iterator[str]:

@@ -65,7 +65,18 @@ class BluetoothDevice(NamedTuple):
         """Return its parts; a value that several components have counts once."""
         first, parts_by_id = self.components[0], dict[str, JsonPart]()
         if first.kind == "blutrv":  # it has all that its broadcasts have
-            parts = chain((("thermostat", _valve_part(first)),), _own_parts(first))
+
+            def set_target(celsius: float) -> Publications:
+                params = {"id": 0, "target_C": round(celsius, 1)}
+                return first.call("BluTRV.Call", method="TRV.SetTarget", params=params)
+
+            valve = JsonPart("thermostat", "thermostat", commands=first.commands, tag="radiator_valve")
+            first.read_status(valve, reader_of("target_C", "heating_setpoint"))
+            writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
+            valve.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
+            first.add_value(valve, "local_temperature", "current_C")
+            first.add_value(valve, "position", "pos")
+            parts = chain((("thermostat", valve),), _own_parts(first))
         else:
             values = chain.from_iterable(_value_parts(component, self.model) for component in self.components)
             parts = chain(values, self._key_parts(), _own_parts(self.components[-1]))
@@ -143,17 +154,3 @@ def _own_parts(component: ShellyComponent) -> Iterator[tuple[str, JsonPart]]:
             part = JsonPart(field, sensor_type(capability), category="diagnostic")
             component.add_value(part, capability, field)
             yield field, part
-
-
-def _valve_part(component: ShellyComponent) -> JsonPart:
-    def set_target(celsius: float) -> Publications:
-        params = {"id": 0, "target_C": round(celsius, 1)}
-        return component.call("BluTRV.Call", method="TRV.SetTarget", params=params)
-
-    part = JsonPart("thermostat", "thermostat", commands=component.commands, tag="radiator_valve")
-    component.read_status(part, reader_of("target_C", "heating_setpoint"))
-    writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
-    part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
-    component.add_value(part, "local_temperature", "current_C")
-    component.add_value(part, "position", "pos")
-    return part

@@ -10,7 +10,6 @@ as Home Assistant core 2025.4, ``components/tasmota/light.py``.
 import colorsys
 import math
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import Publications
@@ -56,24 +55,19 @@ class LampState:
         target_level = self._level if command.on else 0.0
         if command.level is not None:
             target_level = float(_steps(command))
-        changes = [*self._color_changes(command, kind), *self._white_changes(command, kind, mireds)] or [(1.0, 1.0)]
+        changes: list[tuple[float, float]] = []
+        if kind >= _COLOR and self._rgb:
+            rgb = self._rgb
+            if command.color:
+                hue, saturation = command.color
+                rgb = tuple(int(share * 255) / 255 for share in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
+            changes += zip(self._rgb, rgb, strict=True)
+        if kind >= _WHITES and self._mired:  # the share of warm white
+            coldest, warmest = mireds
+            mired = self._mired if command.kelvin is None else kelvin_mired(command.kelvin)
+            changes.append(((self._mired - coldest) / (warmest - coldest), (mired - coldest) / (warmest - coldest)))
+        changes = changes or [(1.0, 1.0)]
         return max(abs(before * level - after * target_level) / _FULL for before, after in changes)
-
-    def _color_changes(self, command: LightCommand, kind: int) -> Iterable[tuple[float, float]]:
-        """Return the shares of each colour channel before and after."""
-        if kind < _COLOR or not self._rgb:
-            return ()
-        return zip(self._rgb, _rgb_of(*command.color) if command.color else self._rgb, strict=True)
-
-    def _white_changes(
-        self, command: LightCommand, kind: int, mireds: tuple[int, int]
-    ) -> Iterable[tuple[float, float]]:
-        """Return the share of warm white before and after."""
-        if kind < _WHITES or not self._mired:
-            return ()
-        coldest, warmest = mireds
-        before, after = self._mired, self._mired if command.kelvin is None else kelvin_mired(command.kelvin)
-        return (((before - coldest) / (warmest - coldest), (after - coldest) / (warmest - coldest)),)
 
 
 def speed_for(seconds: float, distance: float) -> int:
@@ -101,10 +95,6 @@ def _rgb(color: object) -> tuple[float, ...]:
     elif _HEXADECIMAL_COLOR.fullmatch(color):
         channels = [int(color[start : start + 2], 16) for start in range(0, len(color), 2)]
     return tuple(min(channel, 255) / 255 for channel in channels[:_CHANNELS])
-
-
-def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
-    return tuple(int(channel * 255) / 255 for channel in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
 
 
 def add_light(part: JsonPart, config: TasmotaConfig, index: int) -> None:

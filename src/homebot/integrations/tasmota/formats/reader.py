@@ -50,29 +50,6 @@ _PERCENTS = (0.0, 33.0, 66.0, 100.0)
 """The largest percentage of each speed."""
 
 
-def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
-    """Add the capabilities of a fan. Switched on, it gets its last reported speed, for which it has no command."""
-    last = _MIDDLE
-
-    def read(message: JsonMessage) -> Readings:
-        nonlocal last
-        speed = message.get(_COMMAND)
-        if type(speed) is not int or not 0 <= speed < len(_PERCENTS):
-            return NO_READINGS
-        last = speed or last
-        return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
-
-    def set_speed(percent: float) -> Publications:
-        return config.publish(_COMMAND, speed_of(percent, len(_PERCENTS) - 1))
-
-    for topic in config.states(_COMMAND):
-        part.read_from(topic, read)
-    part.add_capability("on_off", writer=bool_writer("on_off", lambda on: config.publish(_COMMAND, last if on else 0)))
-    grid = percent_grid(len(_PERCENTS) - 1)
-    part.add_capability("fan_speed", writer=percent_writer("fan_speed", set_speed), grid=grid)
-    part.add_state_request(*config.state_requests)
-
-
 def count_shutters(outputs: tuple[int, ...]) -> int:
     """Return the number of shutters, each of two adjacent outputs; 0 if one has no partner."""
     pairs, index = 0, 0
@@ -176,7 +153,27 @@ def _outputs(config: TasmotaConfig) -> Iterable[DescribedPart]:
         yield part.build(_add_shutter(part, config, index))
     if config.is_fan:
         part = JsonPart("fan", "fan", commands=config.topic(_COMMAND), advertised="fan")
-        _add_fan(part, config)
+        last = _MIDDLE
+
+        def read(message: JsonMessage) -> Readings:
+            nonlocal last
+            speed = message.get(_COMMAND)
+            if type(speed) is not int or not 0 <= speed < len(_PERCENTS):
+                return NO_READINGS
+            last = speed or last
+            return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
+
+        def set_speed(percent: float) -> Publications:
+            return config.publish(_COMMAND, speed_of(percent, len(_PERCENTS) - 1))
+
+        for topic in config.states(_COMMAND):
+            part.read_from(topic, read)
+        part.add_capability(
+            "on_off", writer=bool_writer("on_off", lambda on: config.publish(_COMMAND, last if on else 0))
+        )
+        grid = percent_grid(len(_PERCENTS) - 1)
+        part.add_capability("fan_speed", writer=percent_writer("fan_speed", set_speed), grid=grid)
+        part.add_state_request(*config.state_requests)
         yield part.build()
 
 

@@ -212,20 +212,14 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
         return (affordance.name,)  # an event without data
     if isinstance(document, dict) and schema.member and schema.member not in document:
         return None
-    document = _unwrapped(affordance, document)
+    if isinstance(document, dict) and schema.member:
+        document = document[schema.member]
+    elif isinstance(document, dict) and affordance.name in document and schema.type not in {"", "object"}:
+        document = document[affordance.name]  # as WebThings answer: {"on": true}
     if document is None or _is_no_number(capability, schema, document):
         return (None,)
     value_found = _decode(capability, affordance, document)
     return None if value_found is None else (value_found,)
-
-
-def _unwrapped(affordance: Affordance, document: object) -> object:
-    schema = affordance.schema
-    if isinstance(document, dict) and schema.member:
-        return document[schema.member]
-    if isinstance(document, dict) and affordance.name in document and schema.type not in {"", "object"}:
-        return document[affordance.name]  # as WebThings answer: {"on": true}
-    return document
 
 
 def _is_no_number(capability: Capability, schema: DataSchema, document: object) -> bool:

@@ -42,7 +42,15 @@ def tree_of(source: str) -> nodes.Template:
     Raises:
         TemplateError: It is none, or too large; words that follow "the template".
     """
-    _check_brackets(source)
+    if source.count("(") + source.count("[") + source.count("{") > MAX_DEPTH:
+        depth = 0
+        for character in source:
+            if character in "([{":
+                depth += 1
+                if depth > MAX_DEPTH:
+                    raise TemplateError("is nested too deeply")
+            elif character in ")]}":
+                depth = max(0, depth - 1)
     try:
         # Python warns of texts such as '\d', which are common in regular expressions.
         with warnings.catch_warnings(action="ignore"):
@@ -55,19 +63,6 @@ def tree_of(source: str) -> nodes.Template:
         raise TemplateError("is nested too deeply") from None
     except (ValueError, OverflowError) as error:
         raise TemplateError("has a number or text that cannot be read") from error
-
-
-def _check_brackets(source: str) -> None:
-    if source.count("(") + source.count("[") + source.count("{") <= MAX_DEPTH:
-        return
-    depth = 0
-    for character in source:
-        if character in "([{":
-            depth += 1
-            if depth > MAX_DEPTH:
-                raise TemplateError("is nested too deeply")
-        elif character in ")]}":
-            depth = max(0, depth - 1)
 
 
 _Function: TypeAlias = Callable[..., object]
