@@ -1,6 +1,7 @@
 """What an app does with devices: listen and tell, in both ways of delivery, over restarts; in virtual time."""
 
 from collections.abc import Awaitable, Callable
+from functools import partial
 
 import anyio
 import pytest
@@ -9,7 +10,7 @@ from tests.devices.conftest import RunDirectory, RunGateway
 
 from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.follow import Follow
-from homebot.devices.handles import Light
+from homebot.devices.handles import DoorLock, Light
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
@@ -313,6 +314,18 @@ def _device(gateway: str) -> Device:
     )
 
 
+async def find_words(words: str, node: Node) -> None:
+    assert await Devices(node).find(words) == ()
+
+
+async def follow_words(words: str, node: Node) -> None:
+    await anext(Devices(node).follow(words))
+
+
+async def follow_query(words: str, node: Node) -> None:
+    await read_all(Follow(node, query=words))
+
+
 MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
     "find('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights?": (
         lambda node: Devices(node).find("lihgts")
@@ -320,7 +333,25 @@ MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
     "follow('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights?": (
         lambda node: anext(Devices(node).follow("lihgts"))
     ),
-    "follow('locks'): nothing in the house is of this type.": lambda node: anext(Devices(node).follow("locks")),
+    **{
+        f"{call}('{words}'): {problem}.": partial(ask, words)
+        for words, problem in (
+            ("locks", "nothing in the house is of this type"),
+            ("door_lock", "nothing in the house is of this type"),
+        )
+        for call, ask in (("find", find_words), ("follow", follow_words))
+    },
+    **{
+        f"follow('{words}'): {problem}.": partial(follow_query, words)
+        for words, problem in (
+            ("unlocked locks", "nothing in the house is of this type"),
+            ("locks in hall", "nothing in the house is of this type"),
+            ("locks or vacuums", "nothing in the house is of this type"),
+            ("lights on in nowhere", "no device is in 'nowhere'; areas are hall, home"),
+            ("lights tag:foo", "no device has the tag 'foo'; tags are none"),
+            ("lights chandelier", "no device has the word 'chandelier'"),
+        )
+    },
     "find('lanterns'): 'lanterns' is not a device type, and no device was announced as one; did you mean ": (
         lambda node: Devices(node).find("lanterns")
     ),
@@ -370,6 +401,36 @@ async def test_a_misspelt_query_is_logged_once_and_goes_on(
     names = HouseView.of(node).names
     assert await names.problems() == tuple(told)
     assert await names.mistakes() == (line.removesuffix(" Until a device comes, it finds nothing.").removesuffix("."),)
+
+
+@pytest.mark.parametrize(
+    ("text", "ask"),
+    [
+        ("find(DoorLock)", lambda node: Devices(node).find(DoorLock)),
+        (
+            "find(DoorLock, area='hall', locked=False)",
+            lambda node: Devices(node).find(DoorLock, area="hall", locked=False),
+        ),
+        ("follow(DoorLock)", lambda node: anext(Devices(node).follow(DoorLock))),
+        (
+            "follow(DoorLock).became(locked=True)",
+            lambda node: anext(Devices(node).follow(DoorLock).became(locked=True)),
+        ),
+        ("follow(DoorLock, area='')", lambda node: anext(Devices(node).messages(DoorLock, area=""))),
+    ],
+)
+async def test_a_kind_that_the_house_lacks_is_noted_and_no_mistake(
+    gateway: FakeGateway, node: Node, text: str, ask: Callable[[Node], Awaitable[object]]
+) -> None:
+    """An app may be for houses that have it or not."""
+    await hall_lamp(gateway, node)
+    with capture_logs() as lines, anyio.move_on_after(400):
+        await ask(node)
+        await Devices(node).find(Light, on=False)
+        await anyio.sleep_forever()
+    noted = [(one["log_level"], one["message"]) for one in lines if one["event"] == "devices.none_of_type"]
+    assert noted == [("info", f"{text}: nothing in the house is of this type yet")]
+    assert await HouseView.of(node).names.problems() == await HouseView.of(node).names.mistakes() == ()
 
 
 async def test_the_names_of_a_query_that_has_ended_are_no_problem(gateway: FakeGateway, node: Node) -> None:

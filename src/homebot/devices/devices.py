@@ -106,8 +106,8 @@ class Devices:
             if parts := wanted.parts(device):
                 handles += self._handles_of(device, answer.sequence, wanted.kind, parts)
         names = wanted.names if wanted.near is None else (*wanted.names, wanted.near)
-        if names and not handles:
-            self._view.names.add(And(names), _call_text("find", wanted, query))
+        if not handles:
+            self._view.names.add(And(names), _call_text("find", wanted, query), wanted.type)
         return tuple(handles)
 
     @overload

@@ -36,12 +36,16 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
     Args:
         node: The node that asks; the query ends with it.
         near: The query for devices near a robot, for the directory; None for none.
+        kind: The types of a class of handles; None for any.
     """
 
-    def __init__(self, node: Node, names: Query, text: str, near: Query | None = None) -> None:
+    def __init__(
+        self, node: Node, names: Query, text: str, near: Query | None = None, kind: TypeIs | None = None
+    ) -> None:
         self._node = node
         self._names = names
         self._text = text
+        self._kind = kind
         self._asked_near = near
         self._near: NearWatch | None = None
         self._view: HouseView | None = None
@@ -112,8 +116,8 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
                 self._near = NearWatch(self._node, view, self._asked_near, self._compare_near)
             view.add(self)
             names = self._names if self._asked_near is None else And((self._names, self._asked_near))
-            if names != _ANY:
-                view.names.add(names, self._text)
+            if names != _ANY or self._kind is not None:
+                view.names.add(names, self._text, self._kind)
         except ClosedError:
             self.close()
             raise StopAsyncIteration from None
@@ -163,9 +167,8 @@ class Follow(LiveQuery[DeviceChange]):
         self._words = _words(query) if query and isinstance(query, str) else None
         asked = self._words.query if self._words is not None else query
         near, self._query = self._split(() if isinstance(asked, str) else (asked,))
-        is_known = not service_type and isinstance(self._query, TypeIs) and self._query.types
         text = text or f"follow({query or service_type!r})"
-        super().__init__(node, _ANY if is_known else self._query, text, near)
+        super().__init__(node, self._query, text, near)
         self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))
         self._matching: set[str] = set()
 

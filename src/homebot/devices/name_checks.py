@@ -3,6 +3,7 @@
 A device with that name may still come, so they are warnings, in the log and in ``homebot doctor``, and no errors.
 """
 
+from collections.abc import Iterator
 from functools import cached_property, partial
 from typing import Final, final
 
@@ -10,18 +11,21 @@ import anyio
 
 from homebot.devices.names import QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, AreaIs, FactIs, NameIs, Query, TypeIs, leaves
+from homebot.devices.query.terms import And, AreaIs, FactIs, HasText, InArea, NameIs, Not, Query, TypeIs, leaves
 from homebot.devices.services import QueryDevices, QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import ServiceError
 from homebot.graph import Client, Node
 
 UNKNOWN_NAME: Final = "devices.unknown_name"
 NOTHING_FITS: Final = "devices.nothing_fits"
+NONE_OF_TYPE: Final = "devices.none_of_type"
 
 _CHECKED_AFTER: Final = (10.0, 290.0)
 """Seconds until the names in a query are checked, and then until the second check."""
 
 _MOST: Final = 100
+_NO_TYPE: Final = "nothing in the house is of this type"
+_NAMES: Final = (TypeIs, AreaIs, InArea, FactIs, NameIs, HasText)
 
 
 @final
@@ -37,11 +41,15 @@ class NameChecks:
         self._node = node
         self._queries: dict[str, Query] = {}
 
-    def add(self, query: Query, text: str) -> None:
-        """Check *query* soon, and after devices had time to be announced."""
+    def add(self, query: Query, text: str, kind: TypeIs | None = None) -> None:
+        """Check *query* soon, and after devices had time to be announced.
+
+        Args:
+            kind: The types of a class of handles. An app may be for a house that has none: that is only noted.
+        """
         if text not in self._queries and len(self._queries) < _MOST:
             self._queries[text] = query
-            self._node.create_task(partial(self._check_later, query, text))
+            self._node.create_task(partial(self._check_later, query, text, kind))
 
     def remove(self, text: str) -> None:
         """End the checks of a query; idempotent."""
@@ -59,11 +67,14 @@ class NameChecks:
         looked = [(text, await self._look(query)) for text, query in tuple(self._queries.items())]
         return tuple(f"{text}: {mistake}" for text, (_, mistake) in looked if mistake)
 
-    async def _check_later(self, query: Query, text: str) -> None:
+    async def _check_later(self, query: Query, text: str, kind: TypeIs | None) -> None:
         is_found = True
         for wait in _CHECKED_AFTER:
             await anyio.sleep(wait)
             is_found = await self._check(text)
+            if kind is not None and is_found and text in self._queries and not (await self._look(kind))[0]:
+                self._node.log.info(NONE_OF_TYPE, message=f"{text}: {_NO_TYPE} yet")
+            kind = None
         if not is_found and _is_of_names(query):
             minutes = sum(_CHECKED_AFTER) / 60
             self._report(text, f"nothing in the house has all of these, {minutes:g} minutes on", NOTHING_FITS)
@@ -95,12 +106,13 @@ class NameChecks:
         """Return whether something fits *query*, also if nobody answers, and which name in it nothing has, if any."""
         try:
             answer = await self._ask(query)
-            if answer.total or answer.is_mistake or not _is_of_names(query):
+            if answer.total or answer.is_mistake:
                 return answer.success and answer.total > 0, answer.message if answer.is_mistake else ""
-            for term in leaves(query):
+            for term in filter(_is_of_names, _required(query)):
                 answer = await self._ask(term)
                 if not answer.total:
-                    return False, answer.message or "nothing in the house is of this type"
+                    none = f"no device has the word {term.text!r}" if isinstance(term, HasText) else _NO_TYPE
+                    return False, answer.message or none
         except ServiceError:
             return True, ""
         return False, ""
@@ -109,8 +121,12 @@ class NameChecks:
         return await self._client.call(QueryDevicesRequest(query=query_terms(query), limit=1))
 
 
+def _required(query: Query) -> Iterator[Query]:
+    """Yield the terms that all must match."""
+    for term in query.terms if isinstance(query, And) else (query,):
+        yield from _required(term) if isinstance(term, And) else (term,)
+
+
 def _is_of_names(query: Query) -> bool:
     """Return whether the query has only types, rooms, tags and names, which do not come and go."""
-    return isinstance(query, And | TypeIs | AreaIs | FactIs | NameIs) and all(
-        isinstance(term, TypeIs | AreaIs | FactIs | NameIs) for term in leaves(query)
-    )
+    return not isinstance(query, Not) and all(isinstance(term, _NAMES) for term in leaves(query))

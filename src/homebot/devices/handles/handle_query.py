@@ -94,6 +94,7 @@ class HandleQuery(Generic[HandleT]):
     Attributes:
         search: The query for the devices that may have such parts; :meth:`parts` decides.
         asks_for_values: Whether there is a condition on a value, so that each new value may change the matches.
+        type: The types of the kind; None for any.
         near: The condition to be near a robot, which only the directory can check; None if there is none.
         names: The conditions with names that may be misspelt: an area, a tag, a name of a device.
 
@@ -105,7 +106,8 @@ class HandleQuery(Generic[HandleT]):
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
         self._category: Final = filters.get("category", "")
-        types: list[Query] = [TypeIs("", kind.service_types, by_word=False)] if kind.service_types else []
+        self.type: Final = TypeIs("", kind.service_types, by_word=False) if kind.service_types else None
+        types: list[Query] = [] if self.type is None else [self.type]
         places: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
         if "tag" in filters:
             places.append(FactIs("tag", fold(filters["tag"])))
@@ -142,8 +144,7 @@ class HandleQuery(Generic[HandleT]):
     @property
     def near_search(self) -> Query | None:
         """The query for the devices of the kind that are near enough, regardless of values; None for any position."""
-        kinds = [term for term in self._part_terms if isinstance(term, TypeIs)]
-        return None if self.near is None else And((*kinds, self.near))
+        return None if self.near is None else And((self.near,) if self.type is None else (self.type, self.near))
 
     def parts(self, device: Device) -> list[str]:
         """Return the ids of the parts of *device* that match.
