@@ -140,6 +140,7 @@ class Home:
         is_silent: bool = False,
         is_write_only: tuple[str, ...] = (),
         echoed: tuple[str, ...] = (),
+        fades: bool = False,
     ) -> None:
         """Let there be a device; a silent one reports nothing of what can be set."""
         part = simple_part(service_type, settable=settable, readable=readable)
@@ -150,6 +151,7 @@ class Home:
         if echoed:
             marked = [one.model_copy(update={"echoed": one.name in echoed}) for one in part.capabilities]
             part = part.model_copy(update={"capabilities": tuple(marked)})
+        part = part.model_copy(update={"fades": fades})
         self.gateway.devices.put(GatewayDevice(key, name or key.title(), (part,), area=area), "the test says so")
 
     async def new(

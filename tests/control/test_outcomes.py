@@ -794,6 +794,16 @@ async def test_a_dimmer_that_tells_where_it_will_be_and_then_each_step_does_not_
     assert reverted == ([] if reverted_after is None else [reverted_after])
 
 
+@pytest.mark.parametrize("fades", [True, False])
+async def test_a_transition_that_a_lamp_does_not_take_is_told(home: Home, *, fades: bool) -> None:
+    lamp = await home.lamp("on_off", "level", fades=fades)
+    outcome = await lamp.set_level(80.0, transition=4.0)
+    assert isinstance(outcome, Confirmed)
+    assert outcome.warning == ("" if fades else "it takes no transition")
+    assert outcome.text.endswith(outcome.warning)
+    assert (await lamp.set_level(20.0)).warning == ""
+
+
 Fade: TypeAlias = list[tuple[float, dict[str, PlainValue]]]
 
 FADES_UP: Fade = [(0.1, {"on_off": True, "level": 100.0})]

@@ -41,3 +41,9 @@ def check_commands(parts: Mapping[str, DescribedPart], orders: Iterable[tuple[st
         assert (publication.topic, text if isinstance(payload, str) else json.loads(text)) == (topic, payload)
         assert topic in parts[part_id].part.writes
         assert not publication.retain
+    for part in parts.values():
+        if part.part.service_type == "light" and any(one.name == "level" for one in part.part.capabilities):
+            assert part.part.fades == (
+                part.codec.write("level", 50.0, transition=2.0) != part.codec.write("level", 50.0)
+            )
+        assert part.part.service_type == "light" or not part.part.fades

@@ -174,6 +174,8 @@ class CommandExecutor:
             command.shared.leave(outcome)
         if command.nearest and outcome.succeeded:
             command.warnings["steps"] = command.nearest
+        if command.transition and outcome.succeeded and not command.part.part.fades:
+            command.warnings["transition"] = "it takes no transition"
         if command.code:
             self.codes.end(command, outcome)
         return replace(outcome, warning="; ".join(command.warnings.values())) if command.warnings else outcome

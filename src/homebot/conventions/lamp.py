@@ -30,7 +30,7 @@ from homebot.support.numbers import to_number
 LIGHT_CAPABILITIES = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 """All capabilities of a lamp."""
 
-_MOST_SECONDS = 6_553.0
+MAX_FADE_S = 6_553.0
 """Longest transition in Home Assistant, and in a Zigbee frame."""
 
 MessageT = TypeVar("MessageT")
@@ -95,7 +95,7 @@ class LightFeatures:
         any_effect: Whether it also accepts unlisted effects.
         is_dimmable: Whether lamps with colours have a brightness.
         only_in_bounds: Whether a white beyond its bounds is refused, rather than left to the device.
-        most_seconds: The longest transition; a longer one is refused.
+        most_seconds: The longest transition; a longer one is refused. 0 if it takes none: any is left out.
         steps: The number of brightnesses.
         color_mode: The channels of commanded colours; empty for a lamp without colours.
     """
@@ -106,7 +106,7 @@ class LightFeatures:
     any_effect: bool = False
     is_dimmable: bool = True
     only_in_bounds: bool = False
-    most_seconds: float = _MOST_SECONDS
+    most_seconds: float = MAX_FADE_S
     steps: int = 255
     has_level: bool = field(init=False)
     has_white: bool = field(init=False)
@@ -137,6 +137,7 @@ class LightFeatures:
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
         part.joint = partial(self._write_several, publish)
+        part.fades = self.most_seconds > 0
         for name, fields in self.abilities().items():
             part.add_capability(name, readable=name in readable, writer=partial(self._write, publish, name), **fields)
 
@@ -157,7 +158,9 @@ class LightFeatures:
             "effect": self._set_effect,
         }
         command = commands[capability](value)
-        return command._replace(transition=require_transition(transition, self.most_seconds)) if transition else command
+        if transition and self.most_seconds:
+            return command._replace(transition=require_transition(transition, self.most_seconds))
+        return command
 
     def joint_command(self, values: Mapping[str, PlainValue], transition: float = 0.0) -> LightCommand:
         """Return the one command that sets all *values*; raise as :meth:`command`."""

@@ -57,10 +57,12 @@ class PartBuilder(Generic[MessageT]):
     Attributes:
         parse_payload: Parses a payload into the message of the readers.
         joint: Writes several of its values by one message; None if no message can have several.
+        fades: Whether its commands take a transition.
     """
 
     parse_payload: PayloadParser[MessageT]
     joint: JointWriter | None = None
+    fades = False
 
     def __init__(self, part_id: str, service_type: str, *, commands: str = "", **fields: Unpack[PartFields]) -> None:
         self._id = part_id
@@ -155,6 +157,7 @@ class PartBuilder(Generic[MessageT]):
             reads=tuple(self._readers),
             writes=tuple(self._writes),
             payloads=digest if payloads is None else payload_digest(payloads),
+            fades=self.fades,
         )
         return DescribedPart(
             part.slimmed(),

@@ -109,6 +109,7 @@ class Part(Message):
             for all its parts, with ``#`` and the id of a part for this one; ``#`` and an id alone for a part with an id
             that is unique in its gateway.
         values: The values that a scene sets, if its source tells all of them; empty if it does not.
+        fades: Whether its commands take a transition.
     """
 
     id: str
@@ -124,6 +125,7 @@ class Part(Message):
     payloads: str = ""
     members: tuple[str, ...] = ()
     values: tuple[SceneValue, ...] = ()
+    fades: bool = False
 
     @property
     def is_group(self) -> bool:

@@ -186,6 +186,7 @@ def test_a_transition_is_for_lights_alone() -> None:
     lamp = entity("light", **RGB_CT)
     assert lamp.command("on_off", True, 1.5) == {"state": True, "transition_length": 1.5}
     assert entity("switch").command("on_off", True, 1.5) == {"state": True}
+    assert (lamp.part("x").fades, entity("switch").part("x").fades) == (True, False)
 
 
 def test_the_main_part_comes_first_and_ids_are_unique() -> None:

@@ -57,12 +57,24 @@ def test_a_value_that_home_assistant_refuses_is_refused(
     assert homeassistant_parts(component, {**fields, key: good})
 
 
-def test_a_lamp_without_transitions_is_told_none() -> None:
-    lamp = {**LAMP, "schema": "json", "brightness": True}
-    for fades, sent in ((True, b'{"state":"ON","transition":3.0'), (False, b'{"state":"ON","brightness"')):
-        (part,) = homeassistant_parts("light", {**lamp, "transition": fades})
-        (told,) = part.codec.write("level", 50.0, transition=3.0)
-        assert told.payload.startswith(sent)
+@pytest.mark.parametrize(
+    ("fields", "fades"),
+    [
+        ({"schema": "json", "brightness": True}, True),
+        ({"schema": "json", "brightness": True, "transition": True}, True),
+        ({"schema": "json", "brightness": True, "transition": False}, False),
+        ({"brightness_command_topic": "x/level"}, False),
+        ({"schema": "template", "command_on_template": "on,{{ brightness }}"}, False),
+        ({"schema": "template", "command_on_template": "on,{{ brightness }},{{ transition }}"}, True),
+    ],
+)
+def test_a_lamp_without_transitions_is_told_none_and_says_so(fields: dict[str, object], *, fades: bool) -> None:
+    own = (
+        {"brightness_template": "{{ value }}", "command_off_template": "off"} if "command_on_template" in fields else {}
+    )
+    (part,) = homeassistant_parts("light", {**LAMP, **own, **fields})
+    assert part.part.fades is fades
+    assert (part.codec.write("level", 50.0, transition=3.0) != part.codec.write("level", 50.0)) is fades
 
 
 def test_glass_that_breaks_is_tampering() -> None:

@@ -445,8 +445,11 @@ def test_slats_without_a_position_have_two_ends() -> None:
 
 
 def test_a_transition_is_passed_on_and_an_unknown_capability_refused() -> None:
-    lamp = only("light.a", "on", supported_color_modes=["brightness"])
+    plain = only("light.a", "on", supported_color_modes=["brightness"])
+    lamp = only("light.a", "on", supported_color_modes=["brightness"], supported_features=32)
+    assert plain.call("level", 50.0, transition=2.0).data == {"brightness": 128}  # Home Assistant leaves it out too
     assert lamp.call("level", 50.0, transition=2.0).data == {"brightness": 128, "transition": 2.0}
+    assert (plain.part().fades, lamp.part().fades, only("scene.film", "unknown").part().fades) == (False, True, True)
     assert only("scene.film", "unknown").call("scene", True, transition=2.0).data == {"transition": 2.0}
     with pytest.raises(RefusedError, match="this part takes on_off, level"):
         lamp.call("color", (1.0, 2.0))

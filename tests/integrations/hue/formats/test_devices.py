@@ -72,6 +72,7 @@ def test_a_light_is_commanded_in_one_request(capability: str, value: PlainValue,
 
 
 def test_a_transition_is_in_milliseconds_and_at_most_6000_seconds() -> None:
+    assert service("light", LIGHT).part.fades
     assert write(LIGHT, "on_off", True, 2.5)["dynamics"] == {"duration": 2500}
     with pytest.raises(RefusedError, match="it takes 0 to 6000 s"):
         write(LIGHT, "on_off", True, 6001.0)
@@ -162,6 +163,7 @@ def test_a_scene_takes_a_transition_and_one_that_follows_the_day_has_its_own(kin
     (only,) = found.services
     (write,) = (one.write for one in only.rows)
     assert write is not None
+    assert only.part.fades is (kind == "scene")
     assert write(scene, checked_command(only.part, "scene", True, transition=2.0)) == {"recall": recall}
 
 

@@ -150,6 +150,7 @@ def test_a_strip_of_leds_is_a_lamp_with_effects(
     assert strip.codec.read("x/events/rpc", frame, retained=False) == {
         "on_off": True, "level": 40.0, "color": (0.0, 100.0), "effect": "rainbow",
     }  # fmt: skip
+    assert not strip.part.fades
     assert calls(strip.codec.write(capability, value, transition=1.0)) == [("LedStrip.Set", {"id": 0, **params})]
 
 

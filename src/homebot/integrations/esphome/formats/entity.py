@@ -53,6 +53,7 @@ class EsphomeEntity:
         rows = described(kind.rows, info, assumed=info.get("assumed_state") is True)
         self._capabilities = tuple(capability for capability, _ in rows)
         self._rows = {capability.name: row for capability, row in rows}
+        self._fades = component == "light" and "level" in self._rows
 
     def part(self, part_id: str, owner: str = "") -> Part:
         """Return its part; the name of its sub-device, *owner*, precedes its own."""
@@ -66,6 +67,7 @@ class EsphomeEntity:
             tag=_TAGS.get(declared, declared) if tag is None else tag,
             category=_CATEGORIES.get(whole_of(self.info, "entity_category"), ""),
             capabilities=self._capabilities,
+            fades=self._fades,
         )
 
     def read(self, state: Fields) -> Readings:
@@ -84,7 +86,7 @@ class EsphomeEntity:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
         fields = writer_of(self._rows.values(), capability)(self.info, value, code)
-        if self.component == "light" and transition:
+        if transition and self._fades:
             return {**fields, "transition_length": require_transition(transition, _MAX_TRANSITION_S)}
         return fields
 

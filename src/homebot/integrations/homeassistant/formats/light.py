@@ -77,7 +77,9 @@ class _BasicLight:
         self._scale = config.integer("brightness_scale", _BYTE, least=1)
         steps = self._scale if self._level_command else _BYTE
         whites = read_white_range(config)
-        self.lamp = LightFeatures(frozenset(modes), whites, effects, any_effect=any_effect, steps=steps)
+        self.lamp = LightFeatures(
+            frozenset(modes), whites, effects, any_effect=any_effect, steps=steps, most_seconds=0.0
+        )
         self._command = config.required_command(template_key="")
         self._payloads = config.on_off_payloads()
         self._order = _order(config)

@@ -7,7 +7,7 @@ import colorsys
 from collections.abc import Callable, Mapping
 
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, MAX_FADE_S, LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import (
     CHANNELS,
     KelvinRange,
@@ -60,7 +60,6 @@ class JsonLight:
         effects = config.options("effect_list")
         any_effect = config.flag("effect")
         whites = read_white_range(config)
-        self._fades = config.flag("transition", default=True)
         modes = frozenset(config.options("supported_color_modes"))
         alone = len(modes) > 1 and modes & {"brightness", "onoff"}
         if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
@@ -69,7 +68,8 @@ class JsonLight:
         if not modes:  # one flag for each, as until 2025.2
             colors = frozenset(filter(config.flag, _COLOR_FLAGS))
             modes = colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
-        self.lamp = LightFeatures(modes, whites, effects, any_effect=any_effect, steps=self._scale)
+        most = MAX_FADE_S if config.flag("transition", default=True) else 0.0
+        self.lamp = LightFeatures(modes, whites, effects, any_effect=any_effect, steps=self._scale, most_seconds=most)
 
     def publish(self, light: LightCommand) -> Publications:
         """Encode a command."""
@@ -80,7 +80,7 @@ class JsonLight:
         message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
         if light.color:
             message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
-        if light.transition is not None and self._fades:
+        if light.transition is not None:
             message["transition"] = light.transition
         if (brightness := light.brightness) is not None:
             message["brightness"] = max(round(brightness * self._scale / 255), 1)
@@ -221,7 +221,9 @@ class _TemplateLight:
             modes.add("hs")
         if not modes:
             modes.add("brightness" if config.has("brightness_template") else "onoff")
-        self.lamp = LightFeatures(frozenset(modes), read_white_range(config), config.options("effect_list"))
+        is_used = any("transition" in config.text(f"command_{state}_template") for state in ("on", "off"))
+        effects, most = config.options("effect_list"), MAX_FADE_S if is_used else 0.0
+        self.lamp = LightFeatures(frozenset(modes), read_white_range(config), effects, most_seconds=most)
         self._sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
 
     def publish(self, command: LightCommand) -> Publications:

@@ -208,6 +208,8 @@ def _service(
         category=category,
         capabilities=tuple(capability for capability, _ in rows),
         members=members,
+        fades=kind == "scene"
+        or (service_type == "light" and any(capability.name == "level" for capability, _ in rows)),
     )
     return HueService(rid, part, tuple(row for _, row in rows))
 

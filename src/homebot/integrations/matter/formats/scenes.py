@@ -96,6 +96,7 @@ def scene_parts(
             ),
             members=(member,) if member else (),
             values=tuple(_values(scene, then, member, rows)) if member else (),
+            fades=True,
         )
         yield part, then, (_recall(scene),)
 

@@ -140,7 +140,7 @@ def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
         WhiteRange(white, tuple(map(float, white))),
         texts_of(component.config.get("effects")),
         only_in_bounds=True,
-        most_seconds=math.inf,
+        most_seconds=0.0 if component.kind == _STRIP else math.inf,
     )
     part = component.part("", "light")
     component.read_status(part, partial(_decode_light, features, "on" if component.kind == _STRIP else "output"))
@@ -173,7 +173,7 @@ def _set_light(component: ShellyComponent, command: LightCommand) -> Publication
         params |= {"white": 0} if component.kind == "rgbw" else {}
     if command.effect:
         params["effect"] = command.effect
-    if command.transition and component.kind != _STRIP:
+    if command.transition:
         params["transition_duration"] = max(_MIN_TRANSITION_S, round(command.transition, 1))
     return component.call(f"{_CALLED.get(component.kind, component.kind.upper())}.Set", **params)
 

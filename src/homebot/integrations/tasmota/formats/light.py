@@ -162,7 +162,7 @@ class _TasmotaLamp:
             frozenset(modes | ({"hs"} if self.has_color else set())),
             WhiteRange((int(bounds[0]), int(bounds[1])), bounds),
             effects=_EFFECTS if self.has_color else (),
-            most_seconds=math.inf,
+            most_seconds=0.0 if self.kind == _ON_OFF or self.config.is_tuya else math.inf,
         )
 
     @property
@@ -197,7 +197,7 @@ class _TasmotaLamp:
             orders += [(f"HsbColor{place}", round(share)) for place, share in enumerate(command.color, 1)]
         if command.effect:
             orders.append(("Scheme", _EFFECTS.index(command.effect)))
-        if command.transition and self.kind != _ON_OFF and not self.config.is_tuya:
+        if command.transition:
             is_whole = self.config.option(_FIXED_FADE_OPTION)
             distance = 1.0 if is_whole else self.last_state.distance(command, self.kind, self._mireds)
             orders = [("Fade2", 1), ("Speed2", speed_for(command.transition, distance)), *orders]

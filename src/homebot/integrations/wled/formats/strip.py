@@ -305,7 +305,8 @@ class WledStrip:
             options = Capability(name="option", settable=True, options=tuple(self._presets.values()))
             numbers = (number for field in ("pl", "ps") if isinstance(number := self._state.get(field), int))
             shown = next((self._presets[number] for number in numbers if number in self._presets), None)
-            yield _own(_PRESET, "Preset", "x_setting", "config", options), shown
+            preset = _own(_PRESET, "Preset", "x_setting", "config", options)
+            yield preset.model_copy(update={"fades": True}), shown
         if isinstance(is_live := self._info.get("live"), bool):
             yield _LIVE, is_live
         wifi = as_fields(self._info.get("wifi"))
@@ -346,4 +347,4 @@ def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Par
     capabilities = tuple(
         Capability(name=capability, settable=True, **more) for capability, more in features.abilities().items()
     )
-    return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities)
+    return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities, fades=True)

@@ -66,14 +66,14 @@ class Zigbee2MqttTopics:
         """Return the command that sets each property of *message*.
 
         Args:
-            transition: Seconds, ignored if the device takes none; 0 leaves it to the device.
+            transition: Seconds; 0 leaves it to the device.
 
         Raises:
             RefusedError: *transition* is out of bounds, or a text cannot be encoded as UTF-8.
         """
         seconds = require_transition(transition, _MAX_TRANSITION_S)
         fields = self._plain(message)
-        if seconds and self.takes_transition:
+        if seconds:
             fields["transition"] = _whole_or_not(seconds)
         try:
             payload = compact_json(fields).encode()

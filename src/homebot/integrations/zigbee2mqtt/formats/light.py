@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.lamp import MAX_FADE_S, LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import CHANNELS, KelvinRange, kelvin_mired, mired_bounds, to_hue_saturation
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.devices.value import PlainValue
@@ -40,6 +40,7 @@ def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> 
         white=WhiteRange(_NO_WHITE, _kelvins(white) if white else ()),
         effects=tuple(effect.options) if effect else (),
         is_dimmable="brightness" in features,
+        most_seconds=MAX_FADE_S if part.topics.takes_transition else 0.0,
     ).add_to(part, frozenset({"color_temperature", "color", *switched, *effects}), lamp.publish)
     part.request(*features.values())
     return part.build()

@@ -19,13 +19,12 @@ from homebot.devices.value import PlainValue, SetBy
 from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.registries import EntityEntry, Registries
+from homebot.integrations.homeassistant.formats.states.rows import has
 
 _UNAVAILABLE, _UNKNOWN = "unavailable", "unknown"
 _MAX_TRANSITION_S: Final = 6_553.0
 """Longest transition of ``light.turn_on`` and ``scene.turn_on``."""
 
-_FADES: Final = frozenset({"light", "scene"})
-"""Domains of which the service takes a transition."""
 
 _JUST_NOW: Final = 5.0
 """Seconds between an event and its state, both by Home Assistant's clock; a restored event is older."""
@@ -216,6 +215,7 @@ class HomeAssistantEntity:
             category=self.entry.category,
             capabilities=tuple(capability for capability, _ in rows),
             payloads=payload_digest((self.entity_id, self.info.get("supported_features"))) if is_set else "",
+            fades=self._fades,
         )
 
     def read(self, *, is_change: bool) -> Readings:
@@ -243,9 +243,14 @@ class HomeAssistantEntity:
         info = {**self.info, **self._taken, **({"code_format": None} if self.entry.has_code else {})}
         data = dict(writer_of(self._rows.values(), capability)(info, value, code))
         service = str(data.pop("service"))
-        if self.domain in _FADES and transition:
+        if transition and self._fades:
             data["transition"] = require_transition(transition, _MAX_TRANSITION_S)
         return ServiceCall(self.domain, service, self.entity_id, data)
+
+    @property
+    def _fades(self) -> bool:
+        """True if its service takes a transition: LightEntityFeature.TRANSITION."""
+        return self.domain == "scene" or (self.domain == "light" and bool(has(32)(self.info)))
 
     def expect(self, call: ServiceCall) -> None:
         """Count with what a thermostat was set to until its state comes: both ends of a pair are set together."""
