@@ -10,7 +10,10 @@ from pathlib import Path
 
 import pytest
 from tests.guide import commands_in, guide
+from tests.patience import PATIENCE
 from tests.shell import environment, homebot_in, run
+from tests.system.attack_probe import until
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
 
@@ -45,7 +48,7 @@ PRINTED: Mapping[str, tuple[int, str]] = {
     "homebot answer": (0, ""),
     "homebot answer 6926f1a3-14 yes": (1, "homebot: "),
     f"curl -s {TURN_ON} localhost:9090/api/command": (0, '{"id":"hall_lamp","outcome":"'),
-    "curl -s localhost:9090/api/home": (0, '{"home":"home425","devices":2,"rooms":{"hall":{"'),
+    "curl -s localhost:9090/api/home": (0, '{"home":"family","devices":25,"rooms":{"'),
     "curl -s 'localhost:9090/api/devices?q=light&limit=50'": (0, '{"devices":[{"id":"hall_lamp","type":"light"'),
     "curl -s localhost:9090/api/devices/hall_lamp": (0, '{"id":"hall_lamp","type":"light","room":"hall"'),
     "curl -s localhost:9090/api/scenes": (0, '{"scenes":[]}'),
@@ -58,10 +61,20 @@ FOLLOWING = "homebot journal --follow"
 
 
 @pytest.fixture(scope="module")
-def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """``homebot run`` with a lamp and a lock, until the tests are through."""
+def locked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The door of a house with a lamp and a lock, as the guide to control has it."""
     until = ("found hall_lamp", "found front_door", "is running")
     with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=until) as homebot:
+        yield homebot.door
+
+
+@pytest.fixture(scope="module")
+def family(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The door of the house of a reader, with its errands and apps."""
+    with homebot_in(
+        tmp_path_factory.mktemp("family"), "--ephemeral", until=("found hall_lamp", "is running")
+    ) as homebot:
+        until(lambda: "25 devices in family" in homebot.run("homebot devices").stdout or None, PATIENCE)
         yield homebot.door
 
 
@@ -69,10 +82,13 @@ def test_no_command_is_forgotten() -> None:
     assert {*COMMANDS} == {*PRINTED, FOLLOWING}
 
 
-@pytest.mark.rooms("homeassistant")
+@WHOLE_HOUSE
 @pytest.mark.parametrize("command", PRINTED)
-def test_a_command_of_the_guides_does_what_they_say(door: str, command: str, tmp_path: Path) -> None:
+def test_a_command_of_the_guides_does_what_they_say(
+    command: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
     code, printed = PRINTED[command]
+    door = request.getfixturevalue("locked" if command in commands_in(GUIDES["control"]) else "family")
     if command.startswith("curl") and shutil.which("curl") is None:
         pytest.skip("curl is not installed")
     done = run(command.replace("localhost:9090", door), door=door, cwd=tmp_path)
@@ -80,12 +96,12 @@ def test_a_command_of_the_guides_does_what_they_say(door: str, command: str, tmp
 
 
 @pytest.mark.rooms("homeassistant")
-def test_the_journal_is_followed(door: str) -> None:
+def test_the_journal_is_followed(locked: str) -> None:
     with subprocess.Popen(
-        shlex.split(FOLLOWING), env=environment(door), stdout=subprocess.PIPE, text=True
+        shlex.split(FOLLOWING), env=environment(locked), stdout=subprocess.PIPE, text=True
     ) as following:
         assert following.stdout is not None
-        run("homebot do 'Hall lamp' on", door=door)
+        run("homebot do 'Hall lamp' on", door=locked)
         assert "hall_lamp" in following.stdout.readline()
         following.send_signal(signal.SIGINT)
 

@@ -5,33 +5,22 @@ from collections.abc import Iterator
 import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
+from tests.whole_house import WHOLE_HOUSE
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
 GUIDE = guide("groups")
 COMMANDS = commands_in(GUIDE)
 (CONFIG,) = blocks_in(GUIDE, "toml")
-HOUSE = """
-[house]
-dialect = "homeassistant"
-[rooms.hall]
-[rooms.living]
-[rooms.kitchen]
-[devices.hall_lamp]
-kind = "lamp"
-room = "hall"
-[devices.living_lamp]
-kind = "lamp"
-room = "living"
-"""
 
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
+    """The house of a reader, with its errands, and the guide's configuration."""
     until = ("found hall_lamp", "found living_lamp", "is running")
     folder = tmp_path_factory.mktemp("house")
     (folder / "homebot.toml").write_text(f"[gateways.mqtt]\n{CONFIG}")
-    with homebot_in(folder, house=HOUSE, until=until) as homebot:
+    with homebot_in(folder, "--house", "family", "--ephemeral", until=until) as homebot:
         yield homebot
 
 

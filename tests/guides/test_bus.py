@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from tests.guide import commands_in, guide
 from tests.shell import Homebot, homebot_in
+from tests.whole_house import WHOLE_HOUSE
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
 GUIDE = guide("bus")
 FILES: dict[str, str] = dict(re.findall(r"<!-- file: (.*?) -->\n```python\n(.*?)```", GUIDE, re.DOTALL))
@@ -20,7 +21,7 @@ README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     folder = tmp_path_factory.mktemp("bus")
-    with homebot_in(folder, "--house", "thesis", "--ephemeral", until=("is running", "the robot is in")) as homebot:
+    with homebot_in(folder, "--ephemeral", until=("is running", "the robot is in")) as homebot:
         yield homebot
 
 

@@ -5,25 +5,19 @@ from collections.abc import Iterator
 import pytest
 from tests.guide import commands_in, guide
 from tests.shell import Homebot, homebot_in
+from tests.whole_house import WHOLE_HOUSE
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
 GUIDE = guide("habits")
 COMMANDS = commands_in(GUIDE)
-HOUSE = """
-[house]
-dialect = "homeassistant"
-by_hand = false
-[rooms.hall]
-[devices.hall_lamp]
-kind = "lamp"
-room = "hall"
-"""
 
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
-    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=("found hall_lamp", "is running")) as homebot:
+    """The house of a reader, whose people touch no switch."""
+    until = ("found hall_lamp", "is running")
+    with homebot_in(tmp_path_factory.mktemp("house"), "--ephemeral", until=until) as homebot:
         while "has not begun yet" in homebot.run("homebot suggest").stderr:  # the history begins later
             pass
         yield homebot

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
+from tests.whole_house import WHOLE_HOUSE
 
 import homebot
 from homebot.config import load_config, parse_config
@@ -16,22 +17,10 @@ from homebot.routines.steps import read_step
 from homebot.routines.triggers import read_trigger
 from homebot.runtime.plan import make_plan
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
 GUIDE = guide("routines")
 COMMANDS = commands_in(GUIDE)
-HOUSE = """
-[house]
-seed = 1
-[rooms.hall]
-x = 0.0
-y = 0.0
-doors = ["outside"]
-[devices.hall_lamp]
-kind = "lamp"
-room = "hall"
-dialect = "homeassistant"
-"""
 
 BUTTON = """
 from homebot.devices.part import Capability, Part
@@ -59,12 +48,10 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     shown = "\n".join(blocks_in(GUIDE, "toml"))
     (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n[gateways.buttons]\nclass = 'button.py:Buttons'\n")
     (path / "button.py").write_text(BUTTON)
-    (path / "house.toml").write_text(HOUSE)
     (path / "automations.yaml").write_text(AUTOMATIONS)
     (path / "evening.toml").write_text('name = "Evening"\nwhen = ["22:00"]\ndo = ["hall lamp off"]\n')
-    with homebot_in(
-        path, "--house", "house.toml", until=("found hall_lamp", "found hall_button", "good_night")
-    ) as homebot:
+    until = ("found hall_lamp", "found hall_motion", "found hall_button", "good_night")
+    with homebot_in(path, "--house", "family", until=until) as homebot:
         yield homebot
 
 

@@ -49,6 +49,7 @@ class Family:
     Attributes:
         lag: Seconds after its arrival until it says where it is.
         is_lost_on_its_way: Whether it is between two rooms then.
+        sent_elsewhere: How many of its next drives somebody ends.
     """
 
     def __init__(self, home: Home) -> None:
@@ -56,6 +57,7 @@ class Family:
         self.room = "Hall"
         self.lag = 0.0
         self.is_lost_on_its_way = False
+        self.sent_elsewhere = 0
         self.drives: list[str] = []
         self.feedback: list[AchieveFeedback] = []
         home.app.create_service(WhereIsRobot, WHERE_IS_ROBOT, self._where)
@@ -107,9 +109,14 @@ class Family:
         before, self.room = self.room, "" if self.is_lost_on_its_way else self.room
         await anyio.sleep(10.0)
         self.room = before
+        kind: type[Message] = NAVIGATE.Result
+        result = zero_message(kind)
+        if self.sent_elsewhere:
+            self.sent_elsewhere -= 1
+            goal.abort(result.model_copy(update={"error_msg": "sent away by Ben"}))
+            return
         self.home.tasks.start_soon(self._arrive, room)
-        result: type[Message] = NAVIGATE.Result
-        goal.succeed(zero_message(result))
+        goal.succeed(result)
 
     async def _arrive(self, room: str) -> None:
         await anyio.sleep(self.lag)

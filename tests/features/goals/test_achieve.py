@@ -211,6 +211,24 @@ async def test_a_robot_that_does_not_know_where_it_is_is_the_reason(family: Fami
     assert family.drives == []
 
 
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        (1, "is reached"),
+        (
+            2,
+            "rosie drives to Living is not possible: action /rosie/navigate_to_pose aborted the goal: sent away by Ben",
+        ),
+    ],
+)
+async def test_a_robot_that_is_sent_elsewhere_is_sent_once_more(family: Family, times: int, message: str) -> None:
+    family.sent_elsewhere = times
+    answer = await family.achieve("rosie in living")
+    assert answer.message.endswith(message)
+    assert family.drives == ["Living", "Living"]
+    assert len(answer.tried) == times - 1
+
+
 async def test_a_robot_that_leaves_on_its_way_is_the_reason(family: Family) -> None:
     goal = await family.begin("rosie in kitchen")
     await anyio.sleep(4.0)

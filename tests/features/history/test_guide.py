@@ -1,4 +1,4 @@
-"""Every command of the guide runs, against a washer on a broker."""
+"""Every command of the guide runs, in the house of a reader."""
 
 from collections.abc import Iterator
 
@@ -7,6 +7,7 @@ from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import homebot_in, run
 from tests.system.attack_probe import until
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.features.history.command import plot_lines
 
@@ -14,24 +15,16 @@ pytestmark = pytest.mark.slow
 
 GUIDE = guide("history")
 COMMANDS = commands_in(GUIDE)
-HOUSE = """
-[house]
-dialect = "homeassistant"
-[rooms.kitchen]
-[devices.Washer]
-kind = "power_meter"
-room = "kitchen"
-"""
 
 
 @pytest.fixture(scope="module")
 def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=("is running",)) as homebot:
+    with homebot_in(tmp_path_factory.mktemp("house"), "--ephemeral", until=("is running",)) as homebot:
         until(lambda: homebot.run(COMMANDS[0]).stderr == "" or None, PATIENCE)  # it begins after the start
         yield homebot.door
 
 
-@pytest.mark.rooms("homeassistant")
+@WHOLE_HOUSE
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_of_the_guide_runs(door: str, command: str) -> None:
     """A young history may have little; a command waits for its begin."""
@@ -40,10 +33,10 @@ def test_a_command_of_the_guide_runs(door: str, command: str) -> None:
     assert done.stdout
 
 
-@pytest.mark.rooms("homeassistant")
+@WHOLE_HOUSE
 def test_a_young_history_has_more_than_one_row(door: str) -> None:
     """Rows were cut for the whole time asked for: of the first evening there was one, with the mean."""
-    done = run("homebot history Washer --since 30d", door=door)
+    done = run("homebot history desk_meter --since 30d", door=door)
     assert "VALUE" in done.stdout
 
 

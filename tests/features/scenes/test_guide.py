@@ -7,33 +7,24 @@ from collections.abc import Iterator
 import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.config import parse_config
 from homebot.features.scenes.settings import read_scenes
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
 GUIDE = guide("scenes")
 COMMANDS = commands_in(GUIDE)
-HOUSE = """
-[house]
-dialect = "homeassistant"
-[rooms.hall]
-[devices.hall_lamp]
-kind = "lamp"
-room = "hall"
-[devices.hall_cover]
-kind = "cover"
-room = "hall"
-"""
 
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
-    until = ("found hall_lamp", "found hall_cover", "is running")
+    """The house of a reader, with its errands, and the guide's configuration."""
+    until = ("found hall_lamp", "found kitchen_lamp", "found shellyswitch25", "is running")
     folder = tmp_path_factory.mktemp("house")
     (folder / "dinner.toml").write_text(f"[gateways.mqtt]\n{blocks_in(GUIDE, 'toml')[0]}")
-    with homebot_in(folder, "--config", "dinner.toml", house=HOUSE, until=until) as homebot:
+    with homebot_in(folder, "--config", "dinner.toml", "--house", "family", "--ephemeral", until=until) as homebot:
         yield homebot
 
 
