@@ -47,6 +47,7 @@ BENCHMARKS = (
     "outcomes",
     "outcomes_networks",
     "machines",
+    "waits",
     "discovery",
     "left_on",
     "page",
@@ -60,7 +61,7 @@ FILES = {
 
 WITH_HOME_ASSISTANT = frozenset({"graph_deliveries", "service_calls", "ingest", "states"})
 
-WITH_EXTRAS = ("goals", "outcomes_networks", "machines", "discovery")
+WITH_EXTRAS = ("goals", "outcomes_networks", "machines", "waits", "discovery")
 """Those that need extras, which are not installed where start-up and memory are measured."""
 
 UNMEASURED, FAILED = "not measured, at least in part", "failed, with the error above"

@@ -10,8 +10,9 @@ definition using .msg files" and "Legacy interface definition" for the byte of a
 
 import math
 import struct
-from collections.abc import Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from typing import Any, Final, TypeAlias, TypeVar
 
 from pydantic import ValidationError
 
@@ -25,6 +26,8 @@ __all__ = ["message_from_cdr", "message_to_cdr"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 
+_Write: TypeAlias = Callable[[bytearray, Any], None]
+
 _HEADER = b"\x00\x01\x00\x00"  # CDR_LE, no options
 _WITHOUT_FIELDS = b"\x00"  # IDL has no empty structures, so ROS 2 gives them a member `uint8`
 _LAYOUTS = LAYOUTS | {"bool": "?"}
@@ -34,55 +37,86 @@ _PADDED = 3  # DDS fills the end of a message up to four bytes
 
 def message_to_cdr(message: Message) -> bytes:
     """Return *message* in CDR; a number too large for its ``float32`` becomes infinite."""
-    out = bytearray(_HEADER)
+    out = bytearray()
     _write_message(out, message)
-    return bytes(out)
+    return _HEADER + out
 
 
 def _write_message(out: bytearray, message: Message) -> None:
-    fields = fields_of(type(message))
-    if not fields:
-        out += _WITHOUT_FIELDS
-    for field in fields:
-        value = getattr(message, field.name)
-        if not field.is_array:
-            _write_elements(out, field, (value,))
-            continue
+    for name, write in _writers_of(type(message)):
+        write(out, getattr(message, name))
+
+
+@lru_cache(maxsize=1024)
+def _writers_of(message_type: type[Message]) -> tuple[tuple[str, _Write], ...]:
+    """Return what writes the value of each attribute of *message_type*."""
+    writers = tuple((field.name, _writer_of(field)) for field in fields_of(message_type))
+    return writers or (("__class__", lambda out, _: out.extend(_WITHOUT_FIELDS)),)
+
+
+def _writer_of(field: FieldDefinition) -> _Write:
+    layout = _LAYOUTS.get(field.ros_type)
+    write = _TEXTS.get(field.ros_type, _write_message) if layout is None else _number_writer(layout)
+    if not field.is_array:
+        return write
+
+    def write_array(out: bytearray, values: Any) -> None:
         if field.size is None:
-            _write_numbers(out, "I", (len(value),))
+            _write_length(out, len(values))
         if field.is_bytes:
-            out += value
+            out += values
+        elif layout is not None:
+            _write_numbers(out, layout, values)
         else:
-            _write_elements(out, field, value)
+            for value in values:
+                write(out, value)
+
+    return write_array
 
 
-def _write_elements(out: bytearray, field: FieldDefinition, values: Sequence[object]) -> None:
-    if (layout := _LAYOUTS.get(field.ros_type)) is not None:
-        _write_numbers(out, layout, values)
-        return
-    for value in values:
-        if isinstance(value, Message):
-            _write_message(out, value)
-        elif field.ros_type == "wstring":
-            text = str(value).encode("utf-16-le", errors="replace")
-            _write_numbers(out, "I", (len(text) // 2,))
-            out += text
-        else:
-            text = str(value).encode(errors="replace") + b"\x00"
-            _write_numbers(out, "I", (len(text),))
-            out += text
+def _number_writer(layout: str) -> _Write:
+    size, pack = _SIZES[layout], struct.Struct(f"<{layout}").pack
+
+    def write(out: bytearray, value: Any) -> None:
+        if rest := len(out) % size:
+            out += bytes(size - rest)
+        try:
+            out += pack(value)
+        except OverflowError:  # only for float32; integers are validated when the message is created
+            out += pack(_within_float32(value))
+
+    return write
+
+
+_write_length: Final = _number_writer("I")
+
+
+def _write_text(out: bytearray, value: object) -> None:
+    text = str(value).encode(errors="replace")
+    _write_length(out, len(text) + 1)
+    out += text
+    out.append(0)
+
+
+def _write_wide_text(out: bytearray, value: object) -> None:
+    text = str(value).encode("utf-16-le", errors="replace")
+    _write_length(out, len(text) // 2)
+    out += text
+
+
+_TEXTS: Final[Mapping[str, _Write]] = {"string": _write_text, "wstring": _write_wide_text}
 
 
 def _write_numbers(out: bytearray, layout: str, values: Sequence[Any]) -> None:
     if not values:
         return
-    out += bytes(-(len(out) - len(_HEADER)) % _SIZES[layout])
+    out += bytes(-len(out) % _SIZES[layout])
     if isinstance(values, NumericArray):
         out += values.to_bytes(layout)
         return
     try:
         out += struct.pack(f"<{len(values)}{layout}", *values)
-    except OverflowError:  # only for float32; integers are validated when the message is created
+    except OverflowError:  # as above
         out += struct.pack(f"<{len(values)}{layout}", *map(_within_float32, values))
 
 

@@ -1,6 +1,8 @@
 """The link: topics and services of a house and of a robot."""
 
+import time
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import anyio
 import anyio.lowlevel
@@ -16,7 +18,7 @@ from homebot.messages import String
 from homebot.messages.geometry_msgs import PoseStamped
 from homebot.messages.interfaces import Interfaces, find_service
 from homebot.messages.message import Message
-from homebot.messages.std_srvs import Trigger
+from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.messages.type_hash import type_hash
 
 
@@ -54,6 +56,29 @@ async def test_what_a_robot_publishes_comes_to_the_house_and_stays_where_it_is_n
         assert await received(words) == "hello"
         assert "/secret" not in both.house.get_topic_names_and_types()
         assert {one.node for one in both.house.get_endpoints(name="/rosie/words")} == {"/app", "/ros2"}
+
+
+async def test_calls_of_a_robot_leave_others_as_long_as_they_take() -> None:
+    """A hundred queries for all devices of a large house came one directly after the other."""
+    busy: list[tuple[float, float]] = []
+
+    def work(_: Message) -> SuccessResponse:
+        began = time.monotonic()
+        while time.monotonic() < began + 0.01:
+            pass
+        busy.append((began, time.monotonic()))
+        return SuccessResponse(success=True, message="")
+
+    async with pair() as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
+        app.create_service(Trigger, "/house/work", work)
+        client = nav.create_client(Trigger, "/house/work")
+        assert await client.wait_for_service(PATIENCE)
+        async with anyio.create_task_group() as tasks:
+            for _ in range(10):
+                tasks.start_soon(client.call, Trigger.Request(), PATIENCE)
+    gaps = [began - ended for (_, ended), (began, _) in pairwise(busy)]
+    assert len(busy) == 10
+    assert min(gaps) > 0.009
 
 
 async def test_what_is_of_a_robot_does_not_come_without_the_right_to_be_it() -> None:

@@ -1,18 +1,22 @@
 """The Zenoh session of the bridge, on this computer."""
 
 import threading
+import time
 from functools import partial
+from queue import SimpleQueue
 
 import anyio
 import anyio.lowlevel
 import pytest
 import zenoh
+from anyio import to_thread
 from structlog.testing import capture_logs
 from tests.hanging_link import HangingLink
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import house_rights, log_in, robot_rights
 
+from homebot.bridges.ros2.lanes import Lanes
 from homebot.bridges.ros2.session import WireQuery, WireSample, open_session
 from homebot.graph.qos import HistoryPolicy, QoSProfile
 from homebot.messages.interfaces.settings import RosSettings
@@ -129,3 +133,40 @@ async def test_a_peer_that_reads_nothing_holds_up_neither_the_loop_nor_other_pee
             assert max(turns) < 1.0, "not the five seconds after which Zenoh gives up a peer"
             assert house.lost > 0
             tasks.cancel_scope.cancel()
+
+
+async def test_answers_to_many_peers_are_written_one_at_a_time() -> None:
+    """The event loop then shares the interpreter with one thread, not with one for each peer."""
+    lanes, at_work, most = Lanes(), list[int](), list[int]()
+    is_written = SimpleQueue[None]()
+
+    def encode() -> bytes:
+        at_work.append(1)
+        most.append(len(at_work))
+        time.sleep(0.01)  # others have the interpreter
+        at_work.pop()
+        return b""
+
+    for number in range(8):
+        WireQuery(Asked(number, is_written), lanes).reply(encode, b"")
+    for _ in range(8):
+        await to_thread.run_sync(is_written.get)
+    assert most == [1] * 8
+
+
+class Asked:
+    """A query of Zenoh from a peer of its own."""
+
+    payload = None
+    key_expr = ""
+
+    def __init__(self, peer: int, is_over: SimpleQueue[None]) -> None:
+        self.attachment = bytes([peer]) * 33
+        self._is_over = is_over
+
+    def reply(self, *_: object, **__: object) -> None:
+        """Take an answer."""
+
+    def drop(self) -> None:
+        """Note that it is over."""
+        self._is_over.put(None)

@@ -7,6 +7,8 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import anyio
+import anyio.lowlevel
 from pydantic import ValidationError
 
 from homebot.bridges.ros2.attachment import Attachment
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
 _MOST_CALLS = 100
 """Calls at a time, as of one client of the door."""
 
+_FIRST_TURNS = 3
+"""Turns of the event loop in which a call is read, handed over and served, unless its server waits for something."""
+
 _KINDS = frozenset({EntityKind.PUBLISHER, EntityKind.SERVICE, EntityKind.ACTION_SERVER, EntityKind.NODE})
 _USED = {EntityKind.SUBSCRIPTION: EntityKind.PUBLISHER, EntityKind.CLIENT: EntityKind.SERVICE}
 _OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
@@ -64,6 +69,7 @@ class Exports:
         self._robots, self._caller_of, self._health = robots, caller_of, health
         self._goals = RobotGoals(node, has_node)
         self._running = 0
+        self._beginning = anyio.Lock()
         self._open: dict[tuple[EntityKind, str], WireEntity] = {}
 
     def refresh(self, kind: EntityKind, name: str) -> None:
@@ -147,11 +153,21 @@ class Exports:
                 query.refuse(f"{_MOST_CALLS} calls are at work; ask again later")
                 return
             self._running += 1
-            self._node.create_task(partial(self._answer, name, query))
+            self._node.create_task(partial(self._begin, name, query))
 
         entity.keep(self._own.session.serve(entity.token.key, asked).undeclare)
         entity.announce()
         return entity
+
+    async def _begin(self, name: str, query: WireQuery) -> None:
+        """Begin to answer *query*; before the next one, everything else has as long as this one works at first."""
+        now = self._node.graph.clock.monotonic
+        async with self._beginning:
+            self._node.create_task(partial(self._answer, name, query))
+            began = now()
+            for _ in range(_FIRST_TURNS):
+                await anyio.lowlevel.checkpoint()
+            await anyio.sleep(now() - began)
 
     async def _answer(self, name: str, query: WireQuery) -> None:
         """Answer *query*, also if it fails: a client of rmw_zenoh would wait for ten minutes."""

@@ -23,10 +23,12 @@ class Lanes:
     """Threads that make calls, each for as long as a peer has some.
 
     Attributes:
+        working: Held by a call while it works for long without waiting: the event loop competes with one at a time.
         refused: Calls that were not made because too many waited.
     """
 
     def __init__(self) -> None:
+        self.working = threading.Lock()
         self._lock = threading.Lock()
         self._waiting: dict[Hashable, deque[tuple[Callable[[], object], int]]] = {}
         self.refused = 0

@@ -85,11 +85,12 @@ class WireQuery:
 
         Both are done on a thread, away from the event loop; a ``HomebotError`` of *encode* is the answer too.
         """
-        query = self._query
+        query, lanes = self._query, self._lanes
 
         def answer() -> None:
             try:
-                payload = encode()
+                with lanes.working:
+                    payload = encode()
             except HomebotError as exc:
                 query.reply_err(str(exc))
             else:
