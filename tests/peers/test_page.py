@@ -48,6 +48,16 @@ SMOKE = {
     "smoke/state": "ON",
 }
 
+PLUG = {
+    f"homeassistant/{kind}/plug/config": json.dumps(
+        {"unique_id": kind, "device": {"identifiers": ["plug"], "name": "Plug"}, "state_topic": topic} | more
+    )
+    for kind, topic, more in (
+        ("switch", "plug/state", {"name": None, "command_topic": "plug/set", "device_class": "outlet"}),
+        ("sensor", "plug/power", {"name": "Power", "device_class": "power", "unit_of_measurement": "W"}),
+    )
+} | {"plug/state": "ON", "plug/power": "42"}
+
 VIEWS = (
     ("", "roomlights405"),
     (LAMP, "What is known, and from where"),
@@ -115,6 +125,15 @@ socket.onopen = () => socket.send(JSON.stringify(call));
 socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).values.outcome);
 """
 
+HISTORY = """
+const done = arguments[0];
+const socket = new WebSocket(location.origin.replace(/^http/, "ws"));
+const call = { op: "call_service", service: "/history/read", args: { device: "plug" } };
+const ask = () => socket.send(JSON.stringify(call));
+socket.onopen = ask;
+socket.onmessage = (event) => (JSON.parse(event.data).result ? socket.close() || done() : setTimeout(ask, 100));
+"""
+"""Waits for the history, which begins after the start."""
 
 BARE_BROWSER = """
 globalThis.localStorage = { getItem: () => null, setItem: () => null };
@@ -491,20 +510,20 @@ async def test_a_lock_has_a_field_for_a_code_that_is_used_once(page: OpenPage) -
 
 
 @asynccontextmanager
-async def keeping(messages: Mapping[str, str]) -> AsyncIterator[HostedBroker]:
-    """Run a broker that keeps *messages*."""
+async def keeping(messages: Mapping[str, str]) -> AsyncIterator[tuple[HostedBroker, MqttConnection]]:
+    """Run a broker that keeps *messages*, and yield it with a connection to it."""
     async with MemoryBroker() as broker:
         options = MqttOptions.from_url(broker.url, client_id="keeper")
         async with MqttConnection(options, broker.make_client, status_topic=None) as connection:
             await connection.wait_connected()
             for topic, payload in messages.items():
                 await connection.publish(topic, payload.encode(), qos=1, retain=True)
-        yield HostedBroker.in_memory(broker)
+            yield HostedBroker.in_memory(broker), connection
 
 
 async def test_an_alert_of_which_people_are_told_again_has_a_button_until_somebody_has_seen_it(page: OpenPage) -> None:
     """Only a call of a service ended it."""
-    async with keeping(SMOKE) as broker, page(tables={"notify": {}}, services=(broker,)) as own:
+    async with keeping(SMOKE) as (broker, _), page(tables={"notify": {}}, services=(broker,)) as own:
         await own.open(shows="Kitchen smoke")
         await own.shows("I have seen it")
         await own.click(".alert + .choices button")
@@ -512,14 +531,29 @@ async def test_an_alert_of_which_people_are_told_again_has_a_button_until_somebo
         await own.hides("I have seen it")
         await own.shows("is there a fire?")
         assert own.problems() == []
-    async with keeping(SMOKE) as broker, page(services=(broker,)) as own:
+    async with keeping(SMOKE) as (broker, _), page(services=(broker,)) as own:
         await own.open(shows="is there a fire?")
         await own.hides("I have seen it")  # nobody is told
 
 
+async def test_the_first_plot_of_a_plug_is_its_power(page: OpenPage) -> None:
+    """It was whether it is on, which the journal tells."""
+    tables = {"history": {"enabled": True}}
+    async with keeping(PLUG) as (broker, field), page(tables=tables, services=(broker,)) as own:
+        await own.open("#/house", shows="Plug")
+        await to_thread.run_sync(own.browser.execute_async_script, HISTORY)
+        for topic, payload in {"plug/state": b"ON", "plug/power": b"43"}.items():
+            await field.publish(topic, payload, qos=1)
+        await own.shows("43 W")
+        await own.open("#/device/plug", shows="now 43 W")
+        await own.shows("on/off", "select[aria-label=value]")
+        plot = own.browser.find_element("css selector", "[role=img]").get_attribute("aria-label")
+        assert plot.startswith("power over time")
+
+
 async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_code(page: OpenPage) -> None:
     """It read "alarm armed_away unconfirmed", offered "arming", and had no way to give a code."""
-    async with keeping(PANEL) as broker, page(services=(broker,)) as own:
+    async with keeping(PANEL) as (broker, _), page(services=(broker,)) as own:
         text = await own.open(shows="armed away")
         assert text.count("the device has not reported since homebot started") == 1
         assert "unconfirmed" not in text
