@@ -14,6 +14,7 @@ import anyio
 import pytest
 from anyio import to_thread
 from anyio.abc import SocketAttribute, SocketStream
+from tests.hanging_link import HangingLink
 from tests.peers.chromium import Page, axe_program, chromium, opened_page
 from tests.peers.node_package import node_folder
 
@@ -134,6 +135,7 @@ socket.onopen = ask;
 socket.onmessage = (event) => (JSON.parse(event.data).result ? socket.close() || done() : setTimeout(ask, 100));
 """
 """Waits for the history, which begins after the start."""
+FAST = "const wait = setTimeout; window.setTimeout = (call, length) => wait(call, length / 10)"
 
 BARE_BROWSER = """
 globalThis.localStorage = { getItem: () => null, setItem: () => null };
@@ -390,6 +392,22 @@ async def test_a_page_that_is_not_looked_at_is_not_connected(page: OpenPage) -> 
         await to_thread.run_sync(come_back, own.browser, looked_at)
         await own.connected(1)
         await own.shows("3 devices")
+
+
+async def test_a_page_behind_a_cut_cable_says_so_and_is_live_again_afterwards(browser: Any, page: OpenPage) -> None:
+    """Nothing closed its link, so that it showed old values for ever. Its time passes ten times as fast."""
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": FAST})
+    async with page() as own, HangingLink(own.door.port).running() as cable:
+        own.url = f"http://{cable.address.removeprefix('tcp/')}/"
+        await own.open(shows="3 devices")
+        cable.hang()
+        await own.shows("homebot cannot be reached")
+        cable.go_on()
+        await own.shows("3 devices")
+        await own.hides("homebot cannot be reached")
+        await own.click(f"{SWITCH}[aria-checked=false]")
+        await own.shows("confirmed after", "[role=alert]")
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
 
 async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: OpenPage) -> None:
