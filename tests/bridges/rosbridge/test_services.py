@@ -36,6 +36,25 @@ async def test_a_client_calls_a_service(house: House, peer: Peer) -> None:
     assert house.entities() == set()
 
 
+async def test_what_a_link_delivers_after_its_client_gave_it_up_is_not_carried_out(house: House, peer: Peer) -> None:
+    """A tap during an outage opened the garage when the link was back, long after the page had told that it failed."""
+    done: list[bool] = []
+
+    def switch(request: SetBoolRequest) -> SetBoolResponse:
+        done.append(request.data)
+        return SetBoolResponse(success=True, message="done")
+
+    house.node("lamp").create_service(SetBool, "/switch", switch)
+    # The clock of the client is a year behind; the second call is 20 s late, and the last one not.
+    for sent, data in ((1000.0, False), (980.0, True), (1000.5, False)):
+        await peer.send("call_service", service="/switch", args={"data": data}, sent=sent, patience=15)
+        answer = await peer.receive()
+        assert answer["result"] is not data, answer
+    assert done == [False, False]
+    await peer.send("call_service", service="/switch", args={"data": True}, sent=900)
+    assert (await peer.receive())["result"], "it waits for ever"
+
+
 async def test_what_a_request_and_its_response_lack_is_zero_or_empty_but_not_of_a_type_of_homebot(
     house: House, peer: Peer
 ) -> None:

@@ -184,10 +184,18 @@ class ServiceOperation(Operation, ops=("unadvertise_service",)):
 
 
 class CallService(Request, ServiceOperation, ops=("call_service",)):
-    """A service call; ``type`` may be empty."""
+    """A service call; ``type`` may be empty.
+
+    Attributes:
+        sent: When the client sent it, in seconds by a clock of its own, from any beginning; 0 for unknown.
+        patience: The seconds after which the client gives it up; if it arrives later than that, by *sent*, it is not
+            carried out. 0 for ever.
+    """
 
     type: str = ""
     timeout: Seconds = 0
+    sent: Seconds = 0
+    patience: Seconds = 0
 
 
 class ServiceResponse(Operation, ops=("service_response",)):

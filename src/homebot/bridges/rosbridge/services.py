@@ -1,10 +1,11 @@
 """The services of a client: those that it calls, and those that it provides."""
 
 import asyncio
+import math
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
-from typing import Any
+from typing import Any, final
 
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.outbox import Outbox
@@ -40,6 +41,33 @@ from homebot.graph.parameters import PARAMETER_SERVICES
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces, message_to_text
 from homebot.messages.message import Message, ServiceType
+
+_MAX_DRIFT = 0.001
+"""Seconds per second by which the clock of a client may be slow."""
+
+LATE = "came too late"
+
+
+@final
+class CallDelays:
+    """The delays of the calls of a client by its own clock: a link that was silent delivers late what it was given."""
+
+    def __init__(self) -> None:
+        self._least, self._at = math.inf, 0.0
+
+    def check(self, op: CallService, now: float) -> None:
+        """Refuse *op* if the client has given it up.
+
+        Args:
+            now: The present, in seconds of a steady clock.
+
+        Raises:
+            PeerError: It has.
+        """
+        delay = now - op.sent
+        self._least, self._at = min(delay, self._least + (now - self._at) * _MAX_DRIFT), now
+        if 0 < op.patience < (late := delay - self._least):
+            raise PeerError(f"{op.service} {LATE}, by {late:.0f} s, so it was not carried out; try again")
 
 
 def named_values(message_type: type[Message], values: object) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import FrameAssembler, Packing
 from homebot.bridges.rosbridge.publications import Publications
-from homebot.bridges.rosbridge.services import ProvidedServices, call_service, missing_service
+from homebot.bridges.rosbridge.services import CallDelays, ProvidedServices, call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import Provisions
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.errors import HomebotError, LinkError, PeerError
@@ -72,7 +72,7 @@ class ClientSession:
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
         self._assembler = FrameAssembler(settings.max_frame_bytes, link.hold)
         self._level: protocol.Level = "none" if is_roslibpy else "error"
-        self._calls = 0
+        self._calls, self._delays = 0, CallDelays()
         self._slowness = LogLimit(shared.node.graph.clock)
         self._tasks: TaskGroup = anyio.create_task_group()
         self._backlog = Backlog(settings.max_waiting_bytes, shared.backlog)
@@ -239,6 +239,8 @@ class ClientSession:
         }
 
     def _start_call(self, op: protocol.CallService) -> None:
+        if op.sent:
+            self._delays.check(op, anyio.current_time())
         if self._calls >= self._settings.max_calls:
             raise PeerError(f"{self._calls} calls of this client are waiting already")
         self._calls += 1

@@ -64,7 +64,7 @@ export function call(service, args = {}, timeout = 0) {
     const id = `page-${++number}`;
     const timer = setTimeout(() => finish(id, new Error(`${service} did not answer`)), 1000 * (timeout || ANSWER_WITHIN));
     calls.set(id, { resolve, reject, timer });
-    send({ op: "call_service", service, args, id, timeout });
+    send({ op: "call_service", service, args, id, timeout, patience: timeout || ANSWER_WITHIN });
   });
 }
 
@@ -132,7 +132,7 @@ function open() {
   own.onopen = () => {
     own.send(JSON.stringify({ op: "auth", token: token.value }));
     for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
-    own.send(JSON.stringify({ op: "call_service", service: "/rosapi/rights", id: "page-rights" }));
+    own.send(dated({ op: "call_service", service: "/rosapi/rights", id: "page-rights" }));
   };
   own.onmessage = (event) => receive(own, JSON.parse(event.data));
   own.onclose = (event) => lose(own, event);
@@ -193,6 +193,7 @@ function receive(own, frame) {
     const problem = frame.result ? "" : String(frame.values);
     if (problem.startsWith("the right ")) missing.value = problem;
     finish(frame.id, problem && new Error(problem), frame.values);
+    if (problem.includes(" came too late, ")) reconnect(); // or the clock of this computer was set back
   }
 }
 
@@ -213,8 +214,11 @@ function become(state, reason = "", home = connection.value.home) {
   connection.value = { state, reason, home };
 }
 
+/** A frame with its time, by which homebot knows what a link that was silent delivers too late. */
+const dated = (frame) => JSON.stringify({ ...frame, sent: Date.now() / 1000 });
+
 function send(frame) {
-  socket?.send(JSON.stringify(frame));
+  socket?.send(dated(frame));
 }
 
 function takeToken() {
