@@ -46,10 +46,10 @@ def sign_of(device: Device, state: State | None, tag: str) -> Sign:
     """Return the sign of a tracker of the kind *tag* with the place *state*.
 
     One that tells of places keeps what it told, also before a restart, until it is stale, or for as long as its
-    availability says that it is there. One that is only heard has to be heard now.
+    availability says that it is there. One that is only heard has to be heard since the start.
     """
     if tag == BEACON:
-        is_known = device.freshness == "fresh" and state is not None and state.live
+        is_known = device.freshness != "unconfirmed" and state is not None and state.live
     else:
         is_known = device.freshness != "stale" or device.reachable.state == "yes"
     if state is None or not is_known or device.reachable.state == "no" or state.part in device.offline_parts:
