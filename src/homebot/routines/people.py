@@ -98,4 +98,4 @@ def may_begin(query: Query) -> bool:
 
 
 def _person(name: str) -> Query:
-    return And((TypeIs("person", frozenset({"x_person"}), by_word=False), NameIs(fold(name))))
+    return And((TypeIs("person", frozenset({"x_person"}), by_word=False), NameIs(fold(name.strip('"')))))

@@ -18,7 +18,7 @@ from homebot.house.faults import unwrap
 from homebot.house.network import HouseNetwork
 from homebot.house.rooms import DOOR_WIDTH
 from homebot.house.simulated_device import Placed
-from homebot.places import NO_PLACES, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, Position
+from homebot.places import HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, Position
 from homebot.places.plan import door_name
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
@@ -64,8 +64,8 @@ class HouseOfRun:
         homes = (gateway.kind.home(gateway.settings) for gateway in plan.gateways)
         root = next(filter(None, homes), "")
         self.home, self._has_root = root or _HOME, bool(root)
-        if plan.places is NO_PLACES:
-            places = self.places()
+        if not plan.config.places:
+            places = replace(self.places(), groups=plan.places.groups)
             HousePlan(plan.home, places.rooms, source, places.doors)  # validates the names
             plan = replace(plan, places=places)
         if self.robot and plan.names_robots and self.robot not in plan.robots:  # else another would own its frames

@@ -197,7 +197,7 @@ def _scene(text: str, scenes: Collection[str]) -> str:
     if found := _named(text, scenes):
         return found
     named = _SCENE.fullmatch(text)
-    name = "" if named is None else named["name"] or named["named"]
+    name = "" if named is None else (named["name"] or named["named"]).strip('"')
     if not name or (found := _named(name, scenes)):
         return found if name else ""
     raise UsageError(f"there is no scene {name!r}; {did_you_mean(name, scenes, '`homebot scene list` shows all')}")

@@ -105,9 +105,12 @@ class HouseScenes:
     def find(self, name: str) -> Scene:
         """Return the scene with this name or id, such as ``Film in living``: of the owner, or else the only native one.
 
+        The name may stand in quotation marks.
+
         Raises:
             UsageError: There is none, or there are several; the message names them.
         """
+        name = name.strip('"')
         own = self._book.scenes.get(fold(name))
         if own is not None:
             parts = self.current(own).parts
