@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import inf
@@ -174,16 +174,18 @@ def order_of(command: IssuedCommand) -> Order:
             echoed |= {name}
         if name == "level":
             has_ramp = one.settable
-    if "movement" in settings:
-        _expect_end(wanted, settings["movement"], readable)
+    movement, position = settings.get("movement"), command.values.get("position")
+    if movement in END_POSITIONS and "position" in readable and wanted.keys().isdisjoint(_MOTIONS):
+        wanted["position"] = END_POSITIONS[movement]  # it does not report its movement
+    is_half_open = isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
     return Order(
         command.id,
         settings,
         wanted,
         command.transition,
-        moves=not _MOTIONS.isdisjoint(settings) and _moves(settings),
+        moves=not _MOTIONS.isdisjoint(settings) and any(settings.get(one, STOPPED) != STOPPED for one in _MOTIONS),
         is_told_once=is_told or is_told_once(command.part.part.service_type, settings),
-        opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
+        opens_further=movement == "open" and is_half_open,
         turns_on=command.values.get("on_off") is False and _turns_on(command),
         has_ramp=has_ramp,
         echoed=echoed,
@@ -191,20 +193,6 @@ def order_of(command: IssuedCommand) -> Order:
         issuer=command.issuer,
         label=label_of(command.device, command.part.id),
     )
-
-
-def _expect_end(wanted: dict[str, PlainValue], movement: PlainValue, readable: Container[str]) -> None:
-    """Add the end position of *movement* to the values that the part should report, unless it reports movement."""
-    if movement in END_POSITIONS and "position" in readable and wanted.keys().isdisjoint(_MOTIONS):
-        wanted["position"] = END_POSITIONS[movement]
-
-
-def _moves(settings: Mapping[str, PlainValue]) -> bool:
-    return any(settings[one] != STOPPED for one in _MOTIONS & settings.keys())
-
-
-def _is_half_open(position: PlainValue) -> bool:
-    return isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
 
 
 def _turns_on(command: IssuedCommand) -> bool:

@@ -5,7 +5,6 @@ from functools import partial
 from typing import Final, final
 
 import anyio
-from anyio.abc import TaskGroup
 
 from homebot.control.command import commanded_part, device_settings
 from homebot.control.executor import CommandExecutor
@@ -67,7 +66,10 @@ class LeaseService:
             while True:
                 self._changed = anyio.Event()
                 self._expire()
-                self._begin_due(tasks)
+                for lease in self._leases:
+                    if lease.again_at <= self._clock.monotonic():
+                        self._hand_back(lease)
+                        tasks.start_soon(self._command, lease, *next(iter(lease.holders.items())))
                 left = self._leases.next_time() - self._clock.monotonic()
                 with anyio.move_on_after(None if left == math.inf else max(0.0, left)):
                     await self._changed.wait()
@@ -130,7 +132,11 @@ class LeaseService:
         lease = self._leases.renew(_key(request), now)
         if lease is None:
             return LeaseState(held=False, outcome=Refused(LEASE_POLICY, _NOT_HELD))
-        return LeaseState(held=True, outcome=self._outcome(lease, now))
+        outcome = lease.outcome
+        if now < lease.hand_until:  # a hand made a change since
+            left = f"; it is commanded again in {math.ceil(lease.hand_until - now)} s"
+            outcome = Contradicted(lease.saw if lease.yielded_to else f"{lease.saw}{left}")
+        return LeaseState(held=True, outcome=outcome)
 
     def release(self, request: HolderRequest) -> LeaseState:
         """End the lease of a holder, and return its state; a holder without a lease is refused."""
@@ -196,20 +202,17 @@ class LeaseService:
                 return None
             request = _command_of(lease.part, lease.setting, key[0], holder)
             lease.outcome = outcome = await self._executor.perform(request)
-            self._on_outcome(lease, outcome)
+            now = self._clock.monotonic()
+            if now < lease.hand_until:
+                pass  # stopped meanwhile
+            elif isinstance(outcome, Contradicted) and lease.held is not None and lease.held.is_by_hand:
+                self._leases.outrank(lease, outcome.saw, now)
+            elif not outcome.succeeded:
+                lease.again_at = now + _AGAIN
+            else:
+                self._hand_back(lease)
         self._changed.set()
         return outcome
-
-    def _on_outcome(self, lease: Lease, outcome: Outcome) -> None:
-        now = self._clock.monotonic()
-        if now < lease.hand_until:
-            return  # stopped meanwhile
-        if isinstance(outcome, Contradicted) and lease.held is not None and lease.held.is_by_hand:
-            self._leases.outrank(lease, outcome.saw, now)
-        elif not outcome.succeeded:
-            lease.again_at = now + _AGAIN
-        else:
-            self._hand_back(lease)
 
     def _on_report(self, lease: Lease, value: PlainValue, found: Attribution | None) -> None:
         """Handle a report of the held value, or of another one and its cause, unless the outcome of a command will."""
@@ -224,23 +227,6 @@ class LeaseService:
             lease.again_at = now + _AGAIN if found.role is ReportRole.UNDONE else now
             self._log("control.held_again", lease, f"is held {lease.held_value}, but {saw}: it is commanded again")
         self._changed.set()
-
-    def _outcome(self, lease: Lease, now: float) -> Outcome:
-        """Return the outcome of the newest command, or the change made by a hand since."""
-        if now < lease.hand_until:
-            if lease.yielded_to:
-                return Contradicted(lease.saw)
-            left = math.ceil(lease.hand_until - now)
-            return Contradicted(f"{lease.saw}; it is commanded again in {left} s")
-        return lease.outcome
-
-    def _begin_due(self, tasks: TaskGroup) -> None:
-        now = self._clock.monotonic()
-        for lease in self._leases:
-            if lease.again_at <= now:
-                self._hand_back(lease)
-                key, holder = next(iter(lease.holders.items()))
-                tasks.start_soon(self._command, lease, key, holder)
 
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):

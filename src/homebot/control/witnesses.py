@@ -17,7 +17,6 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
-from homebot.devices.part import Capability
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
@@ -184,13 +183,11 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
     for state in device.states:
         if state.capability in wanted and state.live and state.part not in device.offline_parts:
             part, value = device.part(state.part), state.value.plain()
-            if part is not None and any(_measures(one, state.capability) for one in part.part.capabilities):
+            if part is not None and any(
+                one.name == state.capability and one.readable and not one.settable for one in part.part.capabilities
+            ):
                 found.append(Witness(device.name, is_named, part, state.capability, value, value))
     return found
-
-
-def _measures(capability: Capability, name: str) -> bool:
-    return capability.name == name and capability.readable and not capability.settable
 
 
 class Observed(Enum):
@@ -264,17 +261,13 @@ def observed(capability: str, before: PlainValue, newest: PlainValue, *, is_rise
     Args:
         is_heard: Whether the sensor reported after the device.
     """
-    sense = _SENSES[capability]
     if isinstance(before, bool) and isinstance(newest, bool):
         if before is is_rise:
             return Observed.UNCLEAR  # it was already so
         return Observed.EFFECT if newest is is_rise else Observed.NOTHING
     if not (isinstance(before, float) and isinstance(newest, float)):
         return Observed.UNCLEAR
-    return _observed_number(sense, before, newest, is_rise=is_rise, is_heard=is_heard)
-
-
-def _observed_number(sense: _Sense, before: float, newest: float, *, is_rise: bool, is_heard: bool) -> Observed:
+    sense = _SENSES[capability]
     change = newest - before if is_rise else before - newest
     if change >= max(sense.least, _SHARE * abs(before)):
         return Observed.EFFECT

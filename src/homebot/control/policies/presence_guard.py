@@ -95,17 +95,17 @@ class PresenceGuardSettings(PolicyTable):
             detected = f"{_shown(remaining)} was on {facts.age(remaining.since):.0f} s ago"
             reason = f"somebody is in {room}: {detected}, and no door has been opened since"
             return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
-        if presence != "present" and (change := _person_at(command, facts, self._longest_in(room, facts))) is not None:
-            changed = f"{command.label} changed {facts.now - change.since:.0f} s ago, and no command explains it"
-            reason = f"somebody may be in {room}: {changed}"
-            return Verdict(NAME, allowed=False, reason=reason, facts=(change,))
+        if presence != "present":  # a switch reports before a motion sensor
+            readings = facts.house.readings(room, OCCUPANCY)
+            decisive = [*filter(_IS_PRESENCE, readings)] or readings
+            unseen_for = max(map(self.absent_after.of, decisive), default=self.absent_after.motion)
+            change = facts.timeline_of(command.device, command.part).unexplained(facts.monotonic - unseen_for)
+            if change is not None:
+                changed = f"changed {facts.monotonic - change.at:.0f} s ago, and no command explains it"
+                at, name = facts.now - facts.monotonic + change.at, f"{change.capability} of {command.target}"
+                reason = f"somebody may be in {room}: {command.label} {changed}"
+                return Verdict(NAME, allowed=False, reason=reason, facts=(FactUsed(name, change.value, at),))
         return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
-
-    def _longest_in(self, room: str, facts: Facts) -> float:
-        """Return for how long somebody in *room* may be seen by none of its sensors, in seconds."""
-        readings = facts.house.readings(room, OCCUPANCY)
-        decisive = [*filter(_IS_PRESENCE, readings)] or readings
-        return max(map(self.absent_after.of, decisive), default=self.absent_after.motion)
 
     def contacts_of(self, room: str) -> tuple[str, ...]:
         """Return the contacts on all doors of *room*; none if unknown."""
@@ -154,9 +154,11 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
     The person was detected after all doors were closed: a sensor began to detect motion then, or still did so
     ``absent_after`` seconds later, which is longer than it reports the motion of a person who left.
     """
-    closed_for = _closed_for(settings.contacts_of(room), facts)
-    if closed_for is None:
+    contacts = [facts.house.reading_of(one, CONTACT) for one in settings.contacts_of(room)]
+    closed = [one for one in contacts if one is not None and one.value is False]
+    if not contacts or len(closed) < len(contacts):
         return None
+    closed_for = min(facts.age(one.since) for one in closed)
     for one in facts.house.readings(room, OCCUPANCY):
         began = facts.house.detected_since(one.sensor)
         if began is None:
@@ -165,22 +167,6 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
         if has_moved or (one.value is False and facts.age(one.since) + settings.absent_after.of(one) <= closed_for):
             return FactUsed(f"{OCCUPANCY} of {one.sensor}", value=True, since=began)
     return None
-
-
-def _closed_for(contacts: tuple[str, ...], facts: Facts) -> float | None:
-    """Return the seconds for which all doors have been closed; None if one is open or unknown, or there are none."""
-    readings = [facts.house.reading_of(one, CONTACT) for one in contacts]
-    if not readings or any(one is None or one.value is not False for one in readings):
-        return None
-    return min(facts.age(one.since) for one in readings if one is not None)
-
-
-def _person_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
-    """Return the newest unexplained change of the commanded part: a switch reports before a motion sensor."""
-    change = facts.timeline_of(command.device, command.part).unexplained(facts.monotonic - within)
-    if change is None:
-        return None
-    return FactUsed(f"{change.capability} of {command.target}", change.value, facts.now - facts.monotonic + change.at)
 
 
 def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Facts) -> str:
