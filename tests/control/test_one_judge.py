@@ -1,6 +1,7 @@
 """Plays between commands, persons, devices and programs: each report has one cause, whoever asks; in virtual time.
 
-After each play the journal, ``why``, the guard, the service of causes, an app and the number of messages are compared.
+After each play the journal, ``why``, the guard, the service of causes, an app, an undo and the number of messages are
+compared.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import pytest
 from tests.control.conftest import Home, OpenHome, obey_after, report
 from tests.control.test_explanations import explain
 
+from homebot.command_words.earlier_values import EarlierValues, known_states
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, HandleChange, Light
@@ -256,10 +258,10 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         changes: list[HandleChange[Handle]] = []
         home.tasks.start_soon(_follow, home, play.of, changes)
         await anyio.sleep(1)
-        before = len(home.commands)
+        sent_before = len(home.commands)
         await play.act(home, part)
         await anyio.sleep(15)
-        assert len(home.commands) - before <= play.messages
+        assert len(home.commands) - sent_before <= play.messages
         told = [one for one in (await home.read()).entries if one.device == "lamp" and _cause(one, play.of)]
         assert _cause(told[-1], play.of) in play.cause
         client = home.app.create_client(GetCauses, GET_CAUSES)
@@ -268,7 +270,12 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         assert newest.may_be_person == (play.cause <= PERSON)
         assert newest.cause in play.cause
         assert await changes[-1].cause(play.of) == newest
-        assert part.value(play.of) == newest.value.plain() != changes[-1].before[play.of]
+        before, now = changes[-1].before[play.of], newest.value.plain()
+        assert part.value(play.of) == now != before
+        lamp = (await home.handle(Handle, "lamp")).device
+        undo = EarlierValues({f"{lamp.id} {play.of}": [before, [newest.command or "another"], now]})
+        is_undone = bool(undo.due(await known_states(home.app, [lamp])))
+        assert is_undone == (bool(newest.command) and not newest.may_be_person)
         why = await explain(home, "lamp")
         has_obeyed = why.finding == "command" and _outcome(why.entries) in {"", "confirmed"}
         assert has_obeyed if play.cause <= COMMAND else not (has_obeyed and play.cause <= PERSON)
