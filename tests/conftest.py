@@ -54,9 +54,11 @@ def _is_slow(path: Path) -> bool:
 
 
 _HERE = Path(__file__).parent
-_INTEGRATIONS = _HERE.parent / "src" / "homebot" / "integrations"
+_SOURCE = _HERE.parent / "src" / "homebot"
 _ROOMS = {
-    re.compile(r"homebot\.integrations\.([a-z0-9_]+)"): _INTEGRATIONS,
+    re.compile(r"homebot\.integrations\.([a-z0-9_]+)"): _SOURCE / "integrations",
+    re.compile(r"homebot\.features\.([a-z0-9_]+)"): _SOURCE / "features",
+    re.compile(r"tests\.features\.([a-z0-9_]+)"): _HERE / "features",
     re.compile(r'tests\.integrations\.([a-z0-9_]+)|"integrations" / "([a-z0-9_]+)'): _HERE / "integrations",
 }
 
@@ -65,26 +67,26 @@ _IMPORTED = re.compile(r"^ *(?:from|import) tests\.([\w.]+)", re.MULTILINE)
 
 
 @functools.cache
-def _lacks_an_integration(path: Path) -> bool:
-    """Return whether a module of tests, or one that it imports, needs an integration that was taken out."""
+def _lacks_a_folder(path: Path) -> bool:
+    """Return whether a module of tests, or one that it imports, needs an integration or feature that was taken out."""
     text = path.read_text("utf-8")
     named = (folder / "".join(found.groups("")) for shape, folder in _ROOMS.items() for found in shape.finditer(text))
     if any(not (one.exists() or one.with_suffix(".py").exists()) for one in named):
         return True
     imported = (_HERE.joinpath(*name.split(".")).with_suffix(".py") for name in _IMPORTED.findall(text))
-    return any(one.exists() and _lacks_an_integration(one) for one in imported)
+    return any(one.exists() and _lacks_a_folder(one) for one in imported)
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
-    """Leave out tests of an integration that was taken out."""
+    """Leave out tests of an integration or feature that was taken out."""
     path = collection_path / "conftest.py" if collection_path.is_dir() else collection_path
     is_ours = path.suffix == ".py" and path.is_relative_to(_HERE) and path.exists()
-    return True if is_ours and _lacks_an_integration(path) else None
+    return True if is_ours and _lacks_a_folder(path) else None
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
     named = {name for mark in item.iter_markers("rooms") for name in mark.args}
-    if gone := sorted(one for one in named if not (_INTEGRATIONS / one).exists()):
+    if gone := sorted(one for one in named if not any(_SOURCE.glob(f"*/{one}/__init__.py"))):
         item.add_marker(pytest.mark.skip(reason=f"taken out: {', '.join(gone)}"))
     if _is_slow(item.path):
         item.add_marker(pytest.mark.slow)

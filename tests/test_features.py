@@ -80,6 +80,7 @@ def test_no_app_has_the_name_of_a_feature(name: str) -> None:
         ),
     ],
 )
+@pytest.mark.rooms("goals")
 def test_a_feature_of_another_package_is_found_and_a_broken_one_stops_nothing(
     other_package: Path, text: str, problem: str
 ) -> None:
@@ -128,5 +129,6 @@ def test_no_two_rows_of_services_are_of_one_name() -> None:
 
 
 @pytest.mark.parametrize("name", ["/devices/achieve_words", "/control/perform", "/devices/command", "/scenes/apply"])
+@pytest.mark.rooms("goals", "scenes")
 def test_a_call_that_waits_for_devices_may_take_an_hour(name: str) -> None:
     assert (usual_timeout(name), usual_timeout("/discovery/query")) == (3600.0, 5.0)

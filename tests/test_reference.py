@@ -28,7 +28,7 @@ def test_every_public_name_is_in_the_reference_once() -> None:
     assert sorted(entries) == sorted(public)
 
 
-@pytest.mark.rooms("homeassistant", "thesis", "things", "zigbee2mqtt")
+@pytest.mark.rooms("goals", "history", "homeassistant", "scenes", "thesis", "things", "zigbee2mqtt")
 def test_every_link_to_a_file_leads_to_one() -> None:
     """Files move; a guide that names one moves with it."""
     links = [

@@ -63,6 +63,7 @@ def test_the_site_has_a_table_of_all_handles() -> None:
 
 
 @pytest.mark.parametrize("page", ["configuration", pytest.param("protocols", marks=pytest.mark.rooms("things"))])
+@pytest.mark.rooms("history")
 def test_the_site_has_a_row_for_each_key_of_the_configuration(page: str) -> None:
     """A key without an explanation is an error of the build."""
     site = runpy.run_path(str(SITE))

@@ -13,6 +13,7 @@ from homebot.testing import virtual_house_of
 
 pytestmark = [pytest.mark.virtual_time, pytest.mark.slow, pytest.mark.rooms("homeassistant", "thesis")]
 
+# What is searched is kept by homebot.features.history.
 CONFIG = parse_config(
     {"history": {"enabled": True}, "home": {"zone": "UTC", "latitude": 52.5, "longitude": 13.4}, "apps": APPS}, "test"
 )

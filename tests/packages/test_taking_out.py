@@ -1,4 +1,4 @@
-"""Each integration can be taken out: without its folders and its lines in pyproject.toml the rest is whole."""
+"""Each integration and feature can be taken out: without its folders, and its lines in pyproject.toml, all is whole."""
 
 import importlib
 import multiprocessing
@@ -16,7 +16,10 @@ import pytest
 from tests.sizes import nightly
 
 ROOT = Path(__file__).parents[2]
-INTEGRATIONS = sorted(one.parent.name for one in (ROOT / "src/homebot/integrations").glob("*/__init__.py"))
+INTEGRATIONS, FEATURES = (
+    sorted(f"{kind}/{one.parent.name}" for one in (ROOT / "src/homebot" / kind).glob("*/__init__.py"))
+    for kind in ("integrations", "features")
+)
 STAND_INS = {
     "homebot.integrations.thesis.formats:Thesis": "tests.plain_layout:PlainLayout",
     "homebot.integrations.thesis.simulated:ThesisDialect": "tests.plain_layout:PlainDialect",
@@ -27,19 +30,20 @@ Rest = Callable[..., str]
 
 
 def project_without(folders: Collection[str], root: Path, points: str) -> Rest:
-    """Copy the project to *root* with the entry points *points*, without the *folders* of integrations.
+    """Copy the project to *root* with the entry points *points*, without *folders*, such as ``features/scenes``.
 
     Returns:
         What runs a program of Python there, and returns what that prints.
     """
     left_out = ignore_patterns("*.pyc.*", ".*_cache", ".git", ".venv*")
     copytree(ROOT, root, copy_function=os.link, ignore=left_out)
-    for parent in ("src/homebot/integrations", "tests/integrations"):
+    for parent in ("src/homebot", "tests"):
         for one in folders:
             rmtree(root / parent / one, ignore_errors=True)
     (root / "pyproject.toml").unlink()  # a link to ours
     lines = points.splitlines(keepends=True)
-    kept = "".join(one for one in lines if not any(f"homebot.integrations.{name}." in one for name in folders))
+    gone = [f"homebot.{name.replace('/', '.')}." for name in folders]
+    kept = "".join(one for one in lines if not any(name in one for name in gone))
     (root / "pyproject.toml").write_text(kept)
     info = root / "homebot-0.1.0.dist-info"
     info.mkdir()
@@ -89,9 +93,9 @@ def import_all(root: Path) -> None:
                     raise
 
 
-@pytest.fixture(params=INTEGRATIONS)
+@pytest.fixture(params=[*INTEGRATIONS, *FEATURES])
 def rest(request: pytest.FixtureRequest, tmp_path: Path) -> Rest:
-    """A project without one integration."""
+    """A project without one integration or feature."""
     return project_without([request.param], tmp_path / "rest", (ROOT / "pyproject.toml").read_text())
 
 
@@ -102,7 +106,7 @@ def test_the_rest_imports_starts_and_keeps_its_import_rules(
     fork.start()
     fork.join()
     assert fork.exitcode == 0
-    house = "tests/packages/homie.toml" if "[thesis]" in request.node.name else "thesis"
+    house = "tests/packages/homie.toml" if "thesis]" in request.node.name else "thesis"
     assert "is running" in rest(
         "-m", "homebot", "run", "--house", house, "--plain", "--for", "0.1", "--door", "127.0.0.1:0"
     )
@@ -115,6 +119,14 @@ def test_all_other_tests_are_collected(rest: Rest) -> None:
     collected = re.search(r"(\d+) tests collected|(\d+)/\d+ tests collected", found)
     assert collected is not None, found[-2000:]
     assert "error" not in found.splitlines()[-1]
+
+
+@nightly
+@pytest.mark.timeout(7200)
+def test_the_tests_of_the_rest_pass_without_any_feature(tmp_path: Path) -> None:
+    run = project_without(FEATURES, tmp_path / "rest", (ROOT / "pyproject.toml").read_text())
+    rest = ("tests", "-m", "not slow and not peers")
+    assert " passed" in run("-m", "pytest", "-q", "-p", "no:cacheprovider", *rest, timeout=7000.0)
 
 
 @nightly

@@ -29,6 +29,7 @@ from homebot.testing import VirtualHouse, virtual_house_of
 pytestmark = pytest.mark.virtual_time
 
 DAYS = 7
+# What is searched is kept by homebot.features.history.
 CONFIG = parse_config(
     {"history": {"enabled": True}, "home": {"zone": "UTC", "latitude": 52.5, "longitude": 13.4}}, "test"
 )

@@ -357,6 +357,7 @@ async def test_a_wrong_routine_of_the_configuration_stays_out_alone_and_is_told(
     assert any(one["event"] == "app.left_out" and problem in one["message"] for one in lines)
 
 
+@pytest.mark.rooms("scenes")
 async def test_no_mistake_in_a_routine_group_or_scene_stops_anything_else(tmp_path: Path) -> None:
     """Each is one line, with the line of the file: in the log, and where clients ask."""
     file = tmp_path / "homebot.toml"

@@ -127,6 +127,7 @@ async def test_places_are_swapped_and_devices_described_anew() -> None:
         ({"places": {"rooms": {"a": {"doors": ["nowhere"]}}}}, "homebot.toml: places.rooms.a.doors"),
     ],
 )
+@pytest.mark.rooms("history")
 async def test_a_mistake_anywhere_changes_nothing(tables: dict[str, object], mistake: str) -> None:
     async with home() as here:
         line = await here.reload({"control": NEVER_OFF, **tables})
@@ -134,6 +135,7 @@ async def test_a_mistake_anywhere_changes_nothing(tables: dict[str, object], mis
         assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
 
 
+@pytest.mark.rooms("history")
 def test_the_keys_that_wait_for_a_restart_are_named_each() -> None:
     before = {
         "home": {"name": "a"},

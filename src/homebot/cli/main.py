@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
-    "new": "create a folder with an app, or a package for devices, with tests and configuration",
+    "new": "create a folder with an app, or a package for devices or with a feature, with tests",
     "app": "list, load, unload and reload apps of a running homebot",
     "bind": "let a button do something",
     "routine": "list and show routines, start them, switch them on and off",

@@ -13,7 +13,9 @@ from typing import Final
 
 from homebot.cli.arguments import set_command
 from homebot.cli.commands.service import unit_text
+from homebot.devices.own_services import own_namespaces
 from homebot.errors import UsageError
+from homebot.feature import find_features
 from homebot.plugins import has_plugin
 
 _EXAMPLES = """\
@@ -21,6 +23,7 @@ _EXAMPLES = """\
   cd hall_light && pytest && homebot config check && homebot run --house house.toml
   homebot new integration acme    acme/ with a package homebot_acme: messages on MQTT, simulated devices, tests
   cd acme && pip install -e . && pytest && homebot run --house house.toml
+  homebot new feature lit         lit/ with a package homebot_lit: a node, a service, a command, a test
 """
 
 _APP: Final = {
@@ -41,19 +44,34 @@ _INTEGRATION: Final = {
     "integration/homebot.toml.template": "homebot.toml",
     "integration/house.toml.template": "house.toml",
 }
+_FEATURE: Final = {
+    "feature/package.py.template": "$module/__init__.py",
+    "feature/server.py.template": "$module/server.py",
+    "feature/command.py.template": "$module/command.py",
+    "feature/test_feature.py.template": "test_feature.py",
+    "feature/pyproject.toml.template": "pyproject.toml",
+    "feature/homebot.toml.template": "homebot.toml",
+    "feature/house.toml.template": "house.toml",
+}
+_PACKAGES: Final = {"integration": _INTEGRATION, "feature": _FEATURE}
 _GROUPS: Final = ("homebot.mqtt_conventions", "homebot.simulated")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_command(parser, _new, _EXAMPLES)
-    parser.add_argument("kind", nargs="?", choices=("integration",), help="a package for devices; without it, an app")
+    parser.add_argument(
+        "kind",
+        nargs="?",
+        choices=(*_PACKAGES,),
+        help="a package for devices, or one with a feature; without it, an app",
+    )
     parser.add_argument("folder", metavar="FOLDER", help="folder to create; what is in it is named after it")
 
 
 def _new(options: argparse.Namespace) -> int:
     folder = Path(options.folder).resolve()
-    if options.kind is None and options.folder == "integration":
-        raise UsageError("an integration needs a name: homebot new integration NAME")
+    if options.kind is None and options.folder in _PACKAGES:
+        raise UsageError(f"{_with_article(options.folder)} needs a name: homebot new {options.folder} NAME")
     if options.kind is None:
         module = _module_name(folder.name)
         names = {"module": module, "kind": _kind(module)}
@@ -61,9 +79,9 @@ def _new(options: argparse.Namespace) -> int:
         _write(folder, _texts(folder, _APP, names) | others)
         steps = "pytest && homebot config check"
     else:
-        name = _integration_name(folder.name)
+        name = _package_name(folder.name, options.kind)
         names = {"name": name, "module": f"homebot_{name}", "kind": _kind(name)}
-        _write(folder, _texts(folder, _INTEGRATION, names))
+        _write(folder, _texts(folder, _PACKAGES[options.kind], names))
         steps = "pip install -e . && pytest"
     print(f"try it: cd {shlex.quote(options.folder)} && {steps} && homebot run --house house.toml")
     return 0
@@ -89,13 +107,26 @@ def _write(folder: Path, texts: Mapping[Path, str]) -> None:
     print(f"created {folder.name} with {', '.join(str(path.relative_to(folder)) for path in texts)}")
 
 
-def _integration_name(folder: str) -> str:
-    name = re.sub(r"\W+", "_", folder.lower(), flags=re.ASCII).strip("_").removeprefix("homebot_")
+def _package_name(folder: str, kind: str) -> str:
+    what, name = _with_article(kind), re.sub(r"\W+", "_", folder.lower(), flags=re.ASCII).strip("_")
+    name = name.removeprefix("homebot_")
     if not name.isidentifier() or not _kind(name).isidentifier() or keyword.iskeyword(_kind(name)):
-        raise UsageError(f"an integration cannot be named after the folder {folder!r}; use letters, such as acme")
-    if any(has_plugin(group, name) for group in _GROUPS) or importlib.util.find_spec(f"homebot_{name}") is not None:
-        raise UsageError(f"there is an integration {name!r} already; give the folder another name, such as my_{name}")
+        raise UsageError(f"{what} cannot be named after the folder {folder!r}; use letters, such as acme")
+    is_taken = any(has_plugin(group, name) for group in _GROUPS) if kind == "integration" else _is_offered(name)
+    if is_taken or importlib.util.find_spec(f"homebot_{name}") is not None:
+        raise UsageError(f"there is {what} {name!r} already; give the folder another name, such as my_{name}")
     return name
+
+
+def _is_offered(name: str) -> bool:
+    """Return whether a feature, a command or a part of homebot has the name."""
+    from homebot.cli.main import all_commands  # noqa: PLC0415 - it is loaded by the first command
+
+    return name in find_features().features or name in all_commands() or name in own_namespaces()
+
+
+def _with_article(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _module_name(folder: str) -> str:
