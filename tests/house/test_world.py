@@ -194,6 +194,17 @@ def test_timers_tell_devices_every_day() -> None:
     assert told == [SEVEN, DAY + SEVEN]
 
 
+def test_an_errand_waits_until_its_device_is_no_longer_reserved_and_its_sender_is_named() -> None:
+    """As for the drive of a goal."""
+    robot = Robot("robot", PLAN, "hall")
+    world = World(PLAN, [Placed(robot, "hall")], errands=[ScheduledCommand(SEVEN, "robot", "stop")])
+    robot.reserved_until = SEVEN + 300.0
+    assert lines(world, SEVEN + 299.0) == []
+    assert robot.last_sender == ""
+    assert len(lines(world, SEVEN + 301.0)) == 2
+    assert robot.last_sender == "an errand of the house"
+
+
 def test_a_house_run_in_steps_is_the_house_run_at_once() -> None:
     """Whoever carries it sleeps until its next event."""
     devices = [
