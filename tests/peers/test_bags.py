@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.bags.test_judges import write_golden
+from tests.features.bags.test_judges import write_golden
 
-from homebot.bags.bag_files import bag_files
+from homebot.features.bags.bag_files import bag_files
 from homebot.messages.cdr import message_from_cdr
 from homebot.messages.definition import fields_of
 from homebot.messages.message import Message

@@ -9,15 +9,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.bags.bags import CHAT, START, bag_of, topic, words
+from tests.features.bags.bags import CHAT, START, bag_of, topic, words
 from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 from tests.system.attack_probe import until
 
-from homebot.bags.bag_topic import BagMessage, BagTopic
-from homebot.bags.bag_writer import BagWriter
-from homebot.bags.mcap_file import McapFile
+from homebot.features.bags.bag_topic import BagMessage, BagTopic
+from homebot.features.bags.bag_writer import BagWriter
+from homebot.features.bags.mcap_file import McapFile
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.std_msgs import Float64MultiArray, MultiArrayLayout
 

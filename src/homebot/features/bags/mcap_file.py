@@ -25,8 +25,8 @@ from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC, Writer
 from zstandard import ZstdDecompressor, ZstdError, frame_content_size
 
-from homebot.bags.bag_topic import BagMessage, BagTopic
 from homebot.errors import UsageError
+from homebot.features.bags.bag_topic import BagMessage, BagTopic
 from homebot.version import __version__
 
 CHUNK: Final = 256 * 1024

@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, Final
 
-from homebot.bags.bag_topic import BagMessage, BagTopic, qos_text
 from homebot.devices import Device, GatewayNames, RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import OWNER_REQUESTS
 from homebot.devices.places_messages import OwnerRequest
+from homebot.features.bags.bag_topic import BagMessage, BagTopic, qos_text
 from homebot.graph import QoSProfile
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import definition_text

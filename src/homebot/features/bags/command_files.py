@@ -5,12 +5,12 @@ from collections import Counter
 from datetime import UTC, datetime
 from pathlib import Path
 
-from homebot.bags.bag_files import bag_files
-from homebot.bags.bag_topic import BagTopic
-from homebot.bags.bag_writer import BagWriter
-from homebot.bags.mcap_file import DamagedFileError
-from homebot.bags.public_message import without_raw_secrets
-from homebot.bags.recorded_messages import recorded_messages
+from homebot.features.bags.bag_files import bag_files
+from homebot.features.bags.bag_topic import BagTopic
+from homebot.features.bags.bag_writer import BagWriter
+from homebot.features.bags.mcap_file import DamagedFileError
+from homebot.features.bags.public_message import without_raw_secrets
+from homebot.features.bags.recorded_messages import recorded_messages
 from homebot.recording.recording import load_recording
 from homebot.support.printable import printable
 

@@ -12,14 +12,14 @@ from mcap.data_stream import RecordBuilder
 from mcap.reader import SeekingReader
 from mcap.records import Chunk
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
-from tests.bags.bags import CHAT, START, bag_of, whole
+from tests.features.bags.bags import CHAT, START, bag_of, whole
 from zstandard import ZstdCompressor
 
-from homebot.bags.bag_files import bag_files
-from homebot.bags.bag_topic import BagMessage
-from homebot.bags.bag_writer import BagWriter
-from homebot.bags.mcap_file import DamagedFileError, McapFile
 from homebot.errors import UsageError
+from homebot.features.bags.bag_files import bag_files
+from homebot.features.bags.bag_topic import BagMessage
+from homebot.features.bags.bag_writer import BagWriter
+from homebot.features.bags.mcap_file import DamagedFileError, McapFile
 
 
 def test_a_file_that_was_cut_off_gives_what_is_whole(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from tests.bags.bags import topic
+from tests.features.bags.bags import topic
 
 from homebot.graph import qos_profile_latched
 

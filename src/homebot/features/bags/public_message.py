@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from homebot.bags.bag_topic import BagMessage
 from homebot.devices import RawCommand, RawMessage
+from homebot.features.bags.bag_topic import BagMessage
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.message import Message
 from homebot.recording.secrets import without_secrets

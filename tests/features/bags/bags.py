@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from homebot.bags.bag_topic import BagMessage, BagTopic, qos_text
-from homebot.bags.bag_writer import BagWriter
-from homebot.bags.mcap_file import DamagedFileError, McapFile
+from homebot.features.bags.bag_topic import BagMessage, BagTopic, qos_text
+from homebot.features.bags.bag_writer import BagWriter
+from homebot.features.bags.mcap_file import DamagedFileError, McapFile
 from homebot.graph import QoSProfile
 from homebot.messages import String
 from homebot.messages.cdr import message_to_cdr

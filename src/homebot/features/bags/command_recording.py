@@ -11,14 +11,14 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
-from homebot.bags.bag_thread import BagThread
-from homebot.bags.bag_topic import BagMessage, BagTopic, qos_text
-from homebot.bags.bag_writer import BagWriter
-from homebot.bags.public_message import without_raw_secrets
 from homebot.cli.graph_queries import entities, is_hidden, not_yet
 from homebot.cli.stop_signals import stop_signals
 from homebot.devices.wording.json_message import fields_of
 from homebot.errors import HomebotError, LinkError
+from homebot.features.bags.bag_thread import BagThread
+from homebot.features.bags.bag_topic import BagMessage, BagTopic, qos_text
+from homebot.features.bags.bag_writer import BagWriter
+from homebot.features.bags.public_message import without_raw_secrets
 from homebot.support.name_patterns import fits_any
 
 if TYPE_CHECKING:

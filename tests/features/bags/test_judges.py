@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.bags.bags import START, topic
+from tests.features.bags.bags import START, topic
 from tests.messages.test_ros_packages import golden
 from tests.messages.test_type_hash import WITH_CHAR
 
-from homebot.bags.bag_files import bag_files
-from homebot.bags.bag_topic import BagMessage
-from homebot.bags.bag_writer import BagWriter
+from homebot.features.bags.bag_files import bag_files
+from homebot.features.bags.bag_topic import BagMessage
+from homebot.features.bags.bag_writer import BagWriter
 from homebot.graph import QoSProfile, qos_profile_latched
 from homebot.graph.qos import LivelinessPolicy, ReliabilityPolicy
 from homebot.messages.cdr import message_from_cdr

@@ -36,15 +36,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_play(verbs)
     command = add_verb(verbs, "info", "show the topics, messages and duration of a bag")
     command.add_argument("bag", metavar="BAG", help="folder, or file that ends in .mcap")
-    set_command(command, _later("bag_files", "info"), "  homebot bag info day\n  homebot bag info day/day_0.mcap\n")
+    set_command(command, _later("files", "info"), "  homebot bag info day\n  homebot bag info day/day_0.mcap\n")
     command = add_verb(verbs, "recover", "copy what is whole in a bag that was cut off or damaged")
     command.add_argument("bag", metavar="BAG", help="folder, or file that ends in .mcap")
     command.add_argument("new", metavar="NEW", help="bag to write, likewise")
-    set_command(command, _later("bag_files", "recover"), "  homebot bag recover day whole\n")
+    set_command(command, _later("files", "recover"), "  homebot bag recover day whole\n")
     command = add_verb(verbs, "export", "write a recording of `homebot record` as a bag")
     command.add_argument("recording", metavar="RECORDING", help="file of `homebot record`")
     command.add_argument("new", metavar="NEW", help="bag to write: a folder, or a file that ends in .mcap")
-    set_command(command, _later("bag_files", "export"), "  homebot bag export day.jsonl.gz day\n")
+    set_command(command, _later("files", "export"), "  homebot bag export day.jsonl.gz day\n")
 
 
 def _add_record(verbs: Commands) -> None:
@@ -59,7 +59,7 @@ def _add_record(verbs: Commands) -> None:
     add_time_limit(command)
     command.add_argument("--max-size", metavar="BYTES", type=whole, default=0, help="begin the next file after BYTES")
     command.add_argument("--max-duration", metavar="TIME", type=seconds, default=0.0, help="likewise after TIME")
-    set_door_command(command, _later("bag_recording", "record"), _RECORD_EXAMPLES)
+    set_door_command(command, _later("recording", "record"), _RECORD_EXAMPLES)
 
 
 def _add_play(verbs: Commands) -> None:
@@ -70,7 +70,7 @@ def _add_play(verbs: Commands) -> None:
         "--topics", metavar="TOPIC", nargs="+", type=_pattern, default=[], help=f"topics to play{_PATTERNS}"
     )
     command.add_argument("--commands", action="store_true", help="play commands to devices and robots too")
-    set_door_command(command, _later("bag_playing", "play"), _PLAY_EXAMPLES, acts=True)
+    set_door_command(command, _later("playing", "play"), _PLAY_EXAMPLES, acts=True)
 
 
 def _pattern(text: str) -> str:
@@ -82,7 +82,7 @@ def _later(module: str, function: str) -> Callable[..., int]:
 
     def run(*arguments: object) -> int:
         check_extra("homebot bag", "mcap", "mcap", "yaml", "zstandard")
-        code: int = getattr(import_module(f"homebot.cli.{module}"), function)(*arguments)
+        code: int = getattr(import_module(f"homebot.features.bags.command_{module}"), function)(*arguments)
         return code
 
     return run

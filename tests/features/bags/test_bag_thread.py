@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from tests.bags.bags import words
+from tests.features.bags.bags import words
 
-from homebot.bags.bag_files import bag_files
-from homebot.bags.bag_thread import BagThread
-from homebot.bags.bag_writer import BagWriter
+from homebot.features.bags.bag_files import bag_files
+from homebot.features.bags.bag_thread import BagThread
+from homebot.features.bags.bag_writer import BagWriter
 
 
 def test_what_is_put_is_written_before_the_end(tmp_path: Path) -> None:

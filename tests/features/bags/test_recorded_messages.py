@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from homebot.bags.recorded_messages import recorded_messages
 from homebot.devices import GatewayState, RawMessage
 from homebot.devices.command_messages import CommandResult
+from homebot.features.bags.recorded_messages import recorded_messages
 from homebot.messages import Time
 from homebot.messages.cdr import message_from_cdr
 from homebot.recording.lines import (

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from homebot.bags.bag_files import bag_files
 from homebot.errors import UsageError
+from homebot.features.bags.bag_files import bag_files
 
 
 def test_a_folder_without_files_is_no_bag(tmp_path: Path) -> None:

@@ -10,13 +10,13 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
-from homebot.bags.bag_files import bag_files
-from homebot.bags.bag_topic import CDR
 from homebot.bridges.rosbridge.access import right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import DEFINE_TYPE
 from homebot.errors import HomebotError, PeerError, RefusedError, UsageError
+from homebot.features.bags.bag_files import bag_files
+from homebot.features.bags.bag_topic import CDR
 from homebot.messages.cdr import message_from_cdr
 from homebot.messages.json import message_to_json
 from homebot.rights import Right
@@ -24,8 +24,8 @@ from homebot.support.name_patterns import fits_any
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.bags.bag_topic import BagMessage, BagTopic
     from homebot.cli.door_client import DoorClient
+    from homebot.features.bags.bag_topic import BagMessage, BagTopic
     from homebot.messages.message import Message
 
 _COMMANDS: Final = {

@@ -10,9 +10,9 @@ from typing import Any, Final, Self, final
 
 import yaml
 
-from homebot.bags.bag_topic import BagMessage
-from homebot.bags.mcap_file import CHUNK, McapWriter
 from homebot.errors import UsageError
+from homebot.features.bags.bag_topic import BagMessage
+from homebot.features.bags.mcap_file import CHUNK, McapWriter
 from homebot.support.new_file import create_file, told_if_not_created
 
 _FLUSHED_EVERY: Final = 10_000_000_000

@@ -4,9 +4,9 @@ import threading
 from queue import Empty, SimpleQueue
 from typing import Final, Self, final
 
-from homebot.bags.bag_topic import BagMessage
-from homebot.bags.bag_writer import BagWriter
 from homebot.errors import UsageError
+from homebot.features.bags.bag_topic import BagMessage
+from homebot.features.bags.bag_writer import BagWriter
 
 _MOST_BYTES: Final = 64 * 1024 * 1024
 _EACH: Final = 200

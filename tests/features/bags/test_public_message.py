@@ -1,11 +1,11 @@
 """No secret of a device reaches a bag."""
 
 import pytest
-from tests.bags.bags import START, topic, words
+from tests.features.bags.bags import START, topic, words
 
-from homebot.bags.bag_topic import BagMessage
-from homebot.bags.public_message import without_raw_secrets
 from homebot.devices import RawCommand, RawMessage
+from homebot.features.bags.bag_topic import BagMessage
+from homebot.features.bags.public_message import without_raw_secrets
 from homebot.messages import Time
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 

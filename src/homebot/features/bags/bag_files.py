@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from homebot.bags.mcap_file import McapFile
 from homebot.errors import UsageError
+from homebot.features.bags.mcap_file import McapFile
 
 
 def bag_files(path: Path) -> tuple[McapFile, ...]:

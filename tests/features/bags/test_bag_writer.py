@@ -8,12 +8,12 @@ from random import Random
 
 import pytest
 import yaml
-from tests.bags.bags import CHAT, START, bag_of, whole, words
+from tests.features.bags.bags import CHAT, START, bag_of, whole, words
 
-from homebot.bags.bag_files import bag_files
-from homebot.bags.bag_topic import BagMessage
-from homebot.bags.bag_writer import BagWriter
 from homebot.errors import UsageError
+from homebot.features.bags.bag_files import bag_files
+from homebot.features.bags.bag_topic import BagMessage
+from homebot.features.bags.bag_writer import BagWriter
 
 
 def write(writer: BagWriter, messages: Iterable[BagMessage]) -> None:
