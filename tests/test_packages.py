@@ -77,7 +77,7 @@ def drawn(imports: Imports) -> str:
     return "\n".join([head, *arrows, "</g>", *boxes, "</svg>\n"])
 
 
-@pytest.mark.rooms("alerts", "goals", "history", "homeassistant", "scenes", "things")
+@pytest.mark.rooms("alerts", "bags", "goals", "history", "homeassistant", "scenes", "things")
 def test_the_picture_shows_the_imports_in_one_direction(imports: Imports) -> None:
     picture = drawn(imports)
     if os.environ.get("HOMEBOT_WRITE_GOLDEN"):

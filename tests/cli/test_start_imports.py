@@ -114,7 +114,7 @@ def test_commands_of_a_client_start_without_pydantic() -> None:
         "topic",
     )
     modules = [f"homebot.cli.commands.{name}" for name in names]
-    modules += [f"homebot.features.{name}.command" for name in ("goals", "history")]
+    modules += [f"homebot.features.{name}.command" for name in ("bags", "goals", "history")]
     code = f"import sys, {', '.join(modules)}\nprint('pydantic' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout == "False\n"

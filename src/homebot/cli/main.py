@@ -59,7 +59,6 @@ COMMANDS: Final = {
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",
     "record": "record the house, for a replay",
-    "bag": "record and play bags of ROS 2 (MCAP files)",
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
     "mcp": "serve an agent over the Model Context Protocol",

@@ -34,6 +34,7 @@ from homebot.devices.names import (
     COPY_FILES,
     IDENTIFY_DEVICE,
     LIST_TOKENS,
+    POSE_TOPICS,
     RELOAD,
     START_RECORDER,
 )
@@ -43,12 +44,12 @@ from homebot.errors import UsageError
 from homebot.feature import Feature, all_features, load
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
+from homebot.places import HousePlan
 from homebot.runtime.app_host import IDENTIFY_VALUES, STORE_FILE, AppHost
 from homebot.runtime.app_loading import AppPlanner
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import JOURNAL_FILE, OWN_NODES, Plan, PlannedComponent, make_plan
-from homebot.runtime.robot_starter import track_robots
 from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
     from homebot.control.open_command import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.feature_context import FeatureContext, FeatureServer
+    from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
@@ -80,6 +82,34 @@ _LATER = 2.0
 ServiceT = TypeVar("ServiceT")
 
 _log = get_logger(node="/homebot")
+
+
+async def _track_robots(
+    graph: Graph, plan: Plan, rooms: Callable[[], HousePlan], *, task_status: TaskStatus[None]
+) -> None:
+    """Track robots until cancelled; if none is configured, start when the first one publishes its pose."""
+    if not plan.names_robots:
+        task_status.started()
+        await _first_pose_topic(graph, plan)
+    from homebot.robots.tracker import RobotTracker  # noqa: PLC0415 - few houses have a robot
+
+    async with Node(graph, "robots") as node:
+        tracker = RobotTracker(node, plan.robot_owners(), rooms, plan.robots)
+        await run_as(node.full_name, partial(tracker.serve, task_status=task_status))
+
+
+async def _first_pose_topic(graph: Graph, plan: Plan) -> None:
+    def has_pose(entity: EndpointInfo) -> bool:
+        if entity.kind is not EntityKind.PUBLISHER or entity.name.rpartition("/")[2] not in POSE_TOPICS:
+            return False
+        return plan.robot_owners().of_topic(entity.name) is not None
+
+    with graph.watch() as changes:
+        if any(map(has_pose, graph.get_endpoints(kind=EntityKind.PUBLISHER))):
+            return
+        async for change in changes:
+            if has_pose(change.entity):
+                return
 
 
 @dataclass(eq=False, repr=False)
@@ -341,7 +371,7 @@ class Runtime:
         for feature in all_features():
             if feature.runs and feature.is_wanted(self._feature_context):
                 yield running(feature.name, partial(self._run_feature, feature))
-        yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
+        yield running("robots", partial(_track_robots, self.graph, self._plan, lambda: self._owner.plan))
 
     def _check_rights(self) -> None:
         """Check that each service of a node of homebot itself has a row with the right that a client needs.
