@@ -114,23 +114,49 @@ def test_commands_searches_triggers_conditions_and_bans_mean_the_device_with_the
         assert meant <= matching(devices, parse_cautious_query(text))
 
 
+@given(st.lists(NAMES, min_size=1, max_size=4))
+def test_searches_triggers_and_conditions_mean_the_room_with_the_name(rooms: list[str]) -> None:
+    """Turning off the lights of ``Flur`` turned off those of ``Flur oben`` too."""
+    devices = [plug(number, f"plug {number}", is_on=True, area=room) for number, room in enumerate(rooms)]
+    postings = directory(devices)
+    for one in devices:
+        meant = {other.id for other in devices if fold(other.area) == fold(one.area)}
+        text = f'plugs on in "{one.area}"'
+        trigger, condition = read_trigger(text), read_condition(f"not {text}")
+        assert isinstance(trigger, Becomes)
+        assert isinstance(condition, Matches)
+        for words in (text, trigger.words, condition.state.words):
+            assert found(postings, words) == followed(devices, words) == meant, words
+    live = WordsQuery(f'plugs in "{rooms[0]}"')
+    for one in devices:
+        live.record(one)
+    for one in devices:
+        live.record(one, is_gone=True)
+    assert live.query == parse_query(f'plugs in "{rooms[0]}"')
+
+
 def test_a_name_of_a_type_means_its_device_and_in_a_room_the_type_as_well() -> None:
     devices = [
         plug(1, "TV", is_on=True, area="living"),
         plug(2, "lamp", is_on=True, area="living"),
         plug(3, "hall plug", is_on=True, area="hall"),
+        plug(4, "hall up plug", is_on=True, area="hall up"),
     ]
     postings = directory(devices)
     for text, meant in {
         "tv on": {"id1"},
         "on tv": {"id1"},
         "tv on or hall plug on": {"id1", "id3"},
-        "plugs": {"id1", "id2", "id3"},
+        "plugs": {"id1", "id2", "id3", "id4"},
         "tv in living": {"id1"},
         "tv in hall": set(),
         "lamp level > 5": set(),  # it has none, so the type is meant
         "hall plug in hall": {"id3"},
         "what is on in the living?": {"id1", "id2"},
+        "plugs in hal": set(),
+        "plugs in hall": {"id3"},
+        "plugs in hall up": {"id4"},
+        "hall up plug in hall": set(),
         "which plugs are on in the hall?": {"id3"},
     }.items():
         assert found(postings, text) == followed(devices, text) == meant, text

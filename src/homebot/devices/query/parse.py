@@ -77,7 +77,7 @@ _Span: TypeAlias = tuple[Query, int, int, bool]
 _NOWHERE = AreaIs("")
 """Matches a device without a known room."""
 
-_OF_NAMED = CanDo | FreshnessIs | InArea | IsDisputed | IsUnapproved | ReachableIs | StateIs
+_OF_NAMED = AreaIs | CanDo | FreshnessIs | InArea | IsDisputed | IsUnapproved | ReachableIs | StateIs
 
 _AREA_WORDS = ("area", "room", "areas", "rooms")
 _METRES = ("m", "metres", "meters", "metre", "meter")
@@ -91,7 +91,7 @@ def parse_query(text: str, exists: Exists | None = None) -> Query:
     """Parse *text* as a query; an empty text matches everything.
 
     Args:
-        exists: For a known house: words that are exactly a name mean what is called so.
+        exists: For a known house: words that are exactly the name of a device or room mean what is called so.
 
     Raises:
         UsageError: It is not a query; the message names the part that is not understood, and an alternative.
@@ -129,7 +129,7 @@ class _Parser:
     def __init__(self, text: str, exists: Exists | None = None) -> None:
         self._text = text.rstrip().removesuffix("?")
         self._tokens = tokens_of(self._text)
-        self._exists = exists
+        self._exists = self._is_known = exists
         self.ends = [*(token.at - 1 for token in self._tokens), len(self._text)]
         self._place = 0
         self._depth = 0
@@ -188,7 +188,7 @@ class _Parser:
                     following = self._peek()
                     is_whole = following is None or following.kind == ")" or _is(following, "or")
                     if is_whole and exists(lasting(found)):
-                        is_placed = any(isinstance(one, InArea) for one in leaves(found))
+                        is_placed = any(isinstance(one, AreaIs | InArea) for one in leaves(found))
                         return found, is_placed and any(map(is_meaningful, name.split()))
                     self._place = place
             if self._is_filler(token):
@@ -260,7 +260,8 @@ class _Parser:
         return _all_words(token.text)
 
     def in_area(self, token: Token) -> Query:
-        return InArea(self._area(token))
+        area = self._area(token)
+        return AreaIs(area) if self._is_known is not None and self._is_known(AreaIs(area)) else InArea(area)
 
     def within(self, token: Token) -> Query:
         within = self._metres(token)

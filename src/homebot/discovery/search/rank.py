@@ -9,6 +9,7 @@ from homebot.devices.query.facets import Facets
 from homebot.devices.query.matching import fits, matches_kind
 from homebot.devices.query.terms import (
     And,
+    AreaIs,
     CanDo,
     FactIs,
     FreshnessIs,
@@ -101,7 +102,14 @@ def _terms(query: Query) -> Iterator[Query]:
 _BEST = 3.0
 _CALLED = 6.0
 _IN_AREA = 2.0
-_FULL: dict[type[Query], float] = {TypeIs: _BEST, InArea: _IN_AREA, CanDo: 1.0, HasText: 4.0, FactIs: 1.0}
+_FULL: dict[type[Query], float] = {
+    TypeIs: _BEST,
+    AreaIs: _IN_AREA,
+    InArea: _IN_AREA,
+    CanDo: 1.0,
+    HasText: 4.0,
+    FactIs: 1.0,
+}
 """The scores of terms that match completely; a name that contains the word does not score more."""
 
 
@@ -111,7 +119,7 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
             return _weigh_type(term, facets)
         case HasText(word):
             return _weigh_text(word, facets)
-        case InArea(area) if fits(term, facets):
+        case AreaIs(area) | InArea(area) if area and fits(term, facets):
             return (_IN_AREA, f"it is in {area}") if area in facets.areas else (1.0, f"its room is {facets.areas[0]}")
         case CanDo(name) if fits(term, facets):
             return 1.0, f"it has {name}"

@@ -141,8 +141,8 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
             return area_problem(area, postings, plan) or f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
     if (able := postings.find(may)) and may != query:
         return f"none now; in another state there would be {_names(able, postings)}"
-    areas = [one.text for one in places if isinstance(one, InArea)]
-    if areas and (elsewhere := postings.find(_without(InArea, may))):
+    areas = [one.text for one in places]
+    if areas and (elsewhere := postings.find(_without(InArea, _without(AreaIs, may)))):
         rooms = sorted({area for one in elsewhere for area in postings.facets(one).areas[:1]})
         return f"none is in {' or '.join(areas)}; there is in {', '.join(rooms[:_SHOWN]) or 'no room'}"
     is_named = any(isinstance(one, HasText | NameIs) for one in leaves(may))
