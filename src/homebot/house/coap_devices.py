@@ -69,8 +69,8 @@ class CoapDevice(ServedDevice):
         site.add_resource(
             [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)
         )
-        for path, one in self._resources:
-            site.add_resource(path, one)
+        for path, leaf in self._resources:
+            site.add_resource(path, leaf)
         context = await aiocoap.Context.create_server_context(
             site, bind=(self._host, self.port), multicast=list(self._groups), transports=["udp6"]
         )
@@ -87,14 +87,14 @@ class CoapDevice(ServedDevice):
 
     def show(self) -> None:
         """Notify the observers."""
-        for _, one in self._resources:
-            if isinstance(one, _StateResource):
-                one.updated_state()
+        for _, leaf in self._resources:
+            if isinstance(leaf, _StateResource):
+                leaf.updated_state()
 
     async def register(self) -> None:
         """Register in the directory or renew that (RFC 9176, section 5); raise OSError on a refusal or silence."""
         query = f"ep={self.device.device_id}&lt={_LIFETIME}"  # the request's source is its address
-        links = ",".join(_link(path, one) for path, one in self._resources).encode()
+        links = ",".join(_link(path, leaf) for path, leaf in self._resources).encode()
         if self._registration:
             await self._request_directory(Code.POST, f"{self._directory}{self._registration}")
             return
@@ -239,8 +239,8 @@ def _sensed(kind: str, state: DeviceState) -> object:
     return state.celsius if kind == "thermostat" else state.value
 
 
-def _link(path: tuple[str, ...], one: resource.Resource) -> str:
-    described: Mapping[str, Any] = one.get_link_description()
+def _link(path: tuple[str, ...], leaf: resource.Resource) -> str:
+    described: Mapping[str, Any] = leaf.get_link_description()
     pairs = (name if value is None else f'{name}="{value}"' for name, value in described.items())
     return ";".join([f"</{'/'.join(path)}>", *pairs])
 

@@ -20,7 +20,7 @@ async def served_directory(host: str, port: int) -> AsyncIterator[None]:
         with anyio.CancelScope(shield=True):
             await context.shutdown()
             # The directory leaves the lifetimes of its registrations behind.
-            left = [one for one in asyncio.all_tasks() if one.get_name().startswith("RD Timeout")]
+            left = [task for task in asyncio.all_tasks() if task.get_name().startswith("RD Timeout")]
             for task in left:
                 task.cancel()
             await asyncio.gather(*left, return_exceptions=True)

@@ -86,9 +86,9 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     known = {item.device.device_id for item in placed}
     _check_meters(placed, known, source)
     errands = [
-        one
+        errand
         for number, table in enumerate(parts.errands)
-        for one in _scheduled(f"errands.{number}", table, known, source)
+        for errand in _scheduled(f"errands.{number}", table, known, source)
     ]
     return World(
         rooms,
@@ -240,7 +240,7 @@ def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:
             rooms.path(person.starts_in, habit.room)
         except UsageError as exc:
             raise ConfigError(source, where, str(exc)) from exc
-    day = tuple(Habit(_seconds(one.at), one.room, one.jitter, one.asleep, one.still) for one in person.day)
+    day = tuple(Habit(_seconds(habit.at), habit.room, habit.jitter, habit.asleep, habit.still) for habit in person.day)
     return Person(name, day, person.starts_in, person.asleep, person.speed)
 
 

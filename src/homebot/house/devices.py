@@ -213,7 +213,7 @@ class SimulatedDoorLock(SimulatedDevice):
         return (self._state_text,)
 
 
-LEAST, MOST = 5.0, 30.0
+MIN_TARGET_CELSIUS, MAX_TARGET_CELSIUS = 5.0, 30.0
 """Range of targets, in degrees Celsius."""
 
 PERIOD = 300.0
@@ -242,7 +242,7 @@ class SimulatedThermostat(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "thermostat"
-    by_hand = (f"{LEAST:g} to {MOST:g}",)
+    by_hand = (f"{MIN_TARGET_CELSIUS:g} to {MAX_TARGET_CELSIUS:g}",)
     senses = ("temperature", float)
     celsius: float = 20.0
     target: float = 20.0
@@ -292,7 +292,7 @@ class SimulatedThermostat(SimulatedDevice):
         return self._looks_at
 
     def _obey(self, command: str) -> tuple[str, ...]:
-        target = number(command, LEAST, MOST)
+        target = number(command, MIN_TARGET_CELSIUS, MAX_TARGET_CELSIUS)
         if target is None:
             return ()
         self.target = target

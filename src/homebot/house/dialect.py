@@ -173,14 +173,14 @@ class Dialect(ABC):
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return the first messages of *device* on each new link, before its state."""
-        found = self.availability(device)
-        online = () if found is None else (OutgoingMessage(found[0], found[1], retain=True),)
+        messages = self.availability(device)
+        online = () if messages is None else (OutgoingMessage(messages[0], messages[1], retain=True),)
         return (*self.announcement(device), *online)
 
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
         """Return the last will of *device*."""
-        found = self.availability(device)
-        return None if found is None else OutgoingMessage(found[0], found[2], retain=True)
+        messages = self.availability(device)
+        return None if messages is None else OutgoingMessage(messages[0], messages[2], retain=True)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the commands in a received message."""

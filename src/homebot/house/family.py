@@ -99,20 +99,20 @@ def family_of(name: str) -> Dialect | type[ServedFamily] | None:
 
 def dialects() -> dict[str, Dialect]:
     """Return the installed families on MQTT by their names."""
-    found = ((name, family_of(name)) for name in family_names())
-    return {name: one for name, one in found if isinstance(one, Dialect)}
+    families = ((name, family_of(name)) for name in family_names())
+    return {name: family for name, family in families if isinstance(family, Dialect)}
 
 
 def announces(name: str) -> bool:
     """Return whether devices of the family *name* announce themselves, and so have names and identifiers."""
-    found = family_of(name)
-    return not isinstance(found, Dialect) or found.announces
+    family = family_of(name)
+    return not isinstance(family, Dialect) or family.announces
 
 
 def kinds_of(name: str) -> frozenset[str] | None:
     """Return the kinds of devices in the family *name*, or None if it does not exist."""
-    found = family_of(name)
-    return None if found is None else found.kinds
+    family = family_of(name)
+    return None if family is None else family.kinds
 
 
 def free_port(kind: socket.SocketKind, host: str = LOOPBACK) -> int:

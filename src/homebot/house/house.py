@@ -44,8 +44,8 @@ TICK = 1e-6
 STRIDE = 3600.0
 """Most seconds of the world in one turn of the loop, after a clock was set or a computer slept."""
 
-SHORTEST_KEEP_ALIVE = 30
-LONGEST_KEEP_ALIVE = 65_535
+MIN_KEEP_ALIVE_S = 30
+MAX_KEEP_ALIVE_S = 65_535
 
 
 class SimulatedHouse:
@@ -101,8 +101,8 @@ class SimulatedHouse:
         self._make_client = make_client
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._heartbeat = heartbeat
-        found = ((name, family_of(name)) for name in world.families())
-        self._dialects = {name: one for name, one in found if isinstance(one, Dialect)} | dict(dialects)
+        families = ((name, family_of(name)) for name in world.families())
+        self._dialects = {name: family for name, family in families if isinstance(family, Dialect)} | dict(dialects)
         self._lines = LogLimit(clock)
         self._midnight = world.time.first_midnight(clock.now(), world.now)
         self._changed = anyio.Event()
@@ -223,7 +223,7 @@ class SimulatedHouse:
         for name in world.families():
             if name not in self._dialects:
                 continue
-            bound = [infos[one] for one, placed in world.devices.items() if placed.dialect == name]
+            bound = [infos[device_id] for device_id, placed in world.devices.items() if placed.dialect == name]
             if (bridge := self._dialects[name].bridge(bound)) is not None:
                 info = SimulatedDeviceInfo(self._home, "bridge", f"{name} bridge", "bridge", "")
                 bridges.append(self._mqtt_device(info, BridgeDialect(bridge)))
@@ -242,7 +242,7 @@ class SimulatedHouse:
             self._url,
             client_id=f"{self._home}-{info.device_id}",
             # A client that publishes this often needs few pings.
-            keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
+            keep_alive=math.ceil(min(max(MIN_KEEP_ALIVE_S, 12 * self._heartbeat), MAX_KEEP_ALIVE_S)),
             will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
         )
         connection = MqttConnection(

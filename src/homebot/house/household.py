@@ -68,7 +68,7 @@ class Person(NamedTuple):
         ]
         return tuple(
             Visit(day * DAY + at, habit.room, habit.asleep, habit.still)
-            for at, habit in sorted(drawn, key=lambda one: one[0])
+            for at, habit in sorted(drawn, key=lambda pair: pair[0])
         )
 
 

@@ -24,9 +24,9 @@ class HouseNetwork:
     """
 
     def __init__(self, families: Iterable[str]) -> None:
-        found = ((name, family_of(name)) for name in families)
-        self._served = {name: one for name, one in found if isinstance(one, type)}
-        kinds = dict.fromkeys(one.network for one in self._served.values())
+        named = ((name, family_of(name)) for name in families)
+        self._served = {name: family for name, family in named if isinstance(family, type)}
+        kinds = dict.fromkeys(served.network for served in self._served.values())
         self._networks = {kind: kind() for kind in kinds}
 
     @asynccontextmanager

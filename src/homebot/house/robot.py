@@ -115,7 +115,7 @@ class Robot(SimulatedDevice):
         point = _point(goal)
         room = goal if point is None else self.rooms.room_at(*point)
         way = self._way_to(room) if room else ()
-        legs = tuple(_Leg(one, self.rooms.rooms[one].x, self.rooms.rooms[one].y) for one in way)
+        legs = tuple(_Leg(room_name, self.rooms.rooms[room_name].x, self.rooms.rooms[room_name].y) for room_name in way)
         if point is None or not legs:
             return legs
         is_there = room == self.room == self.rooms.room_at(*self.pose()[:2])

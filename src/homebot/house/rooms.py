@@ -159,15 +159,15 @@ class Rooms:
 
     def metres(self, here: str, there: str) -> float:
         """Return the distance between the centres of two rooms; at least 1 m."""
-        one, other = self.rooms[here], self.rooms[there]
-        return max(1.0, math.hypot(other.x - one.x, other.y - one.y))
+        room, other = self.rooms[here], self.rooms[there]
+        return max(1.0, math.hypot(other.x - room.x, other.y - room.y))
 
 
-def _shared_wall(one: Room, other: Room) -> tuple[float, float] | None:
+def _shared_wall(room: Room, other: Room) -> tuple[float, float] | None:
     """Return the middle of the wall that two rooms share; None without one."""
-    if not one.corners or not other.corners:
+    if not room.corners or not other.corners:
         return None
-    (left, bottom), (right, top) = one.corners[0], one.corners[2]
+    (left, bottom), (right, top) = room.corners[0], room.corners[2]
     (left2, bottom2), (right2, top2) = other.corners[0], other.corners[2]
     low_x, high_x, low_y, high_y = max(left, left2), min(right, right2), max(bottom, bottom2), min(top, top2)
     touches = (low_x == high_x and low_y < high_y) or (low_y == high_y and low_x < high_x)

@@ -161,8 +161,8 @@ def occupancy_grid(rooms: Rooms, stamp: Time) -> OccupancyGrid:
         fill(x1, y1, x2, y2, _OCCUPIED)
     for x1, y1, x2, y2 in _boxes(rooms):
         fill(x1 + _CELL, y1 + _CELL, x2 - _CELL, y2 - _CELL, _FREE)
-    for one, other, (x, y) in rooms.doorways():
-        (left1, bottom1), (right1, top1) = rooms.rooms[one].corners[0], rooms.rooms[one].corners[2]
+    for room, other, (x, y) in rooms.doorways():
+        (left1, bottom1), (right1, top1) = rooms.rooms[room].corners[0], rooms.rooms[room].corners[2]
         is_upright = x in {left1, right1} and bottom1 < y < top1 and other != OUTSIDE
         dx, dy = (_CELL, DOOR_WIDTH / 2) if is_upright else (DOOR_WIDTH / 2, _CELL)
         fill(x - dx, y - dy, x + dx, y + dy, _FREE)

@@ -103,7 +103,7 @@ class SimulatedDevice(ABC):
 
     def knows(self, command: str) -> bool:
         """Return whether *command* is a manual command of it."""
-        return any(_is_one(command, one) for one in self.commands())
+        return any(_is_one(command, known) for known in self.commands())
 
     def watts(self) -> float:
         """Return the power it draws, in watts."""

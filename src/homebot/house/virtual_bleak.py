@@ -88,8 +88,8 @@ class VirtualScanner(BaseBleakScanner):
         hub.remove_listener("advertisement", self._on_advertisement)
         await hub.stop_scanning()
 
-    def _on_advertisement(self, found: BumbleAdvertisement) -> None:
-        self.report(found.address, found.data.ad_structures)
+    def _on_advertisement(self, advertisement: BumbleAdvertisement) -> None:
+        self.report(advertisement.address, advertisement.data.ad_structures)
 
     def report(self, sender: Address, fields: Sequence[tuple[int, bytes]]) -> None:
         """Report an advertisement to bleak."""
@@ -235,16 +235,18 @@ async def _answer(request: Any) -> Any:
 
 
 async def _discover(peer: Peer) -> BleakGATTServiceCollection:
-    found = BleakGATTServiceCollection()
-    for one in await peer.discover_services():
-        service = BleakGATTService(one, one.handle, _uuid(one.uuid))
-        found.add_service(service)
-        for each in await one.discover_characteristics():
-            names: list[Any] = [name for bit, name in _PROPERTIES if bit & each.properties]
-            found.add_characteristic(
-                BleakGATTCharacteristic(each, each.handle, _uuid(each.uuid), names, lambda: MTU - 3, service)
+    services = BleakGATTServiceCollection()
+    for peer_service in await peer.discover_services():
+        service = BleakGATTService(peer_service, peer_service.handle, _uuid(peer_service.uuid))
+        services.add_service(service)
+        for characteristic in await peer_service.discover_characteristics():
+            names: list[Any] = [name for bit, name in _PROPERTIES if bit & characteristic.properties]
+            services.add_characteristic(
+                BleakGATTCharacteristic(
+                    characteristic, characteristic.handle, _uuid(characteristic.uuid), names, lambda: MTU - 3, service
+                )
             )
-    return found
+    return services
 
 
 def _uuid(uuid: core.UUID) -> str:

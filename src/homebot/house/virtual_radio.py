@@ -76,7 +76,7 @@ class VirtualPeripheral:
         if connectable and self._device.connections:
             return  # it resumes by itself after a disconnection
         kind = AdvertisingType.UNDIRECTED_CONNECTABLE_SCANNABLE if connectable else AdvertisingType.UNDIRECTED
-        data = bytes(AdvertisingData([(AdvertisingData.Type(one), value) for one, value in fields]))
+        data = bytes(AdvertisingData([(AdvertisingData.Type(kind), value) for kind, value in fields]))
         milliseconds = interval * 1000
         with anyio.CancelScope(shield=True):  # a controller is not left in the middle of a command
             await self._device.stop_advertising()
@@ -147,7 +147,7 @@ class VirtualRadio:
         device = _device(controller, name, address)
         served: dict[str, Any] = {}
         for uuid, values in (services or {}).items():
-            own = {one.uuid: _characteristic(one) for one in values}
+            own = {value.uuid: _characteristic(value) for value in values}
             device.add_service(Service(core.UUID(uuid), list(own.values())))
             served.update(own)
         await device.power_on()
@@ -231,10 +231,10 @@ class _Link(LocalLink):
     def send_advertising_pdu(self, sender_controller: Controller, packet: AdvertisingPdu) -> None:
         loop = asyncio.get_running_loop()
         is_advertisement = isinstance(packet, AdvInd | AdvExtInd)
-        for one in self.controllers:
-            is_listening = one.le_scan_enable or one.pending_le_connection is not None
-            if one is not sender_controller and (is_listening or not is_advertisement):
-                loop.call_soon(one.on_ll_advertising_pdu, packet)
+        for controller in self.controllers:
+            is_listening = controller.le_scan_enable or controller.pending_le_connection is not None
+            if controller is not sender_controller and (is_listening or not is_advertisement):
+                loop.call_soon(controller.on_ll_advertising_pdu, packet)
 
     def send_acl_data(
         self, sender_controller: Controller, destination_address: Address, transport: PhysicalTransport, data: bytes

@@ -22,7 +22,7 @@ __all__ = [
     "scaled",
 ]
 
-LONGEST = 10_000
+MAX_PAYLOAD_BYTES = 10_000
 """Bytes of a command; none of a device is as long."""
 
 STEPS = 4
@@ -40,7 +40,7 @@ def as_json(value: object) -> bytes:
 
 def json_value(payload: bytes) -> object:
     """Return the JSON value of *payload*; None if it is invalid or too long."""
-    if len(payload) > LONGEST:
+    if len(payload) > MAX_PAYLOAD_BYTES:
         return None
     try:
         value: object = json.loads(payload)
@@ -57,7 +57,7 @@ def as_object(payload: bytes) -> Mapping[str, object]:
 
 def as_text(payload: bytes) -> str:
     """Return the text in *payload* without surrounding blanks; invalid UTF-8 becomes U+FFFD."""
-    return payload[:LONGEST].decode(errors="replace").strip()
+    return payload[:MAX_PAYLOAD_BYTES].decode(errors="replace").strip()
 
 
 def scaled(value: object, full: float) -> float | None:

@@ -27,7 +27,7 @@ SAMPLE = 300.0
 DARK = 30.0
 """Lux below which people switch on a lamp."""
 
-LONGEST_COMMAND = 200
+MAX_COMMAND_CHARACTERS = 200
 """Most characters of a text, since the event log keeps commands."""
 
 ERRAND_RETRY_S = 60.0
@@ -117,7 +117,9 @@ class World:
         Raises:
             UsageError: Two devices have one name.
         """
-        return cls(Rooms({OUTSIDE: Room(window=1.0), "room": Room()}, []), [Placed(each, "room") for each in devices])
+        return cls(
+            Rooms({OUTSIDE: Room(window=1.0), "room": Room()}, []), [Placed(device, "room") for device in devices]
+        )
 
     @property
     def devices(self) -> Mapping[str, Placed]:
@@ -278,10 +280,10 @@ class World:
         self._command(entry, command)
         entry.real.last_sender = "an errand of the house"
 
-    def _at_door(self, one: str, other: str) -> list[_PlacedDevice]:
+    def _at_door(self, room: str, other: str) -> list[_PlacedDevice]:
         """Return the entries on the door between two rooms; none if they are the same."""
-        near = (*self._devices_in(one), *self._devices_in(other)) if one != other else ()
-        return [entry for entry in near if {entry.placed.room, entry.placed.door} == {one, other}]
+        near = (*self._devices_in(room), *self._devices_in(other)) if room != other else ()
+        return [entry for entry in near if {entry.placed.room, entry.placed.door} == {room, other}]
 
     def _devices_in(self, room: str) -> list[_PlacedDevice]:
         return self._in_room.get(room, [])  # a robot may have a larger plan
@@ -300,12 +302,12 @@ class World:
             self._switch(entry, "lock")
 
     def _command(self, entry: _PlacedDevice, command: str, command_id: str = "") -> None:
-        command = command[:LONGEST_COMMAND]
+        command = command[:MAX_COMMAND_CHARACTERS]
         self._record(entry.placed.device.device_id, "told", command, command_id)
         self._act(entry, lambda device: device.handle_command(command, self.now))
 
     def _switch(self, entry: _PlacedDevice, command: str) -> None:
-        command = command[:LONGEST_COMMAND]
+        command = command[:MAX_COMMAND_CHARACTERS]
         self._record(entry.placed.device.device_id, "switch", command)
         if isinstance(entry.real, SimulatedContactSensor) and command in {"open", "close"}:
             entry.left_open, entry.open_until = command == "open", self.now

@@ -37,7 +37,7 @@ from homebot.house.event_log import WorldLog
 from homebot.house.rooms import DAY
 from homebot.house.world import World
 from homebot.support.toml_file import parse_toml, read_toml
-from homebot.testing.day_event import LONGEST, DayEvent, read_time, write_duration, write_tables, write_time
+from homebot.testing.day_event import MAX_DAY_S, DayEvent, read_time, write_duration, write_tables, write_time
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ class Day:
     def _check(self) -> None:
         if not 0.0 <= self.start < DAY:
             raise ConfigError(self.source, f"{HEAD}.start", f"must be from 00:00 to 23:59, got {self.start} s")
-        if not 0.0 < self.length <= LONGEST - self.start:
+        if not 0.0 < self.length <= MAX_DAY_S - self.start:
             raise ConfigError(
                 self.source, f"{HEAD}.length", f"must be above 0 and less than a week, got {self.length} s"
             )

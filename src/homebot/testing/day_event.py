@@ -18,7 +18,7 @@ try:
 except ModuleNotFoundError as exc:
     raise ImportError("days of a house need tomli-w: pip install 'homebot[testing]'") from exc
 
-LONGEST: Final = 7 * 86_400.0
+MAX_DAY_S: Final = 7 * 86_400.0
 """Latest time in a day, in seconds: a week after its midnight."""
 
 _TIME: Final = re.compile(r"(\d{1,3}):([0-5]\d)(?::([0-5]\d)(?:\.(\d{1,6}))?)?", re.ASCII)
@@ -165,8 +165,8 @@ class _DayEventTable(BaseModel):
 
 
 def _within(seconds: float, name: str) -> float:
-    if not 0.0 <= seconds <= LONGEST:
-        raise UsageError(f"{name} must be from 0 to {LONGEST:.0f} seconds, got {seconds}")
+    if not 0.0 <= seconds <= MAX_DAY_S:
+        raise UsageError(f"{name} must be from 0 to {MAX_DAY_S:.0f} seconds, got {seconds}")
     return round(float(seconds), 3)
 
 

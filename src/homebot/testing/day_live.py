@@ -56,7 +56,7 @@ async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayE
     start = midnight + timedelta(seconds=day.start)
     if house.now > start:
         raise UsageError(f"the day begins at {write_time(day.start)}, but the house is already at {house.now:%H:%M:%S}")
-    if missing := {each.device for each in day.happenings if each.device} - set(house.world.devices):
+    if missing := {happening.device for happening in day.happenings if happening.device} - set(house.world.devices):
         raise UsageError(f"there is no device {min(missing)!r} in the house")
     wire = _Wire(house, root)
     undone = []

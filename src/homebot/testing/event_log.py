@@ -112,7 +112,7 @@ async def _read_journal(node: Node, log: EventLog) -> None:
     with suppress(ServiceError):
         answer = await node.create_client(ReadJournal, READ_JOURNAL).call(ReadJournal.Request())
         known = [event.said for event in log.events]
-        before = (HouseEvent(one.at.to_seconds(), "topic", JOURNAL_ENTRIES, one) for one in answer.entries)
+        before = (HouseEvent(entry.at.to_seconds(), "topic", JOURNAL_ENTRIES, entry) for entry in answer.entries)
         log.events.extendleft(reversed([event for event in before if event.said not in known]))
 
 
@@ -189,15 +189,15 @@ def house_report(house: TestHouse) -> str:
 
 def _is_measured(said: bytes | Message | str) -> bool:
     return isinstance(said, StateChange) and all(
-        CAPABILITIES.get(one.capability, OWN).kind == "number" and one.capability not in SETTABLE
-        for one in said.readings
+        CAPABILITIES.get(reading.capability, OWN).kind == "number" and reading.capability not in SETTABLE
+        for reading in said.readings
     )
 
 
 def _lines(events: Iterable[HouseEvent]) -> Iterator[str]:
     names: dict[str, str] = {}
     lines = HouseLines(names)
-    found: list[WatchLine] = []
+    written: list[WatchLine] = []
     for event in events:
         match event.said:
             case DeviceChange(device=device):
@@ -206,7 +206,7 @@ def _lines(events: Iterable[HouseEvent]) -> Iterator[str]:
                 lines.add_change(cast("StateChange", JsonMessage(message_to_json(event.said))), event.at)
             case JournalEntry():
                 lines.add_entry(cast("JournalEntry", JsonMessage(message_to_json(event.said))), event.at)
-        found += lines.pop(event.at)
-    for line in (*found, *lines.pop(math.inf)):
+        written += lines.pop(event.at)
+    for line in (*written, *lines.pop(math.inf)):
         stamp = f"{datetime.fromtimestamp(to_seconds(line.at), UTC):%H:%M:%S.%f}"[:-3]
         yield fitted(line_cells(line, names, stamp), WIDTH)

@@ -84,7 +84,7 @@ class Expectation(HouseWatcher):
 
     def _problem(self) -> str:
         if self._device() is None:
-            known = sorted({one.name or one.id for one in self._known.values()})
+            known = sorted({device.name or device.id for device in self._known.values()})
             return f"there is no such device; {did_you_mean(self._name, known, f'there are {_listed(known)}')}"
         present = self._present()
         for word in self._values:
@@ -97,26 +97,28 @@ class Expectation(HouseWatcher):
         """Return the current values of the device by property and capability; of several parts the first known."""
         device = self._device()
         view = None if device is None else self._view.get(device.id)
-        found: dict[str, object] = {}
+        values: dict[str, object] = {}
         if view is None:
-            return found
+            return values
         for part in view.device.parts:
             for kind in _KINDS:
                 if part.part.service_type in kind.service_types:
                     handle = kind(view, part.id, self._view)
-                    found |= {word: getattr(handle, word) for word in _words(kind) if found.get(word) is None}
+                    values |= {word: getattr(handle, word) for word in _words(kind) if values.get(word) is None}
         for state in view.current().states:  # a thermostat's temperature may belong to another part
-            if found.get(state.capability) is None:
-                found[state.capability] = state.value.plain()
-        return found
+            if values.get(state.capability) is None:
+                values[state.capability] = state.value.plain()
+        return values
 
     def _device(self) -> Device | None:
         wanted = fold(self._name)
         devices = self._known.values()
-        named = [one for one in devices if one.id == self._name or one.id.rpartition("/")[2] == self._name]
-        named = named or [one for one in devices if wanted in {fold(text) for text in (one.name, *one.names)}]
+        named = [device for device in devices if device.id == self._name or device.id.rpartition("/")[2] == self._name]
+        named = named or [
+            device for device in devices if wanted in {fold(text) for text in (device.name, *device.names)}
+        ]
         if len(named) > 1:
-            raise UsageError(f"{self._name} may be {_listed([one.id for one in named])}; give the id of one")
+            raise UsageError(f"{self._name} may be {_listed([device.id for device in named])}; give the id of one")
         return named[0] if named else None
 
 
@@ -124,7 +126,7 @@ def _words(kind: type[Handle]) -> Iterator[str]:
     """Yield the names of values of handles of *kind*, without those of every handle."""
     for owner in kind.__mro__:
         if owner is not Handle:
-            yield from (name for name, one in vars(owner).items() if isinstance(one, property))
+            yield from (name for name, attribute in vars(owner).items() if isinstance(attribute, property))
 
 
 def _is_equal(present: object, wanted: object) -> bool:

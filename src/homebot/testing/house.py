@@ -158,8 +158,11 @@ class TestHouse:
     @property
     def failures(self) -> Mapping[str, str]:
         """The last failure of each part of the runtime that crashed or had a failing callback."""
-        failed = {one.node.lstrip("/"): f"the {one.callback} failed: {one.last}" for one in self.runtime.graph.failures}
-        return failed | {name: f"it crashed: {one.last}" for name, one in self.runtime.supervisor.crashes.items()}
+        failed = {
+            failure.node.lstrip("/"): f"the {failure.callback} failed: {failure.last}"
+            for failure in self.runtime.graph.failures
+        }
+        return failed | {name: f"it crashed: {crash.last}" for name, crash in self.runtime.supervisor.crashes.items()}
 
     @property
     def notifications(self) -> tuple[Notification, ...]:
@@ -247,7 +250,9 @@ class TestHouse:
     async def misspelt_names(self) -> tuple[str, ...]:
         """Return the queries of apps in which a name is misspelt, with the name that was probably meant."""
         apps = tuple(self.runtime.app_host.running.items())
-        return tuple([f"{name}: {one}" for name, app in apps for one in await HouseView.of(app.node).names.mistakes()])
+        return tuple(
+            [f"{name}: {mistake}" for name, app in apps for mistake in await HouseView.of(app.node).names.mistakes()]
+        )
 
     async def listen(self) -> None:
         """Receive homebot's messages until cancelled."""
@@ -270,7 +275,7 @@ class TestHouse:
     def _timeout_text(self, topic: str, within: float) -> str:
         """Describe the messages on other topics, those from homebot to devices first, without its own status."""
         received = [name for name, payloads in self._received.items() if payloads and not name.endswith("/mqtt/status")]
-        names = sorted(received, key=lambda one: not one.endswith("/in"))
+        names = sorted(received, key=lambda name: not name.endswith("/in"))
         elsewhere = {name: list(self._received[name])[-_SHOWN:] for name in names[:_SHOWN]}
         return (
             f"nothing came on {topic} within {within:g} s; "

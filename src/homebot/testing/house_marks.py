@@ -45,8 +45,10 @@ def house_of_test(
         yield house
         if _arguments(test, fixture).get(ALLOW_CRASHES) is True or has_failed():
             return
-        problems = [f"{one} crashed" for one in house.crashed]  # it was restarted, which the test may not notice
-        problems += [f"{one} blocked the event loop: make it await, or run it in a thread" for one in guard.blocked_by]
+        problems = [f"{name} crashed" for name in house.crashed]  # it was restarted, which the test may not notice
+        problems += [
+            f"{place} blocked the event loop: make it await, or run it in a thread" for place in guard.blocked_by
+        ]
         problems += loop.run_until_complete(house.misspelt_names())
         if problems:
             mark = f"@pytest.mark.{fixture}(allow_crashes=True)"

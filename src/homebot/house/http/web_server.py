@@ -15,7 +15,7 @@ from aiohttp import WSMsgType, web
 from anyio.abc import TaskStatus
 
 QUEUED = 100
-LONGEST = 64 * 1024
+MAX_BODY_BYTES = 64 * 1024
 SHUTDOWN = 0.1
 
 
@@ -112,7 +112,7 @@ class WebServer:
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled; then all connections are cut."""
-        app = web.Application(client_max_size=LONGEST)
+        app = web.Application(client_max_size=MAX_BODY_BYTES)
         app.router.add_route("*", "/{path:.*}", self._handle)
         runner = web.AppRunner(app, shutdown_timeout=SHUTDOWN, handler_cancellation=True, access_log=None)
         await runner.setup()
@@ -155,7 +155,7 @@ class WebServer:
         peer = WebPeer()
         if not self._device.greet(peer, request.path):
             raise web.HTTPNotFound
-        socket = web.WebSocketResponse(max_msg_size=LONGEST, timeout=SHUTDOWN)
+        socket = web.WebSocketResponse(max_msg_size=MAX_BODY_BYTES, timeout=SHUTDOWN)
         await socket.prepare(request)
         self.peers.append(peer)
         try:

@@ -5,7 +5,7 @@ from typing import Final
 _APPLICATION: Final = bytes.fromhex("D2760000850101")
 _CONTAINER: Final = 0xE103
 _FILE: Final = 0xE104
-_MOST: Final = 0xF0
+_MAX_BYTES: Final = 0xF0
 """Bytes that it takes or gives in one answer."""
 
 _OK: Final = b"\x90\x00"
@@ -22,7 +22,7 @@ class Type4Card:
         self.uid = uid
         self._is_writable = is_writable
         size = (capacity + 2).to_bytes(2, "big")
-        most = _MOST.to_bytes(2, "big")
+        most = _MAX_BYTES.to_bytes(2, "big")
         access = bytes([0x00, 0x00 if is_writable else 0xFF])
         container = b"\x00\x0f\x20" + most + most + b"\x04\x06" + _FILE.to_bytes(2, "big") + size + access
         self._files = {_CONTAINER: bytearray(container), _FILE: bytearray(capacity + 2)}

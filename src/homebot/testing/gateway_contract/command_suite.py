@@ -40,7 +40,7 @@ class CommandSuite(GatewayWorld):
     async def test_the_suite_sets_every_capability_that_the_part_takes_and_it_reaches_the_device(self) -> None:
         async with self.house() as (lamp, watcher):
             (part,) = (await announced(lamp, watcher)).parts
-            taken = {one.name for one in part.capabilities if one.settable}
+            taken = {capability.name for capability in part.capabilities if capability.settable}
             assert taken == ({lamp.capability, *lamp.settings} if self.takes_commands else set())
             for capability, value in lamp.settings.items():
                 response = await send(lamp, watcher, capability=capability, value=Value.of(value))
@@ -102,7 +102,7 @@ class CommandSuite(GatewayWorld):
             offers.publish(ROBOT)
             await anyio.wait_all_tasks_blocked()
             assert await lamp.told() is None
-            counts = {one.name: one.count for one in (await healthy(lamp, watcher)).counts}
+            counts = {count.name: count.count for count in (await healthy(lamp, watcher)).counts}
             assert not {name: count for name, count in counts.items() if name.startswith("commands") and count}
             if (neighbour := self.neighbour(lamp)) is not None:
                 assert await neighbour.seen(ROBOT.name) is None
@@ -136,7 +136,7 @@ class CommandSuite(GatewayWorld):
             await send(lamp, watcher)
             await send(lamp, watcher, capability="volume")
             health = await healthy(lamp, watcher)
-            counts = {one.name: one.count for one in health.counts}
+            counts = {count.name: count.count for count in health.counts}
             done, refused = (1, 1) if self.takes_commands else (0, 2)
             assert (counts["commands"], counts["commands_refused"], counts["commands_failed"]) == (done, refused, 0)
             assert counts["reports"] >= 1
@@ -152,7 +152,9 @@ class CommandSuite(GatewayWorld):
             response = await subscribe(lamp, watcher, address)
             texts = watcher.create_subscription(RawMessage, response.data_topic)
             await lamp.report(on=True)
-            text = await until(texts, f"after Lamp.report() the text `on` of {address}", lambda one: one.text() == "on")
+            text = await until(
+                texts, f"after Lamp.report() the text `on` of {address}", lambda message: message.text() == "on"
+            )
             assert (text.gateway, text.key, text.address) == (lamp.gateway.node.name, lamp.key, address)
             out = watcher.create_publisher(RawCommand, lamp.gateway.names.out, 10)
             out.publish(RawCommand(address=address, payload="on"))

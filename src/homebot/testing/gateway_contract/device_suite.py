@@ -38,7 +38,7 @@ class DeviceSuite(GatewayWorld):
             assert sighting.why
             (part,) = sighting.parts
             assert (part.id, part.service_type) == (lamp.part, lamp.service_type)
-            (on_off,) = (one for one in part.capabilities if one.name == lamp.capability)
+            (on_off,) = (capability for capability in part.capabilities if capability.name == lamp.capability)
             assert on_off.readable
             assert on_off.settable is self.takes_commands
 
@@ -50,7 +50,7 @@ class DeviceSuite(GatewayWorld):
             report = await reported(lamp, reports, on=True)
             assert (report.gateway, report.key, report.retained) == (lamp.gateway.node.name, lamp.key, False)
             assert report.stream
-            assert {one.part for one in report.readings} == {lamp.part}
+            assert {reading.part for reading in report.readings} == {lamp.part}
 
     async def test_a_late_joiner_gets_the_newest_sighting_and_report_of_each_device(self) -> None:
         async with self.house() as (lamp, watcher):
@@ -60,7 +60,7 @@ class DeviceSuite(GatewayWorld):
             await reported(lamp, reports, on=True)
             assert (await first(listen(watcher, Sighting, lamp.gateway.names.received_topics))).key == lamp.key
             late = listen(watcher, Report, lamp.gateway.names.readings)
-            assert [value(lamp, one) for one in kept(late) if value(lamp, one) is not None] == [True]
+            assert [value(lamp, report) for report in kept(late) if value(lamp, report) is not None] == [True]
 
     async def test_a_device_that_reports_again_is_sighted_with_a_later_expiry(self) -> None:
         async with self.house() as (lamp, watcher):
@@ -69,7 +69,7 @@ class DeviceSuite(GatewayWorld):
             await anyio.sleep(1.1)
             await lamp.report(on=True)
             later = "after Lamp.report() a sighting with a later expiry"
-            sighting = await until(sightings, later, lambda one: one.expires_at != before.expires_at)
+            sighting = await until(sightings, later, lambda change: change.expires_at != before.expires_at)
             assert sighting.expires_at.to_seconds() >= before.expires_at.to_seconds() + 1
             assert sighting.confirmed
 
@@ -82,7 +82,7 @@ class DeviceSuite(GatewayWorld):
             await lamp.report(on=True)
             await lamp.withdraw()
             removed = "after Lamp.withdraw() a sighting of the kind `removed`, by PublishedDevices.remove,"
-            sighting = await until(sightings, removed, lambda one: one.kind == "removed", lamp.gone_within)
+            sighting = await until(sightings, removed, lambda change: change.kind == "removed", lamp.gone_within)
             assert sighting.key == lamp.key
             assert kept(listen(watcher, Sighting, lamp.gateway.names.received_topics)) == []
             assert kept(listen(watcher, Report, lamp.gateway.names.readings)) == []
@@ -104,7 +104,7 @@ class DeviceSuite(GatewayWorld):
             if self.takes_commands:
                 response = await send(lamp, watcher)
                 assert (response.success, response.problem) == (False, "unreachable")
-            assert [one.key for one in kept(listen(watcher, Sighting, lamp.gateway.names.received_topics))] == [
+            assert [change.key for change in kept(listen(watcher, Sighting, lamp.gateway.names.received_topics))] == [
                 lamp.key
             ]
             await lamp.mend_link()
@@ -117,7 +117,7 @@ class DeviceSuite(GatewayWorld):
             await changed(changes, lamp, is_lost=False)
             await lamp.lose_link()
             lost = await changed(changes, lamp, is_lost=True)
-            assert {one.reachable for one in lost.endpoints} == {"no"}
+            assert {endpoint.reachable for endpoint in lost.endpoints} == {"no"}
             assert lost.reachable.why
             await lamp.mend_link()
             await changed(changes, lamp, is_lost=False)
@@ -157,4 +157,4 @@ class DeviceSuite(GatewayWorld):
         async with self.house() as (lamp, _):
             graph, name = lamp.gateway.node.graph, lamp.gateway.node.full_name
             lamp.gateway.node.close()
-            assert not [one.name for one in graph.get_endpoints() if one.node == name]
+            assert not [endpoint.name for endpoint in graph.get_endpoints() if endpoint.node == name]

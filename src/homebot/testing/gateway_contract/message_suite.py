@@ -39,7 +39,7 @@ class MessageSuite(GatewayWorld):
             messages = watcher.create_subscription(RawMessage, response.data_topic)
             await lamp.report(on=True)
             wanted = "after Lamp.report() the message Lamp.raw(), by PublishedDevices.deliver_raw,"
-            message = await until(messages, wanted, lambda one: one.payload == lamp.raw(on=True))
+            message = await until(messages, wanted, lambda received: received.payload == lamp.raw(on=True))
             assert (message.gateway, message.key) == (lamp.gateway.node.name, lamp.key)
             assert (message.address, message.retained) == (lamp.address, False)
 
@@ -61,8 +61,8 @@ class MessageSuite(GatewayWorld):
             assert quarantine.offender
             assert quarantine.why
             assert quarantine.until.to_seconds() > quarantine.since.to_seconds()
-            assert [one.offender for one in health.quarantined] == [quarantine.offender]
-            counts = {one.name: one.count for one in health.counts}
+            assert [entry.offender for entry in health.quarantined] == [quarantine.offender]
+            counts = {count.name: count.count for count in health.counts}
             assert counts["quarantines"] == 1
             assert counts["rejected"] + counts["announcements_rejected"] > 0
 

@@ -50,7 +50,7 @@ class MqttLamp(Lamp):
             while True:
                 batch = await self.wire.receive()
                 self.wire.ack(batch)
-                self.orders += [one.payload for one in batch]
+                self.orders += [message.payload for message in batch]
 
     async def lose_link(self) -> None:
         """Stop the broker."""

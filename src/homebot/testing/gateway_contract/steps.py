@@ -60,7 +60,7 @@ async def until(
         while not came or not fits(came[-1]):
             came.append(await subscription.receive())
         return came[-1]
-    others = "\n".join(f"  {one!r:.300}" for one in came) or "  nothing"
+    others = "\n".join(f"  {message!r:.300}" for message in came) or "  nothing"
     topic = subscription.info.name
     raise AssertionError(f"{wanted} did not come on {topic} within {within:g} s; the last that came:\n{others}")
 
@@ -72,7 +72,7 @@ async def first(subscription: Subscription[MessageT]) -> MessageT:
 
 async def active(states: Subscription[GatewayState]) -> None:
     """Wait until the gateway says that it is active."""
-    await until(states, "the state `active`, by publish_state,", lambda one: one.state == "active")
+    await until(states, "the state `active`, by publish_state,", lambda state: state.state == "active")
 
 
 async def announced(lamp: Lamp, watcher: Node) -> Sighting:
@@ -99,7 +99,10 @@ async def changed(changes: Subscription[DeviceChange], lamp: Lamp, *, is_lost: b
 
     def fits(change: DeviceChange) -> bool:
         device = change.device
-        return any(one.key == lamp.key for one in device.endpoints) and (device.reachable.state == "no") is is_lost
+        return (
+            any(endpoint.key == lamp.key for endpoint in device.endpoints)
+            and (device.reachable.state == "no") is is_lost
+        )
 
     wanted = "after Lamp.lose_link() the lamp as unreachable," if is_lost else "the lamp as reachable"
     return (await until(changes, wanted, fits)).device
@@ -113,7 +116,7 @@ async def reported(lamp: Lamp, reports: Subscription[Report], *, on: bool) -> Re
 
 def value(lamp: Lamp, report: Report) -> PlainValue:
     """Return whether the lamp is on by *report*; None if that is about something else."""
-    return next((one.value.plain() for one in report.readings if one.capability == lamp.capability), None)
+    return next((reading.value.plain() for reading in report.readings if reading.capability == lamp.capability), None)
 
 
 async def send(lamp: Lamp, watcher: Node, **change: object) -> SendCommandResponse:
@@ -152,17 +155,17 @@ async def becomes_set(lamp: Lamp, capability: str, wanted: PlainValue) -> None:
 
 
 async def _becomes(what: str, read: Callable[[], Awaitable[PlainValue]], wanted: PlainValue) -> None:
-    told: PlainValue = None
+    state: PlainValue = None
     with anyio.move_on_after(PATIENCE):
-        while not _is_about(told := await read(), wanted):
+        while not _is_about(state := await read(), wanted):
             await anyio.sleep(0.02)
         return
-    raise AssertionError(f"{what} did not return {wanted!r} within {PATIENCE:g} s; it returned {told!r}")
+    raise AssertionError(f"{what} did not return {wanted!r} within {PATIENCE:g} s; it returned {state!r}")
 
 
-def _is_about(told: PlainValue, wanted: PlainValue) -> bool:
+def _is_about(state: PlainValue, wanted: PlainValue) -> bool:
     if isinstance(wanted, tuple):
-        return isinstance(told, tuple) and all(map(_is_about, told, wanted))
-    if isinstance(wanted, float) and isinstance(told, float):
-        return abs(told - wanted) <= max(1.5, 0.015 * abs(wanted))
-    return told == wanted
+        return isinstance(state, tuple) and all(map(_is_about, state, wanted))
+    if isinstance(wanted, float) and isinstance(state, float):
+        return abs(state - wanted) <= max(1.5, 0.015 * abs(wanted))
+    return state == wanted

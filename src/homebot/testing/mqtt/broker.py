@@ -67,7 +67,9 @@ class BrokerView:
         came = self._core.journal.waiting(filter)
         if came:
             __tracebackhide__ = True  # pytest then points at the test's line
-            raise AssertionError("\n".join([f"{len(came)} published on {filter}:", *(f"    {each}" for each in came)]))
+            raise AssertionError(
+                "\n".join([f"{len(came)} published on {filter}:", *(f"    {entry}" for entry in came)])
+            )
 
 
 _CALM_ROUNDS = 3  # of both loops without a packet: an answer needs one
@@ -117,11 +119,11 @@ class TestBroker(BrokerView):
         """
         validate_filter(filter)
         journal = self._core.journal
-        found = await self._thread.run(journal.pop, filter, payload, timeout)
-        if found is None:
+        message = await self._thread.run(journal.pop, filter, payload, timeout)
+        if message is None:
             __tracebackhide__ = True  # pytest then points at the test's line
             raise AssertionError(journal.near_misses(filter, payload, timeout))
-        return found
+        return message
 
     async def settle(self, quiet: float = 0.0) -> None:
         """Return when the broker and everything on the test's own loop are idle.
@@ -182,11 +184,11 @@ class BlockingTestBroker(BrokerView):
         """Expect like :meth:`TestBroker.expect`."""
         validate_filter(filter)
         journal = self._core.journal
-        found = self._thread.call(journal.pop, filter, payload, timeout)
-        if found is None:
+        message = self._thread.call(journal.pop, filter, payload, timeout)
+        if message is None:
             __tracebackhide__ = True  # as above
             raise AssertionError(journal.near_misses(filter, payload, timeout))
-        return found
+        return message
 
     def settle(self, quiet: float = 0.05) -> None:
         """Return after *quiet* seconds without any packet.

@@ -144,7 +144,7 @@ class BrokerCore:
         if client not in self.broker.state.peers:
             known = ", ".join(sorted(self.broker.state.peers)) or "nobody"
             raise UsageError(f"no client {client!r} is connected; connected: {known}")
-        for tap in [each for each in self._taps if each.client_id == client]:
+        for tap in [own_tap for own_tap in self._taps if own_tap.client_id == client]:
             act(tap)
 
     def _record(self, direction: Literal["in", "out", "note"], client: str, what: Packet | str) -> None:

@@ -96,7 +96,7 @@ class FaultRules:
             fault.lift()
 
     def _remove(self, fault: Fault) -> None:
-        self._faults = tuple(each for each in self._faults if each is not fault)
+        self._faults = tuple(kept for kept in self._faults if kept is not fault)
         self._on_lift(fault)
 
 

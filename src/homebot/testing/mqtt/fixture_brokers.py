@@ -81,7 +81,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 def _check_protocol(test: pytest.Item) -> None:
     problems = []
     for name, broker in _brokers(test):
-        problems += [f"{name}: {each}" for each in broker.protocol_errors]
+        problems += [f"{name}: {error}" for error in broker.protocol_errors]
         broker.forget_protocol_errors()  # so that a shared broker starts its next test clean
     if problems and not _settings(test).allow_protocol_errors:
         hint = "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)"

@@ -144,26 +144,26 @@ class Journal:
     async def pop(self, filter: str, wanted: Wanted, timeout: float) -> RecordedMessage | None:  # noqa: A002, ASYNC109 - the user's words
         """Remove and return the first matching message, waiting for it if necessary; None if none arrives."""
         with anyio.move_on_after(timeout):
-            while (found := self._pop(filter, wanted)) is None:
+            while (message := self._pop(filter, wanted)) is None:
                 await self._grown.wait()
-            return found
+            return message
         return None
 
     def waiting(self, filter: str) -> list[RecordedMessage]:  # noqa: A002 - the protocol's own word
         """Return all unread messages on *filter*, in order."""
         return [
-            each.message
-            for each in self._entries.copy()
-            if not each.taken and topic_matches(filter, each.message.topic)
+            entry.message
+            for entry in self._entries.copy()
+            if not entry.taken and topic_matches(filter, entry.message.topic)
         ]
 
     def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
         """Describe a missing message, and the received ones."""
         entries = self._entries.copy()
-        here = [each for each in entries if topic_matches(filter, each.message.topic)]
-        there = [each.message for each in entries if not topic_matches(filter, each.message.topic)]
-        other = [each.message for each in here if not each.taken]
-        taken = [each.message for each in here if each.taken and payload_matches(wanted, each.message)]
+        here = [entry for entry in entries if topic_matches(filter, entry.message.topic)]
+        there = [entry.message for entry in entries if not topic_matches(filter, entry.message.topic)]
+        other = [entry.message for entry in here if not entry.taken]
+        taken = [entry.message for entry in here if entry.taken and payload_matches(wanted, entry.message)]
         elsewhere = {message.topic: message for message in there}
         similar = get_close_matches(filter, elsewhere, n=_MAX_SHOWN, cutoff=0.5)
         lines = [f"no client published {_wanted_text(wanted)} on {filter} within {timeout:g} s"]

@@ -61,7 +61,7 @@ def _acknowledgement(packet: Acknowledgement) -> str:
 
 
 def _suback(packet: Suback) -> str:
-    reasons = ", ".join(each.text if each.failed else f"QoS {int(each)}" for each in packet.reasons)
+    reasons = ", ".join(reason.text if reason.failed else f"QoS {int(reason)}" for reason in packet.reasons)
     return f" id {packet.packet_id}: {reasons}"
 
 
@@ -78,11 +78,13 @@ _FACTS: Final[Mapping[type, Callable[[Any], str]]] = {
     Pubrel: _acknowledgement,
     Pubcomp: _acknowledgement,
     Subscribe: lambda packet: (
-        f" id {packet.packet_id}: {', '.join(f'{each.filter} QoS {each.qos}' for each in packet.filters)}"
+        f" id {packet.packet_id}: {', '.join(f'{wish.filter} QoS {wish.qos}' for wish in packet.filters)}"
     ),
     Suback: _suback,
     Unsubscribe: lambda packet: f" id {packet.packet_id}: {', '.join(packet.filters)}",
-    Unsuback: lambda packet: f" id {packet.packet_id}: {', '.join(each.text for each in packet.reasons)}".rstrip(": "),
+    Unsuback: lambda packet: f" id {packet.packet_id}: {', '.join(reason.text for reason in packet.reasons)}".rstrip(
+        ": "
+    ),
     Disconnect: lambda packet: f" {packet.reason.text}" if packet.reason else "",
 }
 
@@ -90,7 +92,7 @@ _FACTS: Final[Mapping[type, Callable[[Any], str]]] = {
 def _property_text(properties: Properties) -> str:
     if properties == NO_PROPERTIES:
         return ""
-    known = {each.name: getattr(properties, each.name) for each in fields(properties) if each.name not in _SECRET}
+    known = {field.name: getattr(properties, field.name) for field in fields(properties) if field.name not in _SECRET}
     shown = ", ".join(f"{name}={value!r}" for name, value in known.items() if value is not None and value != ())
     return f" [{shown}]" if shown else ""
 

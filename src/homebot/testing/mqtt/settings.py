@@ -53,15 +53,15 @@ class BrokerSettings:
             checked_keep_alive(self.keep_alive)
         _check("limits", self.limits, BrokerLimits | None, "a BrokerLimits")
         _check("refuse_filter", self.refuse_filter, str | Collection, "a topic filter or a list of them")
-        for each in self.refused_filters:
-            _check("refuse_filter", each, str, "a topic filter or a list of them")
-            validate_filter(each)
+        for refused in self.refused_filters:
+            _check("refuse_filter", refused, str, "a topic filter or a list of them")
+            validate_filter(refused)
 
     def __repr__(self) -> str:
         shown = (
-            f"{each.name}={'...' if each.name == 'password' else repr(getattr(self, each.name))}"
-            for each in fields(self)
-            if getattr(self, each.name) != each.default
+            f"{field.name}={'...' if field.name == 'password' else repr(getattr(self, field.name))}"
+            for field in fields(self)
+            if getattr(self, field.name) != field.default
         )
         return f"BrokerSettings({', '.join(shown)})"
 
@@ -72,7 +72,7 @@ class BrokerSettings:
         Raises:
             UsageError: There is no such argument; names the one that was probably meant. Also as above.
         """
-        known = [each.name for each in fields(cls)]
+        known = [field.name for field in fields(cls)]
         for name in arguments:
             if name not in known:
                 hint = did_you_mean(name, known, f"there are: {', '.join(known)}")

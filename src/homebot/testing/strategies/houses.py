@@ -90,8 +90,8 @@ def _houses(
     tables["rooms"] = rooms
     things: dict[str, Table] = {}
     if kinds:
-        each = devices(tuple(rooms), doors, kinds, faults)
-        tables["devices"] = things = _named(several(draw, each, *how_many))
+        device = devices(tuple(rooms), doors, kinds, faults)
+        tables["devices"] = things = _named(several(draw, device, *how_many))
     people = draw(_people((*rooms, OUTSIDE), max_people))
     tables["people"] = dict(zip(PEOPLE, people, strict=False))
     if things:
@@ -138,7 +138,7 @@ def _bodies(rooms: tuple[str, ...]) -> SearchStrategy[Table]:
 @lru_cache(MADE)
 def _habits(rooms: tuple[str, ...]) -> SearchStrategy[list[Table]]:
     more = optional({"jitter": st.sampled_from((60.0, 600.0, 3600.0)), "asleep": st.booleans()})
-    habit = st.builds(lambda at, room, told: {"at": at, "room": room, **told}, _times, one_of(rooms), more)
+    habit = st.builds(lambda at, room, options: {"at": at, "room": room, **options}, _times, one_of(rooms), more)
     return st.lists(habit, max_size=MAX_HABITS)
 
 
