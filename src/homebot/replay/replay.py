@@ -94,7 +94,11 @@ def replay_config(
             "control": base.control or recorded_table(header.control, "table [control]"),
             "places": base.places or _places(header.places),
             "groups": list(base.groups),
-            **{key: table for key, table in base.features.items() if feature_tables()[key].is_live},
+            **{
+                key: list(table) if isinstance(table, tuple) else table
+                for key, table in base.features.items()
+                if feature_tables()[key].is_live
+            },
             "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
         },
         "the recording" if given is None else f"the recording and {base.source}",
