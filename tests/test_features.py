@@ -10,12 +10,15 @@ from pathlib import Path
 import pytest
 from tests.source_trees import source_trees
 
+from homebot.apps import App
 from homebot.bridges.rosbridge.services import usual_timeout
-from homebot.config import parse_config
+from homebot.config import Config, parse_config
 from homebot.devices.own_services import CORE_SERVICES, right_to_call
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 from homebot.feature import Feature, all_features, find_features, load
+from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.rights import OfferedService
+from homebot.runtime import Runtime
 from homebot.runtime.plan import make_plan
 
 FEATURES = {feature.name: feature for feature in all_features()}
@@ -132,3 +135,20 @@ def test_no_two_rows_of_services_are_of_one_name() -> None:
 @pytest.mark.rooms("goals", "scenes")
 def test_a_call_that_waits_for_devices_may_take_an_hour(name: str) -> None:
     assert (usual_timeout(name), usual_timeout("/discovery/query")) == (3600.0, 5.0)
+
+
+class Unheard(App):
+    """Offers a service of the node of control that has no row."""
+
+    async def run(self) -> None:
+        """Offer it."""
+        control = self.node.graph.get_node("/control")
+        assert control is not None
+        control.create_service(Trigger, "/control/unheard", lambda _: SuccessResponse(success=True, message=""))
+
+
+async def test_a_start_refuses_a_service_of_its_own_without_a_right() -> None:
+    runtime = Runtime(Config(), apps={"unheard": Unheard}, with_door=False)
+    with pytest.raises(UsageError, match="services without a right: /control/unheard"):
+        async with runtime:
+            pytest.fail("it must not start")
