@@ -333,7 +333,8 @@ async def open_session(settings: RosSettings, rights: WireRights) -> AsyncIterat
 
 
 def _close(session: Any, loop: asyncio.AbstractEventLoop, closed: asyncio.Event) -> None:
-    session.close()
+    with suppress(zenoh.ZError):  # a peer did not take it in Zenoh's time: the threads end with the program
+        session.close()
     with suppress(RuntimeError):
         loop.call_soon_threadsafe(closed.set)
 
