@@ -83,9 +83,9 @@ def facets_of(device: Device) -> Facets:
     return Facets(
         id=device.id,
         name=fold(device.name),
-        kinds=kinds,
-        advertised=frozenset(map(fold, device.service_types or (device.service_type,))),
-        possible_types=possible_types,
+        kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
+        advertised=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
+        possible_types=possible_types and _shared(possible_types),
         capabilities=capabilities,
         settable=settable,
         areas=_areas(device.area, device.outer_areas) if device.area else _NOWHERE,
@@ -142,12 +142,31 @@ def _sets_of(device: Device) -> list[frozenset[str]]:
         for route in each.routes:
             gateways.add(route.gateway)
             conventions.add(route.convention)
-    return [*map(frozenset, (capabilities, settable, gateways, conventions, categories))]
+    found = map(frozenset, (capabilities, settable, gateways, conventions, categories))
+    return [*map(_one_of, found)] if len(capabilities) <= _FEW else [*found]
 
 
 def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue], ...]:
     types = {one.id: one.part.service_type for one in device.parts}
     return tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states])
+
+
+_FEW = 8
+"""The largest set that similar devices share: each set takes 200 bytes."""
+
+
+def _shared(found: frozenset[str]) -> frozenset[str]:
+    return _one_of(found) if len(found) <= _FEW else found
+
+
+@lru_cache(maxsize=1024)
+def _one_of(found: frozenset[str]) -> frozenset[str]:
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _one_of_kinds(found: frozenset[tuple[str, str]]) -> frozenset[tuple[str, str]]:
+    return found
 
 
 _NOWHERE: tuple[str, ...] = ()
