@@ -174,14 +174,12 @@ async def test_bytes_that_are_no_mqtt_are_told_in_the_log(mqtt_broker: TestBroke
     assert "sent invalid MQTT" in mqtt_broker.packet_log.text()
 
 
-async def test_the_session_broker_serves_on_the_loop_of_one_test(mqtt_broker_session: TestBroker) -> None:
-    await mqtt_broker_session.publish("from/first", "1", retain=True)
-    assert mqtt_broker_session.clients == {}
-
-
-async def test_the_session_broker_serves_on_the_loop_of_the_next_test_too(mqtt_broker_session: TestBroker) -> None:
+@pytest.mark.parametrize("topic", ["from/first", "from/second"])
+async def test_the_session_broker_serves_on_the_loop_of_each_test(mqtt_broker_session: TestBroker, topic: str) -> None:
+    await mqtt_broker_session.publish(topic, "1", retain=True)
     await mqtt_broker_session.settle(quiet=0.01)
-    assert "from/first" in mqtt_broker_session.packet_log.text()
+    assert mqtt_broker_session.clients == {}
+    assert topic in mqtt_broker_session.packet_log.text()
 
 
 def test_a_blocking_client_works_in_the_tests_own_thread(mqtt_broker_thread: BlockingTestBroker) -> None:
