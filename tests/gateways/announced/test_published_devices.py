@@ -246,9 +246,9 @@ async def test_messages_that_are_sent_once_wait_in_order_and_are_read_when_there
         gateway.devices.put(LAMP, "new")
         while gateway.devices.admits("hall"):
             gateway.devices.reject("hall", b"?" * 100_000, "noise")
-        assert quarantine.must_wait(b"1", "hall", 1)
-        assert quarantine.must_wait(b"2", "hall", 1)
-        assert not quarantine.must_wait(b"3", "stranger", 1)
+        assert quarantine.must_wait(b"1", "hall", b"1")
+        assert quarantine.must_wait(b"2", "hall", b"2")
+        assert not quarantine.must_wait(b"3", "stranger", b"3")
         await anyio.sleep(0.01)
         assert read == []
         await anyio.sleep(5.0)

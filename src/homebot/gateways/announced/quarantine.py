@@ -1,6 +1,6 @@
 """Quarantine for peers that break the rules of a gateway: they are reported, counted and read slowly."""
 
-from collections import OrderedDict, deque
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -48,7 +48,7 @@ _OVERHEAD = 1024
 @dataclass(slots=True)
 class _Source(Generic[MessageT]):
     payer: str
-    messages: deque[tuple[MessageT, int]] = field(default_factory=deque)
+    messages: list[tuple[MessageT, int, bool]] = field(default_factory=list)
     work: int = 0
 
 
@@ -61,8 +61,9 @@ class _Payer(Generic[MessageT]):
 class DeferredMessages(Generic[MessageT]):
     """The messages that wait for a budget: the newest of each source, in order.
 
-    A source with too many loses its oldest. If there are too many in total, the budget with the most loses those of its
-    least recently active source.
+    A source with too many loses first those that do not resemble its accepted messages, oldest first, so that an honest
+    sender is heard among strangers that flood its topic. If there are too many in total, the budget with the most
+    loses those of its least recently active source.
 
     Attributes:
         sources: The sources with waiting messages.
@@ -75,18 +76,23 @@ class DeferredMessages(Generic[MessageT]):
         self._payers: dict[str, _Payer[MessageT]] = {}
         self.account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
 
-    def add(self, message: MessageT, source: str, length: int, payer: str) -> None:
-        """Queue *message* of *length* bytes until the budget of *payer* has room."""
+    def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
+        """Queue *message* of *length* bytes until the budget of *payer* has room.
+
+        Args:
+            is_like: Whether it resembles the accepted messages of its source.
+        """
         known = self.sources.get(source)
         if known is None:
             known = self.sources[source] = _Source(payer)
         budget = self._payers.setdefault(known.payer, _Payer())
         budget.sources[source] = known
         budget.sources.move_to_end(source)
-        known.messages.append((message, length))
+        known.messages.append((message, length, is_like))
         self._count(source, known, length, 1)
         while known.work > MAX_WORK_EACH and len(known.messages) > 1:
-            self._pop(source)
+            unlike = next((index for index, one in enumerate(known.messages) if not one[2]), 0)
+            self._pop(source, unlike)
             self.dropped += 1
 
     def drop(self, source: str) -> None:
@@ -109,9 +115,9 @@ class DeferredMessages(Generic[MessageT]):
                     is_done = False
                     yield self._pop(next(reversed(budget.sources)))
 
-    def _pop(self, name: str) -> MessageT:
+    def _pop(self, name: str, index: int = 0) -> MessageT:
         source = self.sources[name]
-        message, length = source.messages.popleft()
+        message, length, _ = source.messages.pop(index)
         self._count(name, source, length, -1)
         if not source.messages:
             del self.sources[name]
@@ -164,8 +170,8 @@ class PeerQuarantine(Generic[MessageT]):
         self._limit = LogLimit(gateway.node.graph.clock)
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
-    def must_wait(self, message: MessageT, source: str, length: int) -> bool:
-        """Queue *message* of *length* bytes if its source is over budget or has some waiting; return whether it did."""
+    def must_wait(self, message: MessageT, source: str, payload: bytes) -> bool:
+        """Queue *message* if its source is over budget or has messages waiting; return whether it was queued."""
         now = self._reporter.now
         if now >= self.budgets.clean_at and not self.waiting.sources:
             return False
@@ -173,7 +179,7 @@ class PeerQuarantine(Generic[MessageT]):
         if source not in self.waiting.sources and self.budgets.admits(payer, now):
             return False
         self._counters.announcements_deferred += 1
-        self.waiting.add(message, source, length, payer)
+        self.waiting.add(message, source, len(payload), payer, is_like=self.budgets.resembles(source, payload))
         self._work_available.set()
         self._defer(payer)
         return True
