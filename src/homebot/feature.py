@@ -17,6 +17,8 @@ from homebot.errors import PluginError
 from homebot.plugins import entry_points_of_others, error_text
 from homebot.rights import OfferedService
 
+__all__ = ["Feature", "Verb"]
+
 GROUP: Final = "homebot.features"
 
 _FOLDER: Final = Path(__file__).with_name("features")

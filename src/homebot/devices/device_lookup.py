@@ -15,6 +15,8 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.folding import fold
 
+__all__ = ["DeviceLookup"]
+
 _READ_AGAIN_AFTER: Final = 1.0
 """Seconds after which an unknown address causes all devices to be read again."""
 

@@ -68,6 +68,8 @@ from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
 
+__all__ = ["parse_query"]
+
 Term: TypeAlias = tuple[Query, str, bool]
 """A term with its text, and whether ``and``, ``but`` or a comma precedes it."""
 
