@@ -39,4 +39,4 @@ def test_any_text_is_a_goal_or_refused_at_once(fuzz: Fuzz) -> None:
         begun = process_time()
         with suppress(UsageError):
             read_wishes(text, known)
-        assert process_time() - begun < 0.1
+        assert process_time() - begun < 1.0, text

@@ -6,6 +6,7 @@ from contextlib import suppress
 from time import process_time
 
 import pytest
+from tests.turns import slowness
 
 from homebot.errors import UsageError
 from homebot.features.goals.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
@@ -141,4 +142,4 @@ def test_a_goal_of_a_hundred_words_is_read_at_once(text: str) -> None:
             read_wishes(text, HOUSE)
         return process_time() - begun
 
-    assert min(seconds() for _ in range(3)) < 0.01
+    assert min(seconds() for _ in range(3)) < 0.5 * slowness(), "it takes a few milliseconds, unless it tries all ways"
