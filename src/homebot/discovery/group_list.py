@@ -1,14 +1,46 @@
-"""The list of the groups of a house, of the owner and of gateways, with their members. Pure."""
+"""The list of the groups of a house, of the owner and of gateways, with their members."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.device import is_commanded, part_names, target_of
 from homebot.devices.device_lookup import references
-from homebot.devices.group_messages import GroupInfo
+from homebot.devices.group_messages import GroupInfo, ListGroups, ListGroupsRequest, ListGroupsResponse
+from homebot.devices.names import LIST_GROUPS
 from homebot.devices.query.matching import groups_of
 from homebot.discovery.groups import group_name
+from homebot.discovery.index import DeviceIndex
+from homebot.graph import Node
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+
+class GroupList:
+    """The service that lists the groups of *index*.
+
+    Args:
+        catch_up: Returns when the index has all that was announced.
+    """
+
+    def __init__(self, index: DeviceIndex, catch_up: Callable[[], Awaitable[None]]) -> None:
+        self._index = index
+        self._catch_up = catch_up
+
+    def serve(self, node: Node) -> None:
+        """Create the service on *node*."""
+        node.create_service(ListGroups, LIST_GROUPS, self._list)
+
+    async def _list(self, request: ListGroupsRequest) -> ListGroupsResponse:
+        await self._catch_up()
+        owner, wanted = self._index.owner, fold(request.name)
+        groups = list_groups(self._index.devices(), {} if owner.groups is None else owner.groups.queries)
+        if not wanted:
+            return ListGroupsResponse(success=True, groups=groups)
+        found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
+        known = did_you_mean(request.name, [one.name for one in groups], "`homebot group list` shows all")
+        problem = "" if found else f"there is no group {request.name!r}; {known}"
+        return ListGroupsResponse(success=not problem, message=problem, groups=found)
 
 
 class _ListedGroup(NamedTuple):

@@ -13,7 +13,6 @@ import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, Device, names
 from homebot.devices import services as messages
 from homebot.devices.always_ask import waits_for_approval
-from homebot.devices.group_messages import ListGroups, ListGroupsRequest, ListGroupsResponse
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.matching import is_spelled
 from homebot.devices.query.term_messages import query_terms, read_terms
@@ -27,7 +26,6 @@ from homebot.discovery.search.rank import rank, reasons
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.discovery.nearness import Nearness
@@ -66,7 +64,7 @@ class DirectoryServices:
         node.create_service(messages.FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(messages.QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(messages.ListDevices, names.LIST_DEVICES, self._list)
-        node.create_service(ListGroups, names.LIST_GROUPS, self._list_groups)
+        node.offer_service("homebot/srv/ListGroups", names.LIST_GROUPS, self._serve_groups)
         node.create_service(messages.GetChanges, GET_CHANGES, self._get_changes)
         owner.serve(messages.ForgetDevice, names.FORGET_DEVICE, self._forget)
         owner.serve(messages.SplitDevice, names.SPLIT_DEVICE, self._split)
@@ -276,18 +274,10 @@ class DirectoryServices:
         notes += self._empty_groups()
         return HealthResponse(counts=counts, troubles=troubles, notes=tuple(notes))
 
-    async def _list_groups(self, request: ListGroupsRequest) -> ListGroupsResponse:
-        from homebot.discovery.group_list import list_groups  # noqa: PLC0415 - few homes ask
+    def _serve_groups(self) -> None:
+        from homebot.discovery.group_list import GroupList  # noqa: PLC0415 - few homes ask
 
-        await self._catch_up()
-        owner, wanted = self._index.owner, fold(request.name)
-        groups = list_groups(self._index.devices(), {} if owner.groups is None else owner.groups.queries)
-        if not wanted:
-            return ListGroupsResponse(success=True, groups=groups)
-        found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
-        known = did_you_mean(request.name, [one.name for one in groups], "`homebot group list` shows all")
-        problem = "" if found else f"there is no group {request.name!r}; {known}"
-        return ListGroupsResponse(success=not problem, message=problem, groups=found)
+        GroupList(self._index, self._catch_up).serve(self._node)
 
     def _empty_groups(self) -> list[str]:
         groups = self._index.owner.groups
