@@ -12,23 +12,24 @@ import time
 from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 from random import Random
-from types import SimpleNamespace
-from typing import Any, cast
 
 import anyio
+import anyio.lowlevel
 
 from directory import sighting
-from homebot.apps.context import AppContext
 from homebot.cli.serve import COLLECT_AFTER
 from homebot.clock import LoopClock
+from homebot.config import HomeSettings
 from homebot.devices import Sighting
 from homebot.devices.command_messages import Setting
-from homebot.devices.habit_messages import SuggestHabits, SuggestHabitsRequest
 from homebot.devices.journal_messages import ReadJournal
-from homebot.devices.names import READ_JOURNAL, SUGGEST_HABITS
+from homebot.devices.names import READ_JOURNAL
 from homebot.devices.part import Capability, Part
 from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
+from homebot.features.habits import SUGGEST_HABITS
+from homebot.features.habits.habit_services import HabitServices
+from homebot.features.habits.messages import SuggestHabits, SuggestHabitsRequest
 from homebot.features.history.batch import Batch, Series, StateRow
 from homebot.features.history.history import HistoryKeeper
 from homebot.features.history.history_file import HistoryFile
@@ -37,7 +38,6 @@ from homebot.graph import Graph, Node
 from homebot.journal.file_store import FileStore
 from homebot.journal.journal_file import JournalFile
 from homebot.journal.store import JournalNote
-from homebot.runtime.habit_services import HabitServices
 from plan import Plan
 from report import Report, milliseconds, seconds, verdict
 from rounds import median
@@ -97,9 +97,9 @@ def _row(name: str, found: list[tuple[float, float, float, float]]) -> tuple[str
 async def _measured(graph: Graph, searches: bool, length: float = 0.0) -> tuple[float, float, float, float]:
     """Return the longest and the 99th percentile of the delays of a timer, and the length, also of the processor."""
     async with Node(graph, "apps") as node:
-        host = SimpleNamespace(routines={}, context=AppContext("Europe/Berlin", 52.5, 13.4))
-        HabitServices(node, cast("Any", host), cast("Any", SimpleNamespace(of_habits=tuple)), {}).serve(SUGGEST_HABITS)
-        client = node.create_client(SuggestHabits, SUGGEST_HABITS)
+        home = HomeSettings(zone="Europe/Berlin", latitude=52.5, longitude=13.4)
+        HabitServices(node, home, {}, anyio.lowlevel.checkpoint).serve(SUGGEST_HABITS.name)
+        client = node.create_client(SuggestHabits, SUGGEST_HABITS.name)
 
         async def search() -> None:
             if not searches:

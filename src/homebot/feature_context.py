@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from homebot.apps import App
-    from homebot.config import Language
+    from homebot.config import HomeSettings
     from homebot.control import Control
     from homebot.discovery import Directory
     from homebot.graph import Graph
@@ -36,7 +36,7 @@ class FeatureContext:
         graph: The graph, for nodes of its own.
         keeps_data: Whether the run keeps data of its own accord: in files, or in memory of a simulated house.
         is_rehearsal: Whether nothing is sent to devices, as in a dry run and a replay.
-        language: The language of texts for people.
+        home: The table ``[home]``, such as the language of texts for people, and the place.
         zone: The time zone of the home; None for the computer's.
         file: Returns the path of a data file; None if the run keeps nothing in files.
         run_app: Runs an app with its settings in a node of that name, until cancelled.
@@ -50,7 +50,7 @@ class FeatureContext:
     graph: Graph
     keeps_data: bool
     is_rehearsal: bool
-    language: Language
+    home: HomeSettings
     zone: tzinfo | None
     file: Callable[[str], Path | None]
     run_app: Callable[[str, type[App[Any]], BaseModel], Awaitable[None]]

@@ -59,9 +59,6 @@ def test_other_mistakes_are_shown_with_the_usage(capsys: Text) -> None:
     [
         ("identify light --seconds 0", "argument --seconds: must be from 5 to 600 seconds, got '0'\n"),
         ("verify lamp --seconds 11m", "argument --seconds: must be from 5 to 600 seconds, got '11m'\n"),
-        ("suggest --days 0", "argument --days: must be a whole number from 1 to 60, got '0'\n"),
-        ("suggest --days -1", "argument --days: must be a whole number from 1 to 60, got '-1'\n"),
-        ("suggest --days 61", "argument --days: must be a whole number from 1 to 60, got '61'\n"),
     ],
 )
 def test_a_number_out_of_range_is_refused_with_the_range(capsys: Text, line: str, problem: str) -> None:

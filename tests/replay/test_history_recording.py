@@ -5,7 +5,7 @@ import json
 
 import pytest
 from tests.apps.houses import hall
-from tests.habits.houses import HOUSE
+from tests.recorded_house import HOUSE
 from tests.replay.recorded_days import history_of
 
 from homebot.config import parse_config

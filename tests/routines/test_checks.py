@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import pytest
 from tests.apps.houses import hall, lamp, motion
-from tests.habits.houses import HOUSE
+from tests.recorded_house import HOUSE
 
 from homebot.devices.app_messages import ListRoutines, RoutinesRequest
 from homebot.devices.health import GetHealth, HealthRequest

@@ -30,7 +30,6 @@ COMMANDS: Final = {
     "app": "list, load, unload and reload apps of a running homebot",
     "bind": "let a button do something",
     "routine": "list and show routines, start them, switch them on and off",
-    "suggest": "propose routines of what people in the house do, with proof; accept or reject one",
     "group": "list groups of devices, with their members",
     "config": "check the configuration",
     "devices": "list the devices in the house",

@@ -29,7 +29,6 @@ from websockets.exceptions import WebSocketException
 from homebot.bridges.home_api.shapes import (
     MOST_COMMANDED,
     DeviceList,
-    HabitList,
     HomeAnswer,
     OutcomeAnswer,
     ProposalAnswer,
@@ -314,12 +313,7 @@ def _add_routines(server: MCPServer, api: ApiClient) -> None:
         trial = await to_thread.run_sync(_trial, api.address, text, days)
         return tool_answer(json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False))
 
-    async def habits() -> Annotated[CallToolResult, HabitList]:
-        """Return what people did again and again in the last 21 days, as routines with proof; the owner accepts."""
-        return tool_answer(await api.read("/api/habits"))
-
     server.add_tool(propose_routine, annotations=ACTS)
-    server.add_tool(habits, annotations=READS)
 
 
 def tool_answer(text: str) -> CallToolResult:

@@ -207,6 +207,7 @@ class ChangeRoutineRequest(Message):
             empty for the one that is kept.
         act: Queries for further devices that it may command, for its key ``act``.
         unless_asks: Whether to do nothing if a person must agree first, as ``asks`` of the answer says.
+        of_habit: Whether a new one is made of a habit that homebot found.
         issuer: The client that asks; set by the door.
     """
 
@@ -215,6 +216,7 @@ class ChangeRoutineRequest(Message):
     text: Annotated[str, Field(max_length=60_000)] = ""
     act: _Texts = ()
     unless_asks: bool = False
+    of_habit: bool = False
     issuer: str = ""
 
 

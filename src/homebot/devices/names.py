@@ -62,11 +62,6 @@ HOME_PLACE = "/homebot/place"
 LIST_ROUTINES = "/routines/list"
 CHANGE_ROUTINE = "/routines/change"
 PROPOSE_ROUTINE = "/routines/propose"
-SUGGEST_HABITS = "/habits/suggest"
-DECIDE_HABIT = "/habits/decide"
-HABIT_SERVICES = {SUGGEST_HABITS: "homebot/srv/SuggestHabits", DECIDE_HABIT: "homebot/srv/DecideHabit"}
-"""The services for habits and their types, which are loaded when one is first called."""
-
 LIST_SCENES = "/scenes/list"
 CHANGE_SCENE = "/scenes/change"
 APPLY_SCENE = "/scenes/apply"
@@ -86,7 +81,6 @@ OWN_NAMESPACES = frozenset(
         "discovery",
         "gateway",
         "getIndexData",
-        "habits",
         "history",
         "homebot",
         "network_services",

@@ -47,7 +47,6 @@ _MOST_REHEARSED = 10_000
 _ROUTINES = "routines."
 _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
-_REJECTED = "habits/rejected"
 IDENTIFY_VALUES = "identify/values"
 """The names of stores that no app can have."""
 
@@ -154,11 +153,6 @@ class AppHost:
     def has_kept_routines(self) -> bool:
         """True if there are any."""
         return self._stores is not None and bool(self._stores.of(_KEPT_ROUTINES))
-
-    @property
-    def rejected_habits(self) -> MutableMapping[str, Any]:
-        """The habits that nobody wants as routines, by the ids of their proposals."""
-        return self._app_stores().of(_REJECTED)
 
     def store(self, name: str) -> MutableMapping[str, Any]:
         """Return the store of that name, which no app can have."""

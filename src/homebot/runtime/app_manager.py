@@ -45,7 +45,6 @@ from homebot.devices.app_messages import (
 )
 from homebot.devices.names import (
     CHANGE_ROUTINE,
-    HABIT_SERVICES,
     HOME_PLACE,
     LIST_APPS,
     LIST_ROUTINES,
@@ -68,7 +67,6 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
     from homebot.runtime.app_loading import AppPlanner, FreshCode
-    from homebot.runtime.habit_services import HabitServices
     from homebot.runtime.routine_services import RoutineServices
 
 LEFT_OUT = "app.left_out"
@@ -130,7 +128,6 @@ class AppManager:
         self._turn = anyio.Lock()
         self._tasks: TaskGroup | None = None
         self._reloads = count(1)
-        self._habits: HabitServices | None = None
         self.trial = _TRIAL
         self.ends_within = _ENDS_WITHIN
 
@@ -266,8 +263,6 @@ class AppManager:
         node.create_service(ListRoutines, LIST_ROUTINES, self._list_routines)
         node.create_service(ChangeRoutine, CHANGE_ROUTINE, self._change_routine)
         node.create_service(ProposeRoutine, PROPOSE_ROUTINE, self._propose_routine)
-        for name, kind in HABIT_SERVICES.items():
-            node.offer_service(kind, name, partial(self._serve_habits, node, name))
 
     @cached_property
     def _routines(self) -> RoutineServices:
@@ -292,12 +287,6 @@ class AppManager:
 
     async def _propose_routine(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
         return await self._routines.propose(request)
-
-    def _serve_habits(self, node: Node, name: str) -> None:
-        from homebot.runtime.habit_services import HabitServices  # noqa: PLC0415 - few homes ask
-
-        self._habits = self._habits or HabitServices(node, self._host, self._routines, self._host.rejected_habits)
-        self._habits.serve(name)
 
     async def _start_kept_routines(self) -> None:
         """Start the routines that the owner wrote by a command; a wrong one stays out."""

@@ -16,7 +16,6 @@ from homebot.devices.app_messages import (
 )
 from homebot.devices.client_rights import HARMLESS, ORDINARY
 from homebot.devices.device import KeyValue
-from homebot.devices.habit_messages import HabitProposal
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.runtime.app_host import AppHost
@@ -110,21 +109,6 @@ class RoutineServices:
             message += f"\na restart would lose this, as it was not written: {problem}"
         return ChangeRoutineResponse(message=message)
 
-    async def follow_habit(self, habit: HabitProposal, issuer: str) -> ChangeRoutineResponse:
-        """Keep and start the routine of *habit*, or remove the one that people undo."""
-        if habit.removes:
-            return await self.change(ChangeRoutineRequest(name=habit.removes, change="remove", issuer=issuer))
-        return await self._answer(self._follow(habit), issuer)
-
-    async def _follow(self, habit: HabitProposal) -> str:
-        routines = read_routines(habit.text, _SOURCE)
-        await self._add(routines, of_habit=True)
-        return await self._with_hints(f"added {routines[0].name}", *routines)
-
-    def of_habits(self) -> tuple[str, ...]:
-        """Return the names of the apps of the running routines that were made of habits."""
-        return tuple(app for app in self._host.routines if self._kept.is_of_habit(app))
-
     async def _propose(self, request: ProposeRoutineRequest) -> str:
         routines = read_routines(request.text, _SOURCE)
         if len(routines) != 1:
@@ -141,7 +125,7 @@ class RoutineServices:
     async def _change(self, request: ChangeRoutineRequest) -> str:
         if request.change == "new":
             routines = self._read(request)
-            await self._add(routines)
+            await self._add(routines, of_habit=request.of_habit)
             return await self._with_hints(f"added {', '.join(one.name for one in routines)}", *routines)
         meant = self._named(request.name)
         match request.change:

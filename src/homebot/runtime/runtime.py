@@ -466,7 +466,7 @@ class Runtime:
             graph=self.graph,
             keeps_data=self.index_file is not None or self.house is not None,
             is_rehearsal=self.is_dry_run or self.rehearsal is not None,
-            language=self.config.home.language,
+            home=self.config.home,
             zone=self.app_host.context.zone,
             file=self._beside_index,
             run_app=self._run_app,

@@ -192,6 +192,7 @@ async def test_a_goal_is_planned_for_who_may_act_and_a_mistake_is_named(tmp_path
         assert (refused.status, refused.values["outcome"]) == (403, "refused")
 
 
+@pytest.mark.rooms("habits")
 async def test_an_agent_reads_the_habits(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         await api.until("/api/habits", lambda found: found == {"habits": []})  # the history begins later

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import cos, pi
 from random import Random
 
-from homebot.habits.days import DAY, Days, Happening
+from homebot.features.habits.days import DAY, Days, Happening
 
 ROOMS = ("hall", "kitchen", "living", "bedroom", "bath", "nursery", "office", "cellar", "attic", "garage")
 LAMPS = tuple(f"{room} {kind}" for room in ROOMS for kind in ("lamp", "desk light", "strip"))

@@ -6,8 +6,8 @@ import pytest
 from tests.replay.recorded_days import APPS, family
 
 from homebot.config import parse_config
-from homebot.devices.habit_messages import SuggestHabits, SuggestHabitsRequest
-from homebot.devices.names import SUGGEST_HABITS
+from homebot.features.habits import SUGGEST_HABITS
+from homebot.features.habits.messages import SuggestHabits, SuggestHabitsRequest
 from homebot.graph import Node
 from homebot.testing import virtual_house_of
 
@@ -24,7 +24,8 @@ async def test_what_devices_do_by_their_own_programs_is_nobodys_habit() -> None:
     async with virtual_house_of(world=family(7), config=CONFIG, start="2026-01-05") as house:
         await house.run_until(house.now + timedelta(days=7))
         async with Node(house.runtime.graph, "owner") as node:
-            answer = await node.create_client(SuggestHabits, SUGGEST_HABITS).call(SuggestHabitsRequest(), timeout=600)
+            client = node.create_client(SuggestHabits, SUGGEST_HABITS.name)
+            answer = await client.call(SuggestHabitsRequest(), timeout=600)
     assert answer.success, answer.message
     assert answer.searched > 1000
     found = {one.do for one in answer.proposals}

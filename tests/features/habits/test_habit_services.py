@@ -9,7 +9,9 @@ import pytest
 
 from homebot.config import parse_config
 from homebot.devices.app_messages import ChangeRoutineResponse, ListRoutines, RoutinesRequest
-from homebot.devices.habit_messages import (
+from homebot.devices.names import LIST_ROUTINES
+from homebot.features.habits import DECIDE_HABIT, SUGGEST_HABITS
+from homebot.features.habits.messages import (
     DecideHabit,
     DecideHabitRequest,
     HabitProposal,
@@ -17,12 +19,9 @@ from homebot.devices.habit_messages import (
     SuggestHabitsRequest,
     SuggestHabitsResponse,
 )
-from homebot.devices.names import DECIDE_HABIT, LIST_ROUTINES, SUGGEST_HABITS
-from homebot.devices.own_services import right_to_call
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
-from homebot.rights import Right
 from homebot.support.toml_file import parse_toml
 from homebot.testing import VirtualHouse, virtual_house_of
 
@@ -55,8 +54,8 @@ class Owner:
     """What the owner asks of the house."""
 
     def __init__(self, node: Node) -> None:
-        self._suggest = node.create_client(SuggestHabits, SUGGEST_HABITS)
-        self._decide = node.create_client(DecideHabit, DECIDE_HABIT)
+        self._suggest = node.create_client(SuggestHabits, SUGGEST_HABITS.name)
+        self._decide = node.create_client(DecideHabit, DECIDE_HABIT.name)
         self._list = node.create_client(ListRoutines, LIST_ROUTINES)
 
     async def answer(self) -> SuggestHabitsResponse:
@@ -143,8 +142,3 @@ async def test_a_routine_that_people_undo_is_proposed_for_removal() -> None:
         assert (await owner.decide(removal, accept=True)).success
         assert await owner.routines() == {}
         assert not [one for one in (await owner.answer()).proposals if one.removes]
-
-
-def test_to_list_needs_to_read_and_to_decide_needs_to_manage() -> None:
-    assert right_to_call(SUGGEST_HABITS) is Right.READ
-    assert right_to_call(DECIDE_HABIT) is Right.MANAGE

@@ -4,17 +4,17 @@ from dataclasses import replace
 from zoneinfo import ZoneInfo
 
 import pytest
-from tests.habits.houses import HOUSE, entry, states
+from tests.recorded_house import HOUSE, entry, states
 
 from homebot.devices.client_rights import issuer_of_client
-from homebot.devices.habit_messages import HabitProposal
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.trigger import Trigger
-from homebot.habits.days import DAY, Happening
-from homebot.habits.proposal import is_same, proposal_of, undone_commands
-from homebot.habits.recorded import Home, recorded_days
-from homebot.habits.search import find_habits
-from homebot.habits.words import HabitWords
+from homebot.features.habits.days import DAY, Happening
+from homebot.features.habits.messages import HabitProposal
+from homebot.features.habits.proposal import is_same, proposal_of, undone_commands
+from homebot.features.habits.recorded import Home, recorded_days
+from homebot.features.habits.search import find_habits
+from homebot.features.habits.words import HabitWords
 from homebot.routines.conditions import read_condition
 from homebot.routines.text import read_routines
 from homebot.routines.triggers import read_trigger

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from random import Random
 
 import pytest
-from tests.habits.family import HABITS, Family, Planted, days_of, sun_is_down
+from tests.features.habits.family import HABITS, Family, Planted, days_of, sun_is_down
 from tests.sizes import size
 
-from homebot.habits.days import DAY, Days, Happening
-from homebot.habits.habit import FoundHabit, sure_share
-from homebot.habits.search import find_habits, occasions_of
+from homebot.features.habits.days import DAY, Days, Happening
+from homebot.features.habits.habit import FoundHabit, sure_share
+from homebot.features.habits.search import find_habits, occasions_of
 
 SEEDS = range(size(3, 20))
 HOLIDAYS = range(9, 12)

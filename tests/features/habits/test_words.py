@@ -3,10 +3,10 @@
 from itertools import product
 
 import pytest
-from tests.habits.houses import HOUSE
+from tests.recorded_house import HOUSE
 
 from homebot.devices.value import PlainValue
-from homebot.habits.words import HabitWords
+from homebot.features.habits.words import HabitWords
 from homebot.routines.steps import Do, read_step
 from homebot.routines.triggers import read_trigger
 

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
-    from homebot.devices.habit_messages import SuggestHabitsResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
     from homebot.devices.services import ListedDevice
 
@@ -153,19 +152,6 @@ async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> sha
     """Propose a routine to the owner, who enables it or not, and return what in it cannot work in the house now."""
     answer = await call_or_fail(home, names.PROPOSE_ROUTINE, {"text": asked.text})
     return shapes.ProposalAnswer(text=str(answer.message))
-
-
-async def list_habits(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HabitList:
-    """Return the routines that are proposed of habits; the owner alone accepts or rejects them."""
-    if not home.offers(names.SUGGEST_HABITS):
-        raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, "this homebot proposes nothing")
-    answer = cast("SuggestHabitsResponse", await call_or_fail(home, names.SUGGEST_HABITS, {}))
-    return shapes.HabitList(
-        habits=tuple(
-            shapes.HabitLine(name=one.name, text=one.text, proof=one.proof, precision=one.precision, recall=one.recall)
-            for one in answer.proposals
-        )
-    )
 
 
 async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:

@@ -168,22 +168,6 @@ class ProposalAnswer(Answer):
     text: PrintableText
 
 
-class HabitLine(Answer):
-    """A habit of the people in the house, with the routine that would act as they do, and its proof."""
-
-    name: PrintableText
-    text: Annotated[str, Field(max_length=2000)] = ""
-    proof: PrintableText
-    precision: float = 0.0
-    recall: float = 0.0
-
-
-class HabitList(Answer):
-    """The habits that the owner may accept as routines."""
-
-    habits: tuple[HabitLine, ...]
-
-
 class WhyAnswer(Answer):
     """The reason for a state and the newest steps that led to it; where a state was named, the commands for that."""
 

@@ -109,7 +109,7 @@ def read_alerts(config: Config) -> dict[AlertKey, float]:
 
 async def tell_people(house: FeatureContext) -> None:
     """Tell people of alerts until cancelled."""
-    settings = AlertsSettings(told_after=house.table("alerts") or {}, language=house.language)
+    settings = AlertsSettings(told_after=house.table("alerts") or {}, language=house.home.language)
     await house.run_app(FEATURE.name, Alerts, settings)
 
 

@@ -12,14 +12,14 @@ from homebot.cli.device_json import json_text, list_text
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.local_time import zone_of
 from homebot.cli.terminal import print_line
-from homebot.devices.names import DECIDE_HABIT, SUGGEST_HABITS
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import age_text
 from homebot.errors import PeerError, UsageError
+from homebot.features.habits import DECIDE_HABIT, SUGGEST_HABITS
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.habit_messages import HabitOccasion, HabitProposal, SuggestHabitsResponse
+    from homebot.features.habits.messages import HabitOccasion, HabitProposal, SuggestHabitsResponse
 
 _EXAMPLES: Final = """\
   homebot suggest                     what people did again and again in the last 21 days, as routines
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
-    fields = door.call(SUGGEST_HABITS, {"days": options.days}, timeout=_LONGEST)
+    fields = door.call(SUGGEST_HABITS.name, {"days": options.days}, timeout=_LONGEST)
     answer = cast("SuggestHabitsResponse", JsonMessage(fields))
     if not answer.success:
         raise PeerError(printable(answer.message, 2000))
@@ -86,7 +86,7 @@ def _decide(door: DoorClient, options: argparse.Namespace, answer: SuggestHabits
     if options.number is None or not 1 <= options.number <= count:
         raise UsageError(f"say which: a number from 1 to {count}" if count else "there is nothing to propose")
     request = {"id": answer.proposals[options.number - 1].id, "accept": options.decision == "accept"}
-    decided = door.call(DECIDE_HABIT, request, timeout=_LONGEST)
+    decided = door.call(DECIDE_HABIT.name, request, timeout=_LONGEST)
     text = printable(str(decided["message"]), 2000)
     if not decided["success"]:
         raise PeerError(text)

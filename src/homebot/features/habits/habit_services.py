@@ -15,10 +15,23 @@ from anyio import to_thread
 
 from homebot.clock import read_zone, zone_name
 from homebot.devices import Device, names
-from homebot.devices.app_messages import ChangeRoutineResponse
+from homebot.devices.app_messages import (
+    ChangeRoutine,
+    ChangeRoutineRequest,
+    ChangeRoutineResponse,
+    ListRoutines,
+    RoutineInfo,
+    RoutinesRequest,
+)
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.habit_messages import (
+from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
+from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.errors import HomebotError, PeerError
+from homebot.features.habits import SUGGEST_HABITS
+from homebot.features.habits.days import DAY
+from homebot.features.habits.habit import FoundHabit
+from homebot.features.habits.messages import (
     DecideHabit,
     DecideHabitRequest,
     HabitProposal,
@@ -26,27 +39,28 @@ from homebot.devices.habit_messages import (
     SuggestHabitsRequest,
     SuggestHabitsResponse,
 )
-from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
-from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.errors import HomebotError, PeerError
+from homebot.features.habits.proposal import UNDONE, is_same, proposal_of, undone_commands
+from homebot.features.habits.recorded import MOST_HAPPENINGS, Home, recorded_days
+from homebot.features.habits.search import find_habits
+from homebot.features.habits.words import HabitWords
 from homebot.graph import Node
-from homebot.habits.days import DAY
-from homebot.habits.habit import FoundHabit
-from homebot.habits.proposal import UNDONE, is_same, proposal_of, undone_commands
-from homebot.habits.recorded import MOST_HAPPENINGS, Home, recorded_days
-from homebot.habits.search import find_habits
-from homebot.habits.words import HabitWords
 from homebot.messages.builtin_interfaces import Time
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
-    from homebot.runtime.app_host import AppHost
-    from homebot.runtime.routine_services import RoutineServices
+    from collections.abc import Awaitable, Callable
+
+    from homebot.config import HomeSettings
+    from homebot.feature_context import FeatureContext
 
 T = TypeVar("T")
 
 _DAYS: Final = 21
 _NO_HISTORY: Final = "no history is kept, or it has not begun yet; write `enabled = true` in [history] of homebot.toml"
+_NO_ROUTINES: Final = "there are no routines in this homebot"
+_REJECTED: Final = "habits/rejected"
+"""The store of the habits that nobody wants as routines, by the ids of their proposals."""
+
 _FRESH: Final = 600.0
 """Seconds for which an answer is given again without a search."""
 
@@ -65,12 +79,18 @@ class HabitServices:
     """Proposes routines, and keeps rejections in *rejected*."""
 
     def __init__(
-        self, node: Node, host: AppHost, routines: RoutineServices, rejected: MutableMapping[str, Any]
+        self,
+        node: Node,
+        home: HomeSettings,
+        rejected: MutableMapping[str, Any],
+        write_stores: Callable[[], Awaitable[object]],
     ) -> None:
         self._node = node
-        self._host = host
-        self._routines = routines
+        self._home = home
         self._rejected = rejected
+        self._write_stores = write_stores
+        self._routines = node.create_client(ListRoutines, names.LIST_ROUTINES)
+        self._change = node.create_client(ChangeRoutine, names.CHANGE_ROUTINE)
         self._lookup = DeviceLookup(node)
         self._history = node.create_client(ReadHistory, names.READ_HISTORY)
         self._journal = node.create_client(ReadJournal, names.READ_JOURNAL)
@@ -79,7 +99,7 @@ class HabitServices:
 
     def serve(self, name: str) -> None:
         """Create the service with this name."""
-        if name == names.SUGGEST_HABITS:
+        if name == SUGGEST_HABITS.name:
             self._node.create_service(SuggestHabits, name, self._suggest, concurrent=True)
         else:
             self._node.create_service(DecideHabit, name, self._decide)
@@ -93,34 +113,50 @@ class HabitServices:
                 except HomebotError as exc:
                     return SuggestHabitsResponse(success=False, message=str(exc))
         answer = self._last[2]
-        left = tuple(one for one in answer.proposals if self._is_open(one))
+        running = await self._running_routines()
+        left = tuple(one for one in answer.proposals if self._is_open(one, running))
         return answer.model_copy(update={"proposals": left})
 
     async def _decide(self, request: DecideHabitRequest) -> ChangeRoutineResponse:
         known = () if self._last is None else self._last[2].proposals
-        found = next((one for one in known if one.id == request.id and self._is_open(one)), None)
+        running = await self._running_routines()
+        found = next((one for one in known if one.id == request.id and self._is_open(one, running)), None)
         if found is None:
             message = f"there is no proposal {request.id!r} now; `homebot suggest` lists them"
             return ChangeRoutineResponse(success=False, message=message)
         if request.accept:
-            return await self._routines.follow_habit(found, request.issuer)
+            return await self._follow(found, request.issuer)
         for oldest in list(self._rejected)[: max(0, len(self._rejected) + 1 - _MOST_REJECTED)]:
             del self._rejected[oldest]
         self._rejected[found.id] = {"when": found.when, "do": found.do}
-        await self._host.write_stores()
+        await self._write_stores()
         return ChangeRoutineResponse(message=f"rejected {found.name}; it is not proposed again")
 
-    def _is_open(self, proposal: HabitProposal) -> bool:
-        """Return whether nobody rejected *proposal*, and no routine does the same already."""
-        routines = self._host.routines.values()
+    async def _follow(self, habit: HabitProposal, issuer: str) -> ChangeRoutineResponse:
+        """Keep and start the routine of *habit*, or remove the one that people undo."""
+        if not self._change.service_is_ready():
+            return ChangeRoutineResponse(success=False, message=_NO_ROUTINES)
+        if habit.removes:
+            return await self._change.call(ChangeRoutineRequest(name=habit.removes, change="remove", issuer=issuer))
+        return await self._change.call(
+            ChangeRoutineRequest(change="new", text=habit.text, of_habit=True, issuer=issuer)
+        )
+
+    async def _running_routines(self) -> Sequence[RoutineInfo]:
+        if not self._routines.service_is_ready():
+            return ()
+        return [one for one in (await self._routines.call(RoutinesRequest())).routines if not one.problem]
+
+    def _is_open(self, proposal: HabitProposal, running: Sequence[RoutineInfo]) -> bool:
+        """Return whether nobody rejected *proposal*, and none of the *running* routines does the same already."""
         if proposal.removes:
-            return proposal.id not in self._rejected and proposal.removes in {one.info().name for one in routines}
+            return proposal.id not in self._rejected and proposal.removes in {one.name for one in running}
         wanted = fold(proposal.do)
         if any(is_same(proposal, str(one["when"]), str(one["do"])) for one in self._rejected.values()):
             return False
         return not any(
             wanted in map(fold, info.steps) and any(is_same(proposal, when, proposal.do) for when in info.when)
-            for info in (one.info() for one in routines)
+            for info in running
         )
 
     async def _searched(self, since: float, until: float) -> SuggestHabitsResponse:
@@ -129,13 +165,13 @@ class HabitServices:
         devices = await self._lookup.devices()
         entries = await self._entries(since)
         series = [one for device in devices for one in await self._series(device, since, until)]
-        context = self._host.context
-        home = Home(await to_thread.run_sync(read_zone, context.zone_name), context.latitude, context.longitude)
-        made = {app: self._host.routines[app].info().name for app in self._routines.of_habits()}
+        zone = await to_thread.run_sync(read_zone, self._home.zone)
+        home = Home(zone, self._home.latitude, self._home.longitude)
+        made = {one.app: one.name for one in await self._running_routines() if one.of_habit}
         search = _search(devices, series, entries, home, made)
         while (answer := await to_thread.run_sync(_slice, search)) is None:
             pass
-        return answer.model_copy(update={"zone": zone_name(context.zone_name)})
+        return answer.model_copy(update={"zone": zone_name(self._home.zone)})
 
     async def _series(self, device: Device, since: float, until: float) -> list[HistorySeries]:
         """Return the states and events of the main parts of *device*; numbers start no routine."""
@@ -235,3 +271,8 @@ def _slice(search: Generator[SuggestHabitsResponse | None]) -> SuggestHabitsResp
         if answer is not None or perf_counter() > ends:
             return answer
     return None
+
+
+def start(node: Node, house: FeatureContext) -> HabitServices:
+    """Return the server."""
+    return HabitServices(node, house.home, house.store(_REJECTED), house.write_stores)

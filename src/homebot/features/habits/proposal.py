@@ -5,11 +5,11 @@ from collections.abc import Iterable, Sequence
 from hashlib import sha256
 from typing import Final, NamedTuple
 
-from homebot.devices.habit_messages import HabitOccasion, HabitProposal
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.time_format import age_text
-from homebot.habits.habit import FoundHabit
-from homebot.habits.recorded import is_persons
+from homebot.features.habits.habit import FoundHabit
+from homebot.features.habits.messages import HabitOccasion, HabitProposal
+from homebot.features.habits.recorded import is_persons
 from homebot.messages.builtin_interfaces import Time
 from homebot.routines.text import routine_text
 from homebot.routines.times import DaysAndTime, SunMoment

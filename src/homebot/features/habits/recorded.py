@@ -19,8 +19,8 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.value import PlainValue
-from homebot.habits.days import DAY, LEAST_DAYS, Days, Happening
-from homebot.habits.words import HabitWords, WatchedRoom, rounded
+from homebot.features.habits.days import DAY, LEAST_DAYS, Days, Happening
+from homebot.features.habits.words import HabitWords, WatchedRoom, rounded
 
 MOST_HAPPENINGS: Final = 200_000
 """The largest number that is searched, about 40 MB; the newest count."""

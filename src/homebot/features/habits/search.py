@@ -15,8 +15,8 @@ from itertools import islice
 from statistics import median
 from typing import Final
 
-from homebot.habits.days import DAY, LEAST_DAYS, Days, Happenings
-from homebot.habits.habit import FoundHabit, Occasion, luck, sure_share
+from homebot.features.habits.days import DAY, LEAST_DAYS, Days, Happenings
+from homebot.features.habits.habit import FoundHabit, Occasion, luck, sure_share
 
 _WITHIN: Final = (60.0, 300.0, 900.0)
 """Seconds within which people act after a trigger."""
