@@ -160,8 +160,8 @@ class DeviceIndex:
                 table.owner.any_groups().put(device)
             values: list[PostedValue] = []
             if device.states:
-                found = zip(device.states, facets.values, entry.newest_values(topics), strict=True)
-                values = [(state.part, kind, name, stored) for state, (kind, name, _), stored in found]
+                found = zip(facets.values, entry.newest_values(topics), strict=True)
+                values = [(part, kind, name, stored) for (kind, name, _, part), stored in found]
             table.postings.put(facets, values)
             done += 1
             if not outdated and table.owner.groups is not None:

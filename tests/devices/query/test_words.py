@@ -6,12 +6,13 @@ from hypothesis import strategies as st
 
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import State
+from homebot.devices.device_types import wanted_types
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.exact import parse_cautious_query
 from homebot.devices.query.facets import facets_of
-from homebot.devices.query.matching import fits
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import query_words, read_terms
+from homebot.devices.query.term_messages import query_terms, query_words, read_terms
 from homebot.devices.query.terms import NameIs, Query
 from homebot.devices.query.words import WordsQuery
 from homebot.devices.value import PlainValue, Value
@@ -72,12 +73,33 @@ def device(number: int, name: str, kind: str, capability: str, value: PlainValue
     )
 
 
+def power_strip(named: dict[str, bool], kind: str) -> Device:
+    """A device with a part for each name, which is on or off."""
+    one = device(0, "strip", kind, "on_off", False)
+    (part,), (state,) = one.parts, one.states
+    parts, states = [], []
+    for number, (name, is_on) in enumerate(named.items()):
+        named_part = part.part.model_copy(update={"id": f"p{number}", "name": name})
+        parts.append(part.model_copy(update={"id": f"p{number}", "part": named_part}))
+        states.append(state.model_copy(update={"part": f"p{number}", "value": Value.of(is_on)}))
+    return one.model_copy(update={"parts": tuple(parts), "states": tuple(states)})
+
+
 def directory(devices: list[Device]) -> Postings:
     postings = Postings()
     for one in devices:
-        (state,) = one.states
-        stored = StoredValue(state.value, state.value.plain(), NOW, NOW, live=True)
-        postings.put(facets_of(one), [("", one.service_type, state.capability, stored)])
+        postings.put(
+            facets_of(one),
+            [
+                (
+                    state.part,
+                    one.service_type,
+                    state.capability,
+                    StoredValue(state.value, state.value.plain(), NOW, NOW, live=True),
+                )
+                for state in one.states
+            ],
+        )
     return postings
 
 
@@ -160,6 +182,44 @@ def test_a_name_of_a_type_means_its_device_and_in_a_room_the_type_as_well() -> N
         "which plugs are on in the hall?": {"id3"},
     }.items():
         assert found(postings, text) == followed(devices, text) == meant, text
+
+
+@given(st.lists(NAMES, min_size=1, max_size=3, unique_by=fold), st.integers(0, 7), st.sampled_from(["plug", "light"]))
+def test_a_part_that_is_called_like_a_type_that_it_is_not_is_meant_by_that_name(
+    names: list[str], on: int, kind: str
+) -> None:
+    """``tv on`` found no strip with the plug TV, and ``not tv on`` held while it was on."""
+    strip = power_strip({name: bool(on >> number & 1) for number, name in enumerate(names)}, kind)
+    postings = directory([strip])
+    for number, name in enumerate(names):
+        if not (wanted := wanted_types(name)) or kind in wanted:
+            continue
+        for text, is_meant in ((f"{name} on", bool(on >> number & 1)), (f"{name} off", not on >> number & 1)):
+            condition = read_condition(f"not {text}")
+            assert isinstance(condition, Matches)
+            for words in (text, condition.state.words):
+                assert bool(found(postings, words)) == bool(followed([strip], words)) == is_meant, words
+            query = WordsQuery(text, [strip]).query
+            assert read_terms(query_terms(query)) == query
+            parts = {one.part.name for one in strip.parts if fits(query, PartFacets(strip, one))}
+            assert parts == ({name} if is_meant else set())
+            assert not is_meant or matching([strip], parse_cautious_query(text))
+
+
+def test_a_part_that_is_called_like_a_type_means_it_no_more_once_something_of_the_type_may_be_so() -> None:
+    strip, television = power_strip({"TV": True}, "plug"), device(9, "Samsung", "video_player", "on_off", False)
+    query, postings = WordsQuery("tv on", [strip]), directory([strip, television])
+    assert matching([strip, television], query.query) == {"id0"}
+    assert query.record(television)
+    assert found(postings, "tv on") == matching([strip, television], query.query) == set()
+    assert query.record(television, is_gone=True)
+    assert matching([strip], query.query) == {"id0"}
+
+
+def test_a_part_that_is_called_like_its_own_type_means_all_of_the_type() -> None:
+    strip, lamp = power_strip({"Light": False}, "light"), device(9, "hall", "light", "on_off", True)
+    postings = directory([strip, lamp])
+    assert found(postings, "light on") == followed([strip, lamp], "light on") == {"id9"}
 
 
 QUESTIONS = [

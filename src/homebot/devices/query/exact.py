@@ -3,7 +3,7 @@
 from functools import partial
 
 from homebot.devices.query.parse import names_in, parse_query
-from homebot.devices.query.terms import HasText, NameIs, Or, Query, leaves, split_near
+from homebot.devices.query.terms import HasText, NameIs, Or, PartIs, Query, leaves, split_near
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
@@ -33,12 +33,13 @@ def parse_cautious_query(text: str) -> Query:
     Raises:
         UsageError: As for :func:`parse_lasting_query`.
     """
-    named = [parse_query(text, partial(_is_about, NameIs(name))) for name in sorted(names_in(text))]
+    names = sorted(names_in(text))
+    named = [parse_query(text, partial(_is_about, kind(name))) for name in names for kind in (NameIs, PartIs)]
     first, *others = dict.fromkeys([parse_lasting_query(text), *named])
     return Or((first, *others)) if others else first
 
 
-def _is_about(name: NameIs, query: Query) -> bool:
+def _is_about(name: NameIs | PartIs, query: Query) -> bool:
     return name in leaves(query)
 
 

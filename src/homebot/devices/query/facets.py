@@ -35,7 +35,8 @@ class Facets:
         words: The words of its id, names, room, floor, tags and model, folded.
         categories: ``config`` and ``diagnostic``, if it has parts of these.
         facts: All facts by name, folded.
-        values: Type of the part, capability, and value.
+        values: Type of the part, capability, value, and the id of the part.
+        named_parts: The ids of the parts that are called like a type that they are not, by that name, folded.
         main_type: Its primary type; without parts, its word.
         is_guessed: Whether the type of its first part was guessed.
         is_unapproved: Whether it is dangerous and not approved by the owner.
@@ -57,7 +58,8 @@ class Facets:
     conventions: frozenset[str]
     categories: frozenset[str]
     facts: Mapping[str, tuple[str, ...]]
-    values: tuple[tuple[str, str, PlainValue], ...]
+    values: tuple[tuple[str, str, PlainValue, str], ...]
+    named_parts: Mapping[str, frozenset[str]]
     main_type: str
     is_guessed: bool
     is_disputed: bool
@@ -98,6 +100,7 @@ def facets_of(device: Device) -> Facets:
         categories=categories,
         facts=facts,
         values=_values_of(device) if device.states else (),
+        named_parts=parts_named_like_types(device),
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
         is_disputed=bool(device.conflicts),
@@ -146,9 +149,25 @@ def _sets_of(device: Device) -> list[frozenset[str]]:
     return [*map(_one_of, found)] if len(capabilities) <= _FEW else [*found]
 
 
-def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue], ...]:
+def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue, str], ...]:
     types = {one.id: one.part.service_type for one in device.parts}
-    return tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states])
+    return tuple([(types.get(one.part, ""), one.capability, one.value.plain(), one.part) for one in device.states])
+
+
+def parts_named_like_types(device: Device) -> Mapping[str, frozenset[str]]:
+    """Return the ids of the parts that are called like a type that they are not, such as TV, by that name, folded."""
+    found = _NO_PARTS
+    for each in device.parts:
+        if each.part.name and _is_named_like_another_type(each.part.name, each.part.service_type):
+            name = fold(each.part.name)
+            found = {**found, name: found.get(name, frozenset()) | {each.id}}
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _is_named_like_another_type(name: str, service_type: str) -> bool:
+    meant = wanted_types(name)
+    return bool(meant) and service_type not in meant
 
 
 _FEW = 8
@@ -171,6 +190,7 @@ def _one_of_kinds(found: frozenset[tuple[str, str]]) -> frozenset[tuple[str, str
 
 _NOWHERE: tuple[str, ...] = ()
 _NO_TAGS: frozenset[str] = frozenset()
+_NO_PARTS: Mapping[str, frozenset[str]] = {}
 
 
 @lru_cache(maxsize=1024)

@@ -8,7 +8,7 @@ from typing import Any, Final
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import GROUP
-from homebot.devices.query.facets import Facets, facets_of
+from homebot.devices.query.facets import Facets, facets_of, parts_named_like_types
 from homebot.devices.query.terms import (
     OPENING_TAGS,
     And,
@@ -26,6 +26,7 @@ from homebot.devices.query.terms import (
     Not,
     Operator,
     Or,
+    PartIs,
     Query,
     ReachableIs,
     StateIs,
@@ -97,12 +98,20 @@ class PartFacets:
         return frozenset([capability.name for capability in self.part.part.capabilities if capability.settable])
 
     @property
-    def values(self) -> list[tuple[str, str, PlainValue]]:
-        """Its type, capability, and value, for each value."""
+    def values(self) -> list[tuple[str, str, PlainValue, str]]:
+        """Its type, capability, value and id, for each value."""
         part, service_type = self.part.id, self.part.part.service_type
         return [
-            (service_type, state.capability, state.value.plain()) for state in self._device.states if state.part == part
+            (service_type, state.capability, state.value.plain(), part)
+            for state in self._device.states
+            if state.part == part
         ]
+
+    @property
+    def named_parts(self) -> dict[str, frozenset[str]]:
+        """Its id by its own name, if it is called like a type that it is not."""
+        found = parts_named_like_types(self._device)
+        return {name: ids & {self.part.id} for name, ids in found.items() if self.part.id in ids}
 
     @property
     def areas(self) -> tuple[str, ...]:
@@ -231,8 +240,11 @@ def _fits_type(query: TypeIs, device: Facets | PartFacets) -> bool:
 
 def _fits_state(query: StateIs, device: Facets | PartFacets) -> bool:
     return any(
-        capability == query.capability and (not query.types or service_type in query.types) and compares(query, value)
-        for service_type, capability, value in device.values
+        capability == query.capability
+        and (not query.types or service_type in query.types)
+        and (not query.part or part in device.named_parts.get(query.part, ()))
+        and compares(query, value)
+        for service_type, capability, value, part in device.values
     )
 
 
@@ -277,6 +289,7 @@ _TESTS: Final[Mapping[type[Query], Callable[[Any, Facets | PartFacets], bool]]] 
     AreaIs: lambda query, device: query.text in device.areas if query.text else not device.areas,
     InArea: _is_in,
     NameIs: lambda query, device: query.text in device.names,
+    PartIs: lambda query, device: query.text in device.named_parts,
     HasText: _has_text,
     FreshnessIs: lambda query, device: device.freshness == query.text,
     ReachableIs: lambda query, device: device.reachable == query.text,

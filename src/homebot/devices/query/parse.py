@@ -16,7 +16,8 @@ of a state applies to parts of the types next to it: ``on lights`` does not matc
 ``heating`` is an adjective next to a type, and otherwise a type: ``heating in living``.
 
 If the names of a house are known, words that are exactly the name of one of its devices, beside nothing but states,
-mean that device: ``tv on`` is about the plug called TV, and ``Treppe unten on`` not about the Treppe unter Dach.
+mean that device: ``tv on`` is about the plug called TV, and ``Treppe unten on`` not about the Treppe unter Dach. A part
+that is called like a type that it is not is meant likewise, unless something of the type may have such states.
 """
 
 import math
@@ -44,6 +45,7 @@ from homebot.devices.query.terms import (
     NameIs,
     Not,
     Or,
+    PartIs,
     Query,
     ReachableIs,
     StateIs,
@@ -173,7 +175,12 @@ class _Parser:
             return named[0]
         end, self._place = self._place, first
         plain = all_of([term for term, *_ in self._terms()])
-        return plain if named is None or self._place != end else Or((named[0], plain))
+        if named is None or self._place != end:
+            return plain
+        if any(isinstance(one, PartIs) for one in leaves(named[0])):
+            is_type = self._exists is not None and self._exists(lasting(plain))
+            return plain if is_type else named[0]
+        return Or((named[0], plain))
 
     def _named(self, exists: Exists) -> tuple[Query, bool] | None:
         """Parse a name and its states; return also whether others are meant too, as by a type and a room.
@@ -184,14 +191,17 @@ class _Parser:
         while (token := self._peek()) is not None:
             place = self._place
             for end, name in self.names_at(place):
-                if exists(NameIs(name)):
+                called: NameIs | PartIs = NameIs(name)
+                if exists(called) or exists(called := PartIs(name)):
                     self._place = end
-                    found = And((NameIs(name), *states, *self._states()))
+                    said = (*states, *self._states())
+                    found = And((called, *(_of_part(one, name) if type(called) is PartIs else one for one in said)))
                     following = self._peek()
                     is_whole = following is None or following.kind == ")" or _is(following, "or")
                     if is_whole and exists(lasting(found)):
-                        is_placed = any(isinstance(one, AreaIs | InArea) for one in leaves(found))
-                        return found, is_placed and any(map(is_meaningful, name.split()))
+                        terms = leaves(found)
+                        is_open = type(called) is PartIs or any(isinstance(term, AreaIs | InArea) for term in terms)
+                        return found, is_open and any(map(is_meaningful, name.split()))
                     self._place = place
             if self._is_filler(token):
                 self._place += 1
@@ -457,6 +467,19 @@ def _ends_area(word: str, words: list[str]) -> bool:
 
 
 _EXCEPTED = re.compile(r"[!¬~-][^\W\d]")
+
+
+def _of_part(query: Query, name: str) -> Query:
+    """Return *query* with its states as those of the parts with the *name*."""
+    match query:
+        case And(terms) | Or(terms):
+            return type(query)(tuple(_of_part(term, name) for term in terms))
+        case Not(term):
+            return Not(_of_part(term, name))
+        case StateIs():
+            return replace(query, part=name)
+        case _:
+            return query
 
 
 def _all_words(text: str) -> Query:

@@ -25,6 +25,7 @@ from homebot.devices.query.terms import (
     Not,
     Operator,
     Or,
+    PartIs,
     Query,
     ReachableIs,
     StateIs,
@@ -43,8 +44,8 @@ MAX_TERMS = 1000
 MAX_DEPTH = 50
 """The limit of nested terms."""
 
-_TextQuery: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
-_TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
+_TextQuery: TypeAlias = AreaIs | InArea | NameIs | PartIs | HasText | FreshnessIs | ReachableIs | GatewayIs
+_TextKind: TypeAlias = Literal["area", "in_area", "name", "part", "text", "freshness", "reachable", "gateway"]
 TermKind: TypeAlias = Literal[
     _TextKind, "and", "or", "not", "type", "can", "state", "fact", "near", "disputed", "unapproved", "words"
 ]
@@ -53,6 +54,7 @@ _TEXT_KINDS: dict[type[_TextQuery], _TextKind] = {
     AreaIs: "area",
     InArea: "in_area",
     NameIs: "name",
+    PartIs: "part",
     HasText: "text",
     FreshnessIs: "freshness",
     ReachableIs: "reachable",
@@ -68,8 +70,8 @@ class QueryTerm(Message):
     Attributes:
         operands: For ``and``, ``or`` and ``not``: the number of following terms, with their operands, that it joins.
         name: The capability of ``can`` and ``state``, the name of ``fact``, the requested word of ``type``.
-        text: The value of ``fact``, the robot of ``near``, the text of every kind with one text, and a whole query as
-            people write it for ``words``.
+        text: The value of ``fact``, the robot of ``near``, the part of ``state``, the text of every kind with one text,
+            and a whole query as people write it for ``words``.
         operator: For ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
         value: For ``state``: the value to compare with; for ``near``: the longest way in metres, unknown for any.
         types: For ``type`` and ``state``: the device types.
@@ -158,7 +160,8 @@ def _write_type(term: TypeIs) -> QueryTerm:
 
 def _write_state(term: StateIs) -> QueryTerm:
     value, types = Value.of(term.value), tuple(sorted(term.types))
-    return QueryTerm(kind="state", name=term.capability, operator=term.operator, value=value, types=types)
+    name, operator = term.capability, term.operator
+    return QueryTerm(kind="state", name=name, text=term.part, operator=operator, value=value, types=types)
 
 
 def _read_state(term: QueryTerm, number: int) -> StateIs:
@@ -166,7 +169,7 @@ def _read_state(term: QueryTerm, number: int) -> StateIs:
     if operator is None:
         known = ", ".join(_OPERATORS)
         raise UsageError(f"term {number} of the query has the operator {term.operator!r}, not one of {known}")
-    return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
+    return StateIs(term.name, operator, term.value.plain(), frozenset(term.types), term.text)
 
 
 def _write_near(term: IsNear) -> QueryTerm:

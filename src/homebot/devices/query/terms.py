@@ -64,6 +64,12 @@ class NameIs(TextTerm):
     __slots__ = ()
 
 
+class PartIs(TextTerm):
+    """A part with this name, folded, which is the word of another type than its own, or its device."""
+
+    __slots__ = ()
+
+
 class HasText(TextTerm):
     """A device with this word, folded, or with a word that begins with it or is a typo away."""
 
@@ -95,12 +101,14 @@ class StateIs:
     Attributes:
         value: The value to compare with; texts are folded.
         types: The allowed types of the part; empty for any.
+        part: The name of the part, as of :class:`PartIs`; empty for any.
     """
 
     capability: str
     operator: Operator
     value: PlainValue
     types: frozenset[str] = frozenset()
+    part: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +178,7 @@ Query: TypeAlias = (
     | AreaIs
     | InArea
     | NameIs
+    | PartIs
     | StateIs
     | HasText
     | FreshnessIs

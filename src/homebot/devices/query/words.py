@@ -1,19 +1,20 @@
 """A query in words for a house whose devices come and go. Pure."""
 
 from collections.abc import Iterable
+from itertools import chain
 from typing import final
 
 from homebot.devices.device import Device
-from homebot.devices.query.facets import facets_of
+from homebot.devices.query.facets import facets_of, parts_named_like_types, shared_facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.parse import names_in, parse_query
-from homebot.devices.query.terms import AreaIs, InArea, Query, leaves
+from homebot.devices.query.terms import AreaIs, InArea, Query, TypeIs, leaves
 from homebot.support.folding import fold
 
 
 @final
 class WordsQuery:
-    """The query *text*, in which words that are exactly the name of a known device or room mean it.
+    """The query *text*, in which words that are exactly the name of a known device, part or room mean it.
 
     Attributes:
         query: What it means by now.
@@ -28,6 +29,8 @@ class WordsQuery:
         self._named: dict[str, Device] = {}
         self._areas: dict[str, tuple[str, ...]] = {}  # those that the text names, by device
         self.query: Query = parse_query(text)
+        self._types = [term for term in leaves(self.query) if isinstance(term, TypeIs)]
+        self._typed: dict[str, Device] = {}  # of those types, which parts that are called so are not
         self._asked_areas = frozenset([term.text for term in leaves(self.query) if isinstance(term, InArea)])
         for device in devices:
             self.record(device)
@@ -35,10 +38,17 @@ class WordsQuery:
     def record(self, device: Device, *, is_gone: bool = False) -> bool:
         """Record a new, changed or removed device; return whether the query means something else now."""
         was_named = self._named.pop(device.id, None) is not None
-        is_named = not is_gone and not self._names.isdisjoint(map(fold, (device.id, device.name, *device.names)))
+        names = (*map(fold, (device.id, device.name, *device.names)), *parts_named_like_types(device))
+        is_named = not is_gone and not self._names.isdisjoint(names)
         if is_named:
             self._named[device.id] = device
-        if not self._record_areas(device, is_gone=is_gone) and not (was_named or is_named):
+        was_typed = self._typed.pop(device.id, None) is not None
+        if self._types and not is_gone:
+            facets = shared_facets_of(device)
+            if any(fits(term, facets) for term in self._types):
+                self._typed[device.id] = device
+        is_change = self._record_areas(device, is_gone=is_gone) or was_named or is_named
+        if not is_change and (not self._named or was_typed == (device.id in self._typed)):
             return False
         before, self.query = self.query, parse_query(self._text, self._exists)
         return self.query != before
@@ -56,4 +66,5 @@ class WordsQuery:
     def _exists(self, query: Query) -> bool:
         if isinstance(query, AreaIs):
             return any(query.text in areas for areas in self._areas.values())
-        return any(fits(query, facets_of(device)) for device in self._named.values())
+        devices = chain(self._named.values(), self._typed.values())
+        return any(fits(query, facets_of(device)) for device in devices)

@@ -27,6 +27,7 @@ from homebot.devices.query.terms import (
     NameIs,
     Not,
     Or,
+    PartIs,
     Query,
     ReachableIs,
     StateIs,
@@ -134,9 +135,11 @@ class Postings:
 
     def value(self, device_id: str, term: StateIs) -> PlainValue:
         """Return the value by which the device matches *term*; None if it does not."""
-        for (_, capability), (service_type, stored) in self._posted[device_id].values.items():
+        posted = self._posted[device_id]
+        parts = posted.facets.named_parts.get(term.part, _NONE)
+        for (part, capability), (service_type, stored) in posted.values.items():
             is_meant = capability == term.capability and (not term.types or service_type in term.types)
-            if is_meant and compares(term, stored.value):
+            if is_meant and (not term.part or part in parts) and compares(term, stored.value):
                 return stored.value
         return None
 
@@ -183,11 +186,13 @@ class Postings:
         return frozenset(self._posted) if found is None else found
 
     def _of_value(self, devices: Found, term: StateIs) -> Found:
-        if len(devices) > _FEW:
+        if len(devices) > _FEW or term.part:
             return devices & self._by_value(term)
         return {one for one in devices if self.value(one, term) is not None}
 
     def _by_value(self, term: StateIs) -> Found:
+        if term.part:
+            return {one for one in self._devices(("part", term.part)) if self.value(one, term) is not None}
         found: list[set[str]] = []
         for service_type in term.types or self._types_with.get(term.capability, _NONE):
             column = self._columns.get((service_type, term.capability))
@@ -265,6 +270,7 @@ class Postings:
         AreaIs: _of_area,
         InArea: lambda self, query: self._begins("area", query.text),
         NameIs: _named,
+        PartIs: lambda self, query: self._devices(("part", query.text)),
         FactIs: _by_fact,
         CanDo: lambda self, query: self._devices(("set" if query.settable else "can", query.name)),
         FreshnessIs: lambda self, query: self._devices(("freshness", query.text)),
@@ -291,6 +297,7 @@ def _keys(facets: Facets) -> list[_Key]:
     keys += zip(repeat("gateway"), facets.gateways)
     keys += zip(repeat("convention"), facets.conventions)
     keys += zip(repeat("category"), facets.categories)
+    keys += zip(repeat("part"), facets.named_parts)
     if facets.is_disputed:
         keys.append(_DISPUTED)
     if facets.is_unapproved:

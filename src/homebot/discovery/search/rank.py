@@ -18,6 +18,7 @@ from homebot.devices.query.terms import (
     NameIs,
     Not,
     Or,
+    PartIs,
     Query,
     StateIs,
     TypeIs,
@@ -123,7 +124,7 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
             return (_IN_AREA, f"it is in {area}") if area in facets.areas else (1.0, f"its room is {facets.areas[0]}")
         case CanDo(name) if fits(term, facets):
             return 1.0, f"it has {name}"
-        case NameIs(name) if fits(term, facets):
+        case NameIs(name) | PartIs(name) if fits(term, facets):
             return _CALLED, f"it is called {name}"
         case FactIs(name, value) if fits(term, facets):
             return 1.0, f"its {name} is {value}"
