@@ -49,13 +49,12 @@ from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
 from homebot.clock import read_zone
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
-from homebot.feature import feature_tables, find_features
+from homebot.feature import FeatureTable, feature_tables, find_features, load
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
 
 __all__ = [
-    "PEOPLE",
     "ROUTINE",
     "UNNAMED",
     "AlertKey",
@@ -258,7 +257,6 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     for name in _GONE.keys() & tables.keys():
         raise ConfigError(source, name, _GONE[name])
     tables = _with_routines(tables) if "routines" in tables else tables
-    tables = _with_people(tables, source) if PEOPLE in tables else tables
     tables = _with_features(tables, source)
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
@@ -272,19 +270,22 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
 
 def _known_tables() -> list[str]:
     own = [key for key in Config.model_fields if key not in _NO_KEYS]
-    return [*own, "routines", PEOPLE, *feature_tables()]
+    return [*own, "routines", *feature_tables()]
 
 
 def _with_features(tables: Mapping[str, object], source: str) -> dict[str, object]:
-    """Return *tables* with those of features under one key.
+    """Return *tables* with those of features under one key, but those of plug-ins among the gateways or apps.
 
     If a feature of another package could not be loaded, unknown tables may be its own, and the plan leaves them out.
     """
     found: dict[str, object] = {}
     others: dict[str, object] = {}
+    plugins: dict[str, FeatureTable] = {}
     for key, table in tables.items():
         row = None if key in Config.model_fields else feature_tables().get(key)
-        if row is None and (key in Config.model_fields or not find_features().problems):
+        if row is not None and row.plugin:
+            plugins[key] = row
+        elif row is None and (key in Config.model_fields or not find_features().problems):
             others[key] = table
         elif row is None or isinstance(table, list if row.is_array else Mapping):
             found[key] = table
@@ -292,7 +293,21 @@ def _with_features(tables: Mapping[str, object], source: str) -> dict[str, objec
             found[key] = [table]
         else:
             raise ConfigError(source, key, f"{_table_reason(key, is_element=False)}, got {_shortened(table)}")
+    for key, row in plugins.items():
+        _add_plugins(others, key, tables[key], row, source)
     return {**others, "features": found} if found else others
+
+
+def _add_plugins(tables: dict[str, object], key: str, table: object, row: FeatureTable, source: str) -> None:
+    """Add the *table* of a feature to *tables*, as those of gateways or apps."""
+    section = tables.get(row.section, {})
+    if not isinstance(section, dict):
+        return  # reported with the other tables
+    made: dict[str, dict[str, object]] = load(row.reader)(table, section)
+    if taken := sorted(made.keys() & section.keys()):
+        problem = f"is the name of the {row.section[:-1]} of [{key}]; choose another name"
+        raise ConfigError(source, f"{row.section}.{taken[0]}", problem)
+    tables[row.section] = section | {name: {**one, "class": row.plugin} for name, one in made.items()}
 
 
 ROUTINE: Final = "routine"
@@ -309,21 +324,6 @@ def _with_routines(tables: Mapping[str, object]) -> dict[str, object]:
         return others  # reported with the other tables
     found = {name: {**table, "class": ROUTINE} for name, table in apps_of_routines(routines, apps).items()}
     return {**others, "apps": apps | found}
-
-
-PEOPLE: Final = "people"
-"""The plug-in that the tables ``[people.NAME]`` are the gateway of."""
-
-
-def _with_people(tables: Mapping[str, object], source: str) -> dict[str, object]:
-    """Return *tables* with the people as a gateway of that name."""
-    others = dict(tables)
-    people, gateways = others.pop(PEOPLE), others.get("gateways", {})
-    if not isinstance(gateways, dict):
-        return others  # reported with the other tables
-    if PEOPLE in gateways:
-        raise ConfigError(source, "gateways.people", "is the name of the gateway of [people]; choose another name")
-    return {**others, "gateways": {**gateways, PEOPLE: {"class": PEOPLE, PEOPLE: people}}}
 
 
 def parse_settings(model: type[ModelT], table: object, source: str, key: str, folder: Path = _HERE) -> ModelT:

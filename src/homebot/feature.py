@@ -59,14 +59,21 @@ class FeatureTable(NamedTuple):
 
     Attributes:
         reader: The function that checks it and returns its values, as ``module:name``; it is called with the
-            :class:`~homebot.config.Config`, if that has the table.
+            :class:`~homebot.config.Config`, if that has the table. With a *plugin* it returns the tables of gateways or
+            apps by their names instead; it is called with the table and with the other ones of that section.
         is_array: Whether it is ``[[KEY]]``, of which a wrong element is left out, and not ``[KEY]``.
         is_live: Whether a reload applies changes, and a replay has it too; otherwise they wait for a restart.
+        plugin: The class that it configures, as ``module:Class``; empty for none.
+        section: The tables that those of the plug-in join: ``gateways`` or ``apps``.
+        implied_by: The attribute of classes of gateways for which the plug-in runs without a table; empty for none.
     """
 
     reader: str
     is_array: bool = False
     is_live: bool = False
+    plugin: str = ""
+    section: str = ""
+    implied_by: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,6 +187,12 @@ def load(path: str) -> Any:
 def feature_tables() -> Mapping[str, FeatureTable]:
     """Return the tables of all features, by key."""
     return {key: table for feature in all_features() for key, table in feature.tables.items()}
+
+
+@cache
+def plugin_tables() -> Mapping[str, str]:
+    """Return the keys of the tables that configure plug-ins, by the class of the plug-in, as ``module:Class``."""
+    return {table.plugin: key for key, table in feature_tables().items() if table.plugin}
 
 
 def cause_words(kind: str) -> str:

@@ -25,7 +25,6 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, GetCauses, ReadJournal
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
-from homebot.devices.question_messages import AnswerQuestion, GetQuestions
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
@@ -217,8 +216,8 @@ class Control:
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.sending.witnesses.trust(request))
-        create(GetQuestions, names.GET_QUESTIONS, lambda _: self._layer.executor.questions.listed())
-        create(AnswerQuestion, names.ANSWER_QUESTION, lambda request: self._layer.executor.questions.answer(request))
+        for kind, name in (("GetQuestions", names.GET_QUESTIONS), ("AnswerQuestion", names.ANSWER_QUESTION)):
+            self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_questions, name))
         create(GetHealth, "~/health", self.health)
         create(ReadJournal, names.READ_JOURNAL, lambda request: self._layer.journal.read(request), concurrent=True)
         create(
@@ -239,6 +238,9 @@ class Control:
         self._node.create_subscription(
             AccessRefused, names.ACCESS_REFUSALS, lambda refused: self._layer.denied.record(refused), qos
         )
+
+    def _serve_questions(self, name: str) -> None:
+        self._layer.executor.questions.serve(name)
 
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""

@@ -13,9 +13,16 @@ from homebot.control.policies.rights import must_ask
 from homebot.control.policy_engine import PolicyEngine
 from homebot.devices.client_rights import ASK
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.names import OPEN_QUESTIONS
+from homebot.devices.names import GET_QUESTIONS, OPEN_QUESTIONS
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
-from homebot.devices.question_messages import AnswerQuestionRequest, AnswerQuestionResponse, OpenQuestion, OpenQuestions
+from homebot.devices.question_messages import (
+    AnswerQuestion,
+    AnswerQuestionRequest,
+    AnswerQuestionResponse,
+    GetQuestions,
+    OpenQuestion,
+    OpenQuestions,
+)
 from homebot.devices.wording.journal_words import issuer_text, settings_text
 from homebot.errors import ServiceError
 from homebot.graph import Node, Publisher, qos_profile_latched
@@ -113,6 +120,13 @@ class Questions:
             self._denied[key] = question.by, self._clock.monotonic() + _PATIENCE
         nobody = f"{_NOBODY}: a person does on the page, or with `homebot answer`"
         return Refused(ASK, f"{question.by} said no" if question.by else nobody, command_id=command.id)
+
+    def serve(self, name: str) -> None:
+        """Create the service *name*: to list the questions, or to answer one."""
+        if name == GET_QUESTIONS:
+            self._node.create_service(GetQuestions, name, lambda _: self.listed())
+        else:
+            self._node.create_service(AnswerQuestion, name, self.answer)
 
     def answer(self, request: AnswerQuestionRequest) -> AnswerQuestionResponse:
         """Answer an open question, once, unless who answers may not give the command without asking."""

@@ -18,9 +18,10 @@ from typing import Final, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from homebot.config import PEOPLE, UNNAMED, Config
+from homebot.config import UNNAMED, Config
 from homebot.discovery.store import INDEX_FILE, index_path
 from homebot.errors import ConfigError, InvalidNameError, LinkError, UsageError
+from homebot.feature import plugin_tables
 from homebot.names import unescape_token
 from homebot.runtime.plan import make_plan
 from homebot.support.data_folder import data_directory
@@ -179,7 +180,8 @@ def _find(config: Config, facts: _HomeFacts) -> tuple[Path | None, Sequence[Path
 
 def _facts_of(config: Config, file: Path | None) -> _HomeFacts:
     plan = make_plan(config)
-    networks = [one.kind.network(one.settings) or one.name for one in plan.gateways if one.name != PEOPLE]
+    gateways = [one for one in plan.gateways if one.name not in plugin_tables().values()]
+    networks = [one.kind.network(one.settings) or one.name for one in gateways]
     return _HomeFacts(name=plan.home, networks=tuple(networks or ["none"]), config=str(file.resolve()) if file else "")
 
 

@@ -15,10 +15,10 @@ import homebot.places
 from homebot.apps import App
 from homebot.apps.grants import grants_of, scope_of, without_act
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
+from homebot.config import ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
-from homebot.feature import feature_tables, find_features, load
+from homebot.feature import feature_tables, find_features, load, plugin_tables
 from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
@@ -242,15 +242,17 @@ def _in_words(name: str, table: Table) -> str:
 
 
 def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
-    """Return the gateways of *config*, with that of the people if one of them may know persons."""
-    found = tuple(_gateway(name, table, config) for name, table in config.gateways.items())
-    if PEOPLE in config.gateways or not any(one.kind.knows_people for one in found):
-        return found
-    return (*found, _gateway(PEOPLE, {"class": PEOPLE}, config))
+    """Return the gateways of *config*, with those of features that they imply."""
+    found = [_gateway(name, table, config) for name, table in config.gateways.items()]
+    for key, row in feature_tables().items():
+        is_implied = row.implied_by and any(getattr(one.kind, row.implied_by) for one in found)
+        if is_implied and key not in config.gateways:
+            found.append(_gateway(key, {"class": row.plugin}, config))
+    return tuple(found)
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:
-    key = "" if table.get("class") == PEOPLE else f"gateways.{name}"
+    key = "" if table.get("class") in plugin_tables() else f"gateways.{name}"
     gateway = _component(Gateway, GATEWAYS, name, table, config, key)  # type: ignore[type-abstract]
     try:
         gateway.kind.check(gateway.settings)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
-from homebot.config import PEOPLE, Config, Table, parse_config, parse_settings
+from homebot.config import Config, Table, parse_config, parse_settings
 from homebot.devices.house_view import HouseView
 from homebot.errors import ClosedError, InvalidNameError, PluginError, UsageError
+from homebot.feature import plugin_tables
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node
@@ -58,7 +59,7 @@ def house_config(
         UsageError: The address of a broker, or a table, is invalid.
     """
     given = given if isinstance(given, Config) else parse_config(given or {}, "config")
-    gateways = given.gateways if given.gateways.keys() - {PEOPLE} else {"mqtt": {}, **given.gateways}
+    gateways = given.gateways if given.gateways.keys() - {*plugin_tables().values()} else {"mqtt": {}, **given.gateways}
     planned = dict(given.apps)
     for app in apps:
         add_app(planned, app)

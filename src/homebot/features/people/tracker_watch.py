@@ -11,8 +11,8 @@ from homebot.devices.device_lookup import references
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.query.terms import TypeIs
 from homebot.errors import ServiceError
-from homebot.gateways.people.settings import PersonSettings
-from homebot.gateways.people.whereabouts import PLACE, Sign, sign_of
+from homebot.features.people.settings import PersonSettings
+from homebot.features.people.whereabouts import PLACE, Sign, sign_of
 from homebot.support.folding import fold
 
 

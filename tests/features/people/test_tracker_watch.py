@@ -4,7 +4,7 @@ import pytest
 
 from homebot.devices.device import Device, DeviceChange, DevicePart, Endpoint, Freshness, Reachability, Route
 from homebot.devices.part import Capability, Part
-from homebot.gateways.people.tracker_watch import TrackerWatch
+from homebot.features.people.tracker_watch import TrackerWatch
 from homebot.messages import Time
 
 NOW = Time.from_seconds(0.0)

@@ -1,5 +1,6 @@
 """The tables ``[people.NAME]``."""
 
+from collections.abc import Mapping
 from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -37,3 +38,8 @@ class PeopleSettings(GatewaySettings):
     """The people by name, beside those of other systems."""
 
     people: Annotated[dict[_Name, PersonSettings], Field(default_factory=dict, max_length=50)]
+
+
+def gateway_of_people(people: object, _: Mapping[str, object]) -> dict[str, dict[str, object]]:
+    """Return the table of the gateway, whose devices are *people*."""
+    return {"people": {"people": people}}

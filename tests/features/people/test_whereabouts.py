@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from homebot.gateways.people.whereabouts import Sign, where_is
+from homebot.features.people.whereabouts import Sign, where_is
 
 
 @pytest.mark.parametrize(

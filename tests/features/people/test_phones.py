@@ -6,8 +6,8 @@ from tests.gateways.watched_gateway import watched
 
 from homebot.devices.gateway_messages import Report
 from homebot.devices.value import PlainValue
-from homebot.gateways.people import PeopleGateway
-from homebot.gateways.people.settings import PeopleSettings
+from homebot.features.people.people_gateway import PeopleGateway
+from homebot.features.people.settings import PeopleSettings
 from homebot.graph import Node
 
 pytestmark = pytest.mark.virtual_time

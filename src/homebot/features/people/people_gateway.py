@@ -10,13 +10,13 @@ from pydantic import BaseModel
 from homebot.devices.gateway_messages import Command
 from homebot.devices.house_view import HouseView
 from homebot.errors import RefusedError
+from homebot.features.people.ping import Ping, answers
+from homebot.features.people.settings import PeopleSettings, PersonSettings
+from homebot.features.people.tracker_watch import TrackerWatch
+from homebot.features.people.whereabouts import Sign, where_is
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
-from homebot.gateways.people.ping import Ping, answers
-from homebot.gateways.people.settings import PeopleSettings, PersonSettings
-from homebot.gateways.people.tracker_watch import TrackerWatch
-from homebot.gateways.people.whereabouts import Sign, where_is
 from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
