@@ -23,7 +23,11 @@ from homebot.routines.people import read_person
 from homebot.routines.triggers import PersonMoves, read_trigger
 from homebot.testing import VirtualHouse, VirtualTimeLoop, virtual_house_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("espresense", "homeassistant", "owntracks")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.virtual_time,
+    pytest.mark.rooms("espresense", "homeassistant", "owntracks", "people"),
+]
 
 PEOPLE = {"Anna": {"trackers": ["Anna's phone"]}, "Ben": {"trackers": ["ben phone"]}}
 HEARD = json.dumps({"id": "phone:anna", "name": "Anna's phone", "rssi": -70})

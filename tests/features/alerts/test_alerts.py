@@ -180,7 +180,7 @@ async def test_a_door_is_told_after_a_quarter_of_an_hour_and_a_window_never(
     assert told(house) == ([f"Alert: {name} is open, for 15 min"] if is_door else [])
 
 
-@pytest.mark.rooms("homeassistant", "owntracks")
+@pytest.mark.rooms("homeassistant", "owntracks", "people")
 @pytest.mark.house(config=NOTIFY | {"people": {"Ben": {"trackers": ["ben phone"]}}})
 @pytest.mark.parametrize(("regions", "is_told"), [([], True), (["Home"], False), (None, False)])
 async def test_an_open_door_is_told_after_a_minute_while_nobody_is_home(

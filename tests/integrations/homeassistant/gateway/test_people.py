@@ -16,7 +16,7 @@ from homebot.graph import Node
 from homebot.integrations.homeassistant.simulated.server import ListedEntity, SimulatedHomeAssistant
 from homebot.runtime import Runtime
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("people")]
 
 
 ANNA = 'Anna "Ann" O\'Neil'
