@@ -1,31 +1,42 @@
 """Plays between commands, persons, devices and programs: each report has one cause, whoever asks; in virtual time.
 
-After each play the journal, ``why``, the guard, the service of causes, an app, an undo and the number of messages are
-compared.
+After each play the journal, ``why``, the guard, the service of causes, an app, an undo, an identification and the
+number of messages are compared; and a lease, if it held what the play commands.
 """
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, obey_after, report
+from tests.control.conftest import Home, OpenHome, hold_request, obey_after, report
 from tests.control.test_explanations import explain
 
 from homebot.command_words.earlier_values import EarlierValues, known_states
+from homebot.devices import Device
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, HandleChange, Light
 from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry
 from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue
+from homebot.identify.candidates import CandidatePart
+from homebot.identify.kept_values import KeptValues
 
 pytestmark = pytest.mark.virtual_time
 
-Act: TypeAlias = Callable[[Home, Handle], Awaitable[object]]
+
+class Commanding(Protocol):
+    """Commands the device of a play: a handle, or a lease."""
+
+    async def command(self, capability: str, value: PlainValue, /) -> object: ...
+
+
+Act: TypeAlias = Callable[[Home, Commanding], Awaitable[object]]
 
 
 class Play(NamedTuple):
@@ -56,19 +67,19 @@ LIGHT: dict[str, PlainValue] = {"on_off": False, "level": 10.0}
 BLIND: dict[str, PlainValue] = {"position": 100.0}
 
 
-async def _turn_on(home: Home, lamp: Handle) -> None:
+async def _turn_on(home: Home, lamp: Commanding) -> None:
     await lamp.command("on_off", True)
 
 
-async def _at_the_switch(home: Home, lamp: Handle) -> None:
+async def _at_the_switch(home: Home, lamp: Commanding) -> None:
     await home.report("lamp", "on_off", True)
 
 
 def _switch_after(seconds: float) -> Act:
     """Turn the lamp on by a command, and off by hand so long after."""
 
-    async def act(home: Home, lamp: Handle) -> None:
-        home.begin(lambda: lamp.command("on_off", True))
+    async def act(home: Home, lamp: Commanding) -> None:
+        home.tasks.start_soon(lamp.command, "on_off", True)
         await anyio.sleep(seconds)
         await home.report("lamp", "on_off", False)
 
@@ -91,7 +102,7 @@ def _cut_fade(seconds: float) -> Act:
                 if step < seconds:
                     home.later(float(step), "lamp", "level", 10.0 + 15.0 * step)
 
-    async def act(home: Home, lamp: Handle) -> None:
+    async def act(home: Home, lamp: Commanding) -> None:
         home.behaviours["lamp"] = fade
         home.begin(lambda: _set(home, on_off=True, level=80.0))
         await anyio.sleep(seconds)
@@ -103,7 +114,7 @@ def _cut_fade(seconds: float) -> Act:
 def _drift(wanted: float, seen: float, seconds: float) -> Act:
     """Let the blind settle a little beside its goal, so long after the command."""
 
-    async def act(home: Home, blind: Handle) -> None:
+    async def act(home: Home, blind: Commanding) -> None:
         await blind.command("position", wanted)
         await anyio.sleep(seconds)
         await home.report("lamp", "position", seen)
@@ -112,7 +123,7 @@ def _drift(wanted: float, seen: float, seconds: float) -> Act:
 
 
 def _timer(seconds: float, times: int) -> Act:
-    async def act(home: Home, lamp: Handle) -> None:
+    async def act(home: Home, lamp: Commanding) -> None:
         for _ in range(times):
             await lamp.command("on_off", True)
             await anyio.sleep(seconds)
@@ -122,7 +133,7 @@ def _timer(seconds: float, times: int) -> Act:
     return act
 
 
-async def _power_cut(home: Home, lamp: Handle) -> None:
+async def _power_cut(home: Home, lamp: Commanding) -> None:
     """After the cut the lamp is on, as many are."""
     home.gateway.devices.report_reachable("lamp", reachable=True)
     await lamp.command("on_off", False)
@@ -133,27 +144,27 @@ async def _power_cut(home: Home, lamp: Handle) -> None:
     await home.report("lamp", "on_off", True)
 
 
-async def _move_by_hand(home: Home, blind: Handle) -> None:
+async def _move_by_hand(home: Home, blind: Commanding) -> None:
     await blind.command("position", 20.0)
     await anyio.sleep(300)
     await home.report("lamp", "position", 60.0)
 
 
-async def _slow(home: Home, lamp: Handle) -> None:
+async def _slow(home: Home, lamp: Commanding) -> None:
     home.behaviours["lamp"] = obey_after(4.0)
     await lamp.command("on_off", True)
 
 
-async def _echo_and_obey(home: Home, lamp: Handle) -> None:
+async def _echo_and_obey(home: Home, lamp: Commanding) -> None:
     home.behaviours["lamp"] = report((0.02, True), (1.0, True))
     await lamp.command("on_off", True)
 
 
-async def _dim_by_hand(home: Home, lamp: Handle) -> None:
+async def _dim_by_hand(home: Home, lamp: Commanding) -> None:
     """Dim the lamp by hand before it answers the second command, which replaces a value of the first."""
     await _set(home, on_off=True, level=50.0)
     home.behaviours["lamp"] = report()
-    home.begin(lambda: lamp.command("level", 80.0))
+    home.tasks.start_soon(lamp.command, "level", 80.0)
     await anyio.sleep(0.5)
     await home.report("lamp", "level", 20.0)
 
@@ -163,14 +174,14 @@ async def _turn_on_by_level(home: Home, command: Command) -> None:
     await home.report("lamp", "on_off", True)
 
 
-async def _switch_off_what_a_level_turned_on(home: Home, lamp: Handle) -> None:
+async def _switch_off_what_a_level_turned_on(home: Home, lamp: Commanding) -> None:
     home.behaviours["lamp"] = _turn_on_by_level
     await lamp.command("level", 50.0)
     await anyio.sleep(5)
     await home.report("lamp", "on_off", False)
 
 
-async def _switch_off_what_answered_late(home: Home, lamp: Handle) -> None:
+async def _switch_off_what_answered_late(home: Home, lamp: Commanding) -> None:
     home.behaviours["lamp"] = report()
     await lamp.command("on_off", True)
     await home.report("lamp", "on_off", True)
@@ -276,11 +287,58 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         undo = EarlierValues({f"{lamp.id} {play.of}": [before, [newest.command or "another"], now]})
         is_undone = bool(undo.due(await known_states(home.app, [lamp])))
         assert is_undone == (bool(newest.command) and not newest.may_be_person)
+        assert await _leaves_as_it_is(home, lamp, play.of, before) == (play.cause <= PERSON)
         why = await explain(home, "lamp")
         has_obeyed = why.finding == "command" and _outcome(why.entries) in {"", "confirmed"}
         assert has_obeyed if play.cause <= COMMAND else not (has_obeyed and play.cause <= PERSON)
         guard = await (await home.handle(Handle, "lamp")).command(*_annoying(play))
         assert isinstance(guard, Refused) == (play.cause <= PERSON)
+
+
+HELD = (
+    *[name for name in PLAYS if " after a command" in name or "settles" in name],
+    *("a command", "a slow lamp", "an echo", "a blind moved by hand", "a power cut"),
+    "a lamp that answered late and a person off",
+)
+"""The plays whose only command can be that of a lease."""
+
+
+@pytest.mark.parametrize("play", [PLAYS[name] for name in HELD], ids=HELD)
+async def test_a_lease_that_commands_in_a_play_yields_only_to_a_person(open_home: OpenHome, play: Play) -> None:
+    """Nobody may stand at a lamp that has lost its power, whatever it reports after that."""
+    async with open_home() as home:
+        kind = play.service_type
+        await home.new(Handle, "lamp", *play.settable, before=play.before, service_type=kind)
+        await anyio.sleep(1000)
+        await play.act(home, _Holder(home))
+        await anyio.sleep(15)
+        (held,) = await home.leases()
+        assert bool(held.saw) == (play.cause == PERSON)
+        assert len(home.commands) <= play.messages + (play.cause == {"unknown"})  # only the power cut is made good
+
+
+class _Holder:
+    """Holds for an hour what a play commands."""
+
+    def __init__(self, home: Home) -> None:
+        self._home = home
+
+    async def command(self, capability: str, value: PlainValue) -> None:
+        await self._home.hold(hold_request("lamp", capability, value, "/app", ttl=3600.0))
+
+
+async def _leaves_as_it_is(home: Home, lamp: Device, capability: str, before: PlainValue) -> bool:
+    """Return whether an identification, which commanded the value before, would not put back an earlier one."""
+
+    async def flush() -> str:
+        return ""
+
+    part = lamp.parts[0]
+    candidate = CandidatePart(lamp, part, capability, dark=0.0, bright=1.0, before=None)
+    values = {lamp.id: [capability, None, before, 0.0]}
+    store = {"run": {"by": "it", "issuer": "/app", "scope": [], "at": 0.0, "values": values}}
+    kept = KeptValues(home.app, DeviceLookup(home.app), store, flush, 0.0)
+    return await kept.leave_changed("run", candidate)
 
 
 async def _follow(home: Home, capability: str, changes: list[HandleChange[Handle]]) -> None:
