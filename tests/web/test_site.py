@@ -1,5 +1,6 @@
 """The files of the page: complete, loaded from nowhere else, and asked for again only when they changed."""
 
+import gzip
 import json
 import re
 from http import HTTPStatus
@@ -32,6 +33,25 @@ def test_a_file_has_its_type_and_length_and_a_policy_that_lets_no_foreign_script
     assert headers["Content-Length"] == str(len(content))
     assert headers["Content-Security-Policy"].startswith("default-src 'none'; script-src 'self'; ")
     assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.mark.parametrize("path", [*EVERY_FILE, MANIFEST])
+def test_a_text_is_compressed_for_a_browser_that_takes_it(path: str) -> None:
+    """A page of 200 kB took a second at a tablet at the edge of the network."""
+    plain, packed, unasked = (answer(path, "", one) for one in ("", "gzip, deflate, br", "br, gzip;q=0"))
+    assert plain is not None
+    assert packed is not None
+    assert unasked == plain
+    assert "Accept-Encoding" in packed[1]["Vary"]
+    if path == "/icon.png":
+        assert packed == plain
+        return
+    assert packed[1]["Content-Encoding"] == "gzip"
+    assert packed[1]["ETag"] != plain[1]["ETag"]
+    assert gzip.decompress(packed[2]) == plain[2]
+    again = answer(path, packed[1]["ETag"], "gzip")
+    assert again is not None
+    assert again[0] == HTTPStatus.NOT_MODIFIED
 
 
 def test_a_file_that_the_browser_has_is_not_sent_again() -> None:

@@ -550,11 +550,11 @@ class Runtime:
             return None
 
 
-async def _page(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
-    return await to_thread.run_sync(_read_page, path, etag)
+async def _page(path: str, etag: str, encodings: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+    return await to_thread.run_sync(_read_page, path, etag, encodings)
 
 
-def _read_page(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+def _read_page(path: str, etag: str, encodings: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
     from homebot.web.site import answer  # noqa: PLC0415 - with the first browser
 
-    return answer(path, etag)
+    return answer(path, etag, encodings)

@@ -1,5 +1,6 @@
 """The files of the page, as the door serves them: no secret is in them, and nothing is loaded from anywhere else."""
 
+import gzip
 import hashlib
 import json
 from collections.abc import Mapping
@@ -35,26 +36,34 @@ _HEADERS: Final = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-cache",
+    "Vary": "Accept-Encoding",
     "Connection": "close",
 }
 
 
-def answer(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
-    """Return status, headers and body for *path* and the ``If-None-Match`` header *etag*; None for an unknown path."""
+def answer(path: str, etag: str, encodings: str = "") -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+    """Return status, headers and body for *path*; None for an unknown path.
+
+    Args:
+        etag: The header ``If-None-Match``.
+        encodings: The header ``Accept-Encoding``; a text is compressed for a browser that takes gzip.
+    """
     name = path.partition("?")[0].removeprefix("/")
     if name not in _TYPES:
         return None
-    own, body = _file(name)
-    headers = {**_HEADERS, "ETag": own}
+    is_packed = "gzip" in [one.strip() for one in encodings.split(",")] and not name.endswith(".png")
+    own, body = _file(name, is_packed=is_packed)
+    headers = {**_HEADERS, "ETag": own, **({"Content-Encoding": "gzip"} if is_packed else {})}
     if etag == own:
         return HTTPStatus.NOT_MODIFIED, {**headers, "Content-Length": "0"}, b""
     return HTTPStatus.OK, {**headers, "Content-Type": _TYPES[name][1], "Content-Length": str(len(body))}, body
 
 
 @cache
-def _file(name: str) -> tuple[str, bytes]:
+def _file(name: str, *, is_packed: bool) -> tuple[str, bytes]:
     file = _TYPES[name][0]
     body = files("homebot.web").joinpath("page", file).read_bytes() if file else _vocabulary()
+    body = gzip.compress(body, mtime=0) if is_packed else body
     return f'"{hashlib.sha256(body).hexdigest()[:32]}"', body
 
 

@@ -48,8 +48,9 @@ _OF_BROWSERS: Final = (
 websocket-client send an ``Origin`` without any of them."""
 _PAGE: Final = ""  # the name of a page that has not sent its token yet
 
-Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
-"""Returns status, headers and body for a path and an ``If-None-Match`` header; None if there is no such page."""
+Site: TypeAlias = "Callable[[str, str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
+"""Returns status, headers and body for a path and the headers ``If-None-Match`` and ``Accept-Encoding``; None if there
+is no such page."""
 
 
 class Entrance:
@@ -220,7 +221,8 @@ class Entrance:
 
     async def _file(self, request: Request) -> Response | None:
         """Return the file of the page for *request*, or None."""
-        found = self._site and await self._site(request.path, request.headers.get("If-None-Match", ""))
+        etag, encodings = (", ".join(request.headers.get_all(one)) for one in ("If-None-Match", "Accept-Encoding"))
+        found = self._site and await self._site(request.path, etag, encodings)
         if not found:
             return None
         status, headers, body = found
