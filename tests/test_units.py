@@ -35,6 +35,11 @@ from homebot.units import DURATION, LONGEST_WAIT, Seconds, parse_duration
         ("1m500ms", 60.5),
         ("1d2h3m4s5ms", 93_784.005),
         ("0s", 0.0),
+        ("8 hours", 28_800.0),
+        ("8H", 28_800.0),
+        ("10 minutes", 600.0),
+        ("half an hour", 1_800.0),
+        ("1 hour and 30 min", 5_400.0),
         (90, 90.0),
         (0.25, 0.25),
     ],
@@ -43,7 +48,9 @@ def test_a_duration_is_read(text: str | float, seconds: float) -> None:
     assert parse_duration(text) == pytest.approx(seconds)
 
 
-@pytest.mark.parametrize("text", ["", " ", "8", "8 hours", "h", "30m1h", "1h1h", "-5s", "1,5h", "8H", "1..5s", "٣s"])
+@pytest.mark.parametrize(
+    "text", ["", " ", "8", "8 lamps", "h", "half", "30m1h", "1h and", "1h1h", "-5s", "1,5h", "1..5s", "٣s"]
+)
 def test_what_is_no_duration_is_refused_with_an_example(text: str) -> None:
     with pytest.raises(UsageError, match=r"is not a duration; write it like 90s, 8h or 1h30m"):
         parse_duration(text)

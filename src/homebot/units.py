@@ -1,8 +1,8 @@
 """Quantities with their units and bounds, for the whole project."""
 
 import math
-import re
 from datetime import timedelta
+from string import ascii_lowercase
 from typing import Annotated, Final
 
 from pydantic import BeforeValidator, Field
@@ -39,8 +39,8 @@ def parse_duration(text: str | float | timedelta, key: str = "", *, most: float 
     """Return a length of time in seconds.
 
     Args:
-        text: A number and a unit, or several with the larger unit first: ``90s``, ``1h30m``, ``1.5d``, ``500ms``.
-            Units are d, h, m, s and ms. A plain number is seconds.
+        text: A number and a unit, or several with the larger unit first: ``90s``, ``1h30m``, ``1.5d``, ``500ms``,
+            ``2 hours``, ``half an hour``. A plain number is seconds.
         key: The name of the setting or argument, for the error.
         most: :data:`LONGEST_WAIT` for what is waited for.
 
@@ -49,10 +49,9 @@ def parse_duration(text: str | float | timedelta, key: str = "", *, most: float 
     """
     where = f"{key}: " if key else ""
     if isinstance(text, str):
-        parts = _DURATION.fullmatch(text.strip())
-        if parts is None or not any(parts.groups()):
+        seconds = _read_seconds(text)
+        if seconds is None:
             raise UsageError(f"{where}{text!r} is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)")
-        seconds = sum(float(part) * unit for part, unit in zip(parts.groups("0"), _UNITS.values(), strict=True))
     else:
         seconds = text.total_seconds() if isinstance(text, timedelta) else text
         if type(seconds) not in (int, float) or not 0 <= seconds < math.inf:
@@ -62,5 +61,29 @@ def parse_duration(text: str | float | timedelta, key: str = "", *, most: float 
     return float(seconds)
 
 
-_UNITS: Final = {"d": 86_400.0, "h": 3_600.0, "m": 60.0, "s": 1.0, "ms": 0.001}
-_DURATION: Final = re.compile("".join(rf"(?:(\d+(?:\.\d+)?)\s*{unit}(?![a-z])\s*)?" for unit in _UNITS), re.ASCII)
+_UNITS: Final = {
+    **dict.fromkeys(("d", "day", "days"), 86_400.0),
+    **dict.fromkeys(("h", "hour", "hours"), 3_600.0),
+    **dict.fromkeys(("m", "min", "mins", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
+    "ms": 0.001,
+}
+_NUMBER_WORDS: Final = {"half an ": 0.5, "half a ": 0.5, "an ": 1.0, "a ": 1.0, "one ": 1.0}
+
+
+def _read_seconds(text: str) -> float | None:
+    """Return the seconds of one or more quantities, the largest unit first; None for anything else."""
+    rest, seconds, larger = text.strip().lower(), 0.0, math.inf
+    while rest or larger == math.inf:
+        word = next((word for word in _NUMBER_WORDS if rest.startswith(word)), "")
+        digits = rest[: len(rest) - len(rest.lstrip("0123456789."))]
+        if not word and not (digits.replace(".", "", 1).isdecimal() and digits[0] != "." != digits[-1]):
+            return None
+        rest = rest[len(word or digits) :].lstrip()
+        name = rest[: len(rest) - len(rest.lstrip(ascii_lowercase))]
+        unit = _UNITS.get(name, math.inf)
+        if unit >= larger:
+            return None
+        seconds += (_NUMBER_WORDS[word] if word else float(digits)) * unit
+        rest, larger = rest[len(name) :].lstrip().removeprefix("and "), unit
+    return seconds

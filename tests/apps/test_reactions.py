@@ -290,8 +290,8 @@ async def refuse(make: Callable[[App], object]) -> str:
     [
         (lambda app: app.devices.follow(Light).became(onn=True), "did you mean on?"),
         (
-            lambda app: app.devices.follow(Light).became(on=True, lasting="5 mins"),
-            "lasting: '5 mins' is not a duration",
+            lambda app: app.devices.follow(Light).became(on=True, lasting="5 mons"),
+            "lasting: '5 mons' is not a duration",
         ),
         (
             lambda app: app.devices.follow(Light).became(on=True, key="room"),

@@ -3,8 +3,8 @@
 import pytest
 
 from homebot.errors import UsageError
-from homebot.routines.times import DaysAndTime, SunMoment
 from homebot.routines.triggers import Becomes, Press, RobotArrival, read_trigger
+from homebot.words.times import DaysAndTime, SunMoment
 
 
 def test_a_state_may_have_to_last() -> None:

@@ -14,10 +14,11 @@ import anyio
 
 from homebot.apps.jobs import Due, Interval, Job, JobFacts, Times, WallJob
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
-from homebot.apps.wall_time import LONGEST_OFFSET, TimeOfDay, read_days, read_time
+from homebot.apps.wall_time import TimeOfDay
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
 from homebot.units import LONGEST_WAIT, parse_duration
+from homebot.words.times import MAX_OFFSET_S, read_days, read_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -153,7 +154,7 @@ class Schedule:
         from homebot.apps.sun import sun_time  # noqa: PLC0415 - astral takes 40 ms
 
         home, seconds = self._app.context, _signed("offset", offset)
-        spread = _seconds("jitter", jitter, LONGEST_OFFSET, "12 hours")
+        spread = _seconds("jitter", jitter, MAX_OFFSET_S, "12 hours")
         times = sun_time(event, home.latitude, home.longitude, seconds)
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
         return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, spread)
@@ -295,7 +296,7 @@ def _signed(key: str, length: Length) -> float:
     else:
         seconds = length.total_seconds() if isinstance(length, timedelta) else length
         sign, length = (-1.0, -seconds) if type(seconds) in (int, float) and seconds < 0 else (1.0, seconds)
-    return sign * _seconds(key, length, LONGEST_OFFSET, "12 hours")
+    return sign * _seconds(key, length, MAX_OFFSET_S, "12 hours")
 
 
 def _seconds(key: str, length: Length, most: float, most_text: str) -> float:

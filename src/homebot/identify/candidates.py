@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError
-from homebot.control.policies.quiet_hours import is_within
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, Setting
@@ -19,6 +18,7 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.folding import fold
+from homebot.words.times import TimeSpan
 
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup
@@ -95,7 +95,7 @@ def check_time(goal: IdentifyDeviceGoal, now: time, quiet: Iterable[tuple[time, 
         RefusedError: It is night.
     """
     for start, end in () if goal.at_night else (NIGHT, *quiet):
-        if is_within(now, start, end):
+        if TimeSpan(start, end).has(now):
             reason = f"it is {now:%H:%M}, and people sleep from {start:%H:%M} to {end:%H:%M}"
             raise RefusedError("the identification", f"{reason}; `at_night` (`--night`) allows it")
 

@@ -21,9 +21,9 @@ from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs
 from homebot.routines.run import RoutineRun, RunPlace
-from homebot.routines.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
+from homebot.words.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
 
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
@@ -128,10 +128,10 @@ class RoutineBase(App[SettingsT_co]):
             case OnDays():
                 return self.now().weekday() in condition.days
             case TimeSpan():
-                return condition.contains(self.now())
+                return condition.has(self.now().time())
             case SunSpan():
                 span = condition.on_day(self._sun_time)
-                return span is not None and span.contains(self.now())
+                return span is not None and span.has(self.now().time())
             case Matches():
                 state = condition.state
                 query = query_words(state.words) or query_terms(state.query)

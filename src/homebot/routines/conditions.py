@@ -11,7 +11,6 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.routines.people import check_known, read_person
-from homebot.routines.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
 from homebot.routines.triggers import (
     NOBODY,
     SUN,
@@ -23,6 +22,7 @@ from homebot.routines.triggers import (
     read_press,
     read_state,
 )
+from homebot.words.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
 
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"

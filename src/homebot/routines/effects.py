@@ -6,7 +6,6 @@ from functools import cached_property
 from itertools import combinations, product
 from typing import Final
 
-from homebot.apps.wall_time import read_days, read_time
 from homebot.devices.always_ask import always_asks
 from homebot.devices.capabilities import LIGHTS_UP, acts_each_time
 from homebot.devices.command_messages import CommandRequest, Setting
@@ -17,8 +16,8 @@ from homebot.devices.query.matching import compares, fits
 from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
 from homebot.routines.conditions import Condition, exclude_each_other
-from homebot.routines.times import DaysAndTime
 from homebot.routines.triggers import Becomes, PersonMoves, Press, Trigger
+from homebot.words.times import DaysAndTime, read_days, read_time
 
 _NEAR: Final = 0.01
 

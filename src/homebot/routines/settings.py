@@ -11,9 +11,9 @@ from homebot.config import value_errors
 from homebot.routines.conditions import Condition, SunIs, check_possible, single_conditions
 from homebot.routines.program import MOST, Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.routines.steps import Dim, Do, Undo, WaitUntil
-from homebot.routines.times import SunMoment, SunSpan
 from homebot.routines.triggers import Becomes, Trigger, read_trigger
 from homebot.support.folding import fold
+from homebot.words.times import SunMoment, SunSpan
 
 
 def _trigger(text: str) -> str:

@@ -14,10 +14,10 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query
 from homebot.devices.text.colors import COLORS, WHITES
 from homebot.errors import UsageError
-from homebot.routines.times import read_duration
 from homebot.routines.triggers import Becomes, Press, read_press, read_state
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
+from homebot.words.times import read_duration
 
 _WAIT_UNTIL: Final = re.compile(r"wait until (?P<state>.+?),? at most (?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait (?P<length>\d.*)", re.IGNORECASE)

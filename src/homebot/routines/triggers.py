@@ -16,8 +16,8 @@ from homebot.devices.query.tokens import tokens_of
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
-from homebot.routines.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
 from homebot.support.folding import fold
+from homebot.words.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
 
 _LASTING: Final = re.compile(r"(?P<state>.+?) for (?P<length>\d[^,]*)")
 _PLACED_LIMIT: Final = re.compile(r" (?:below|above|under|over|<=?|>=?) ?\S")
@@ -232,7 +232,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     """Return the state *text*, such as ``front door open for 5m`` or ``no motion in hall for 5m``.
 
     Args:
-        examples: The hints if it is none, by what it seems to be: see :func:`homebot.routines.times.time_kind`.
+        examples: The hints if it is none, by what it seems to be: see :func:`homebot.words.times.time_kind`.
         is_none: Whether it is the rest of a text that begins with ``no``.
 
     Raises:

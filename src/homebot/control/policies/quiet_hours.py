@@ -8,6 +8,7 @@ from pydantic import AfterValidator, ValidationInfo, field_validator
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
+from homebot.words.times import TimeSpan
 
 NAME: Final = "quiet_hours"
 
@@ -38,22 +39,15 @@ class QuietHours(PolicyTable):
     @classmethod
     def _is_another_time(cls, end: time, info: ValidationInfo) -> time:
         if end == info.data.get("start"):
-            raise ValueError(f"is {end:%H:%M}, the same as start, so it would never be quiet")
+            raise ValueError(f"is {end:%H:%M}, the same as start, so it would always be quiet")
         return end
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Refuse a command of an app during these hours."""
         if not command.is_by_person and any(pattern.fits(command, facts) for pattern in self.commands):
             now = facts.local_time.time()
-            if is_within(now, self.start, self.end):
+            if TimeSpan(self.start, self.end).has(now):
                 used = FactUsed("local time", f"{now:%H:%M}", facts.now)
                 reason = f"it is {now:%H:%M}, and quiet from {self.start:%H:%M} to {self.end:%H:%M}"
                 return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
         return Verdict(NAME, allowed=True)
-
-
-def is_within(now: time, start: time, end: time) -> bool:
-    """Return whether *now* is between *start* and *end*, across midnight if *end* is before *start*."""
-    if start <= end:
-        return start <= now < end
-    return now >= start or now < end

@@ -16,7 +16,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.value import Value
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs, read_condition
 from homebot.routines.text import read_routines
-from homebot.routines.times import SunSpan, TimeSpan
+from homebot.words.times import SunSpan, TimeSpan
 
 LAMP, PLUG = (next(one for one in HOUSE if one.name == name) for name in ("Hall lamp", "Kitchen plug"))
 LEAVES = {
@@ -57,10 +57,10 @@ def holds_here(condition: Condition, facts: dict[str, bool], at: datetime) -> bo
         case SunIs():
             return condition.is_up is not facts["night"]
         case TimeSpan():
-            return condition.contains(at)
+            return condition.has(at.time())
         case SunSpan():
             span = condition.on_day(lambda one: time(SUN[one.event] + round(one.seconds / HOUR)))
-            return span is not None and span.contains(at)
+            return span is not None and span.has(at.time())
         case OnDays():
             return at.weekday() in condition.days
         case Matches():

@@ -12,8 +12,8 @@ from typing import Final, TypeAlias
 from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, state_of_template, sun_moment
-from homebot.routines.times import read_span
 from homebot.support.located import Located
+from homebot.words.times import read_span
 
 Condition: TypeAlias = tuple[str, ...]
 """Texts of which at least one must hold. A query is in brackets."""

@@ -1,25 +1,30 @@
-"""Times of the day and of the sun in the texts of routines. Pure."""
+"""Lengths of time, times of the day and of the sun, and days of the week. Pure."""
 
 import re
 from collections.abc import Callable
-from datetime import datetime, time
-from difflib import get_close_matches
+from datetime import time
 from typing import Final, NamedTuple
 
-from homebot.apps.wall_time import LONGEST_OFFSET, read_days, read_time
 from homebot.errors import UsageError
+from homebot.support.similar import did_you_mean
 from homebot.units import LONGEST_WAIT, parse_duration
+
+MAX_OFFSET_S: Final = 43_200.0
+"""Seconds from an event of the sun, so that each stays on its own day."""
 
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
 _SUN_HOURS: Final = {"dawn": (1, 9), "sunrise": (2, 10), "noon": (11, 14), "sunset": (14, 23), "dusk": (15, 24)}
 """The earliest and the latest hour of each event."""
-_DAYS: Final = {
+_DAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
+_MIN_DAY_LETTERS: Final = 3
+_SEVERAL_DAYS: Final = {
     **dict.fromkeys(("weekdays", "weekday"), "mon-fri"),
     **dict.fromkeys(("weekends", "weekend"), "sat,sun"),
     **dict.fromkeys(("every day", "all days", "daily"), ""),
 }
 _ALIKE: Final = 0.8
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?: ?(?P<sign>[+-]) ?(?P<offset>.+))?")
+_TIME: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
 _CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?: on (?P<days>.+))?")
 _OTHER_CLOCK: Final = re.compile(
     r"(?:(?:every(?! day) |on )?(?P<first>(?!at\b)[a-z]\D*?) )?(?:at )?(?P<hour>\d{1,2})"
@@ -27,6 +32,34 @@ _OTHER_CLOCK: Final = re.compile(
 )
 _BETWEEN: Final = re.compile(r"between (?P<begin>.+?) and (?P<end>.+)")
 _HALF: Final = re.compile(r"(?P<word>after|before) (?P<end>.+)")
+
+
+def read_time(text: str) -> time:
+    """Return the time of day *text*, such as ``22:00`` or ``7:30:15``.
+
+    Raises:
+        UsageError: It is not a time of day.
+    """
+    if type(text) is not str or (found := _TIME.fullmatch(text.strip())) is None:
+        raise UsageError(f"{text!r} is not a time of day; write it like 22:00 or 7:30:15")
+    hour, minute, second = (int(part or 0) for part in found.groups())
+    return time(hour, minute, second)
+
+
+def read_days(text: str) -> frozenset[int]:
+    """Return the days of the week *text*, such as ``mon-fri`` or ``weekdays``; Monday is 0, and empty text is all.
+
+    Raises:
+        UsageError: A day does not exist.
+    """
+    if type(text) is not str:
+        raise UsageError(f"days: {text!r} is not a text; write it like mon-fri or sat,sun")
+    found: set[int] = set()
+    for part in filter(None, _days_text(text).replace(" ", "").split(",")):
+        first, dash, last = part.partition("-")
+        begin = _day(first)
+        found |= {(begin + one) % 7 for one in range((_day(last) - begin) % 7 + 1 if dash else 1)}
+    return frozenset(found or range(7))
 
 
 class SunMoment(NamedTuple):
@@ -52,7 +85,7 @@ class SunMoment(NamedTuple):
         if found is None:
             return None
         offset = found["offset"] or "0s"
-        if read_duration(offset, f"{found['event']} {found['sign']} {offset}") > LONGEST_OFFSET:
+        if read_duration(offset, f"{found['event']} {found['sign']} {offset}") > MAX_OFFSET_S:
             raise UsageError(f"{text!r}: {offset} is more than 12 hours from the {found['event']}")
         return cls(found["event"], f"{'-' if found['sign'] == '-' else ''}{offset}")
 
@@ -82,14 +115,10 @@ class DaysAndTime(NamedTuple):
 
 
 class TimeSpan(NamedTuple):
-    """A part of each day; if *end* is not after *begin*, it lasts over midnight."""
+    """A part of each day; if *end* is not after *begin*, it lasts over midnight, and a whole day if both are one."""
 
     begin: time
     end: time
-
-    def contains(self, at: datetime) -> bool:
-        """Return whether the time of day *at* is in the span."""
-        return self.has(at.time())
 
     def overlaps(self, other: "TimeSpan") -> bool:
         """Return whether a time of day is in both."""
@@ -149,13 +178,15 @@ def read_days_of_week(text: str) -> frozenset[int] | None:
         UsageError: There is no such day.
     """
     word, _, days = text.partition(" ")
-    return read_days(_days_text(days)) if word == "on" and days else None
+    return read_days(days) if word == "on" and days else None
 
 
 def time_kind(text: str) -> str:
     """Return ``time`` or ``sun`` if *text* seems to mean a time or a moment of the sun; else empty."""
     if re.search(r"\b\d{1,2}[:.]\d\d\b", text):
         return "time"
+    from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
+
     words = text.casefold().split()
     is_sun = "sun" in words or any(get_close_matches(one, SUN_EVENTS, cutoff=_ALIKE) for one in words)
     return "sun" if is_sun else ""
@@ -173,11 +204,15 @@ def read_duration(text: str, whole: str = "", unit: str = "m") -> float:
     """
     if whole and text[-1].isdigit():
         raise UsageError(f"{whole!r}: a length of time has a unit; write it like '{whole}{unit}'")
-    short = _LONG_UNITS.sub(lambda found: found[1], text.strip().lower())
-    return parse_duration(short, most=LONGEST_WAIT)
+    return parse_duration(text, most=LONGEST_WAIT)
 
 
-_LONG_UNITS: Final = re.compile(r"(?<![a-z])([smhd])(?:ec(?:ond)?s?|in(?:ute)?s?|ours?|ays?)\b")
+def _day(name: str) -> int:
+    for number, day in enumerate(_DAYS):
+        if len(name) >= _MIN_DAY_LETTERS and f"{day}s".startswith(name):
+            return number
+    hint = did_you_mean(name, [day[:_MIN_DAY_LETTERS] for day in _DAYS], "write it like mon-fri or sat,sun")
+    raise UsageError(f"days: there is no day {name!r}; {hint}")
 
 
 def _meant_time(text: str) -> str:
@@ -190,7 +225,7 @@ def _meant_time(text: str) -> str:
     at = f"{hour:02}:{found['minute'] or '00'}"
     try:
         read_time(at)
-        read_days(_days_text(days))
+        read_days(days)
     except UsageError:
         return ""
     return f"{at} on {days}" if _days_text(days) else at
@@ -198,4 +233,4 @@ def _meant_time(text: str) -> str:
 
 def _days_text(days: str) -> str:
     given = re.split(r" ?(?:,|\band\b) ?", days.strip().lower())
-    return ",".join(_DAYS.get(one, one) for one in given)
+    return ",".join(_SEVERAL_DAYS.get(one, one) for one in given)
