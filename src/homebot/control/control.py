@@ -23,7 +23,6 @@ from homebot.devices.command_messages import CommandDevices, PerformCommand, Sen
 from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, GetCauses, ReadJournal
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
@@ -45,6 +44,15 @@ _REFUSALS: Final = 1000
 
 _SETTINGS: Final = QoSProfile(depth=100)
 """Each message has the changes of half a second; in a flood the oldest is dropped."""
+
+_QUESTIONS: Final = {names.GET_QUESTIONS: "GetQuestions", names.ANSWER_QUESTION: "AnswerQuestion"}
+_REASONS: Final = {
+    names.GET_CAUSES: "GetCauses",
+    names.READ_JOURNAL: "ReadJournal",
+    names.EXPLAIN_DEVICE: "ExplainDevice",
+    names.EXPLAIN_MISSING_STATE: "ExplainMissingState",
+}
+"""Services whose messages are loaded with the first call, with their types."""
 
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """In a flood the oldest is dropped; a gateway's commands never wait for the journal."""
@@ -210,28 +218,14 @@ class Control:
         create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
         create(leases.GetLeases, names.GET_LEASES, lambda request: self._layer.leases.held_parts(request))
-        create(
-            GetCauses, names.GET_CAUSES, lambda request: self._layer.sending.reports.causes(request), concurrent=True
-        )
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.sending.witnesses.trust(request))
-        for kind, name in (("GetQuestions", names.GET_QUESTIONS), ("AnswerQuestion", names.ANSWER_QUESTION)):
+        for name, kind in _QUESTIONS.items():
             self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_questions, name))
+        for name, kind in _REASONS.items():
+            self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_reasons, name))
         create(GetHealth, "~/health", self.health)
-        create(ReadJournal, names.READ_JOURNAL, lambda request: self._layer.journal.read(request), concurrent=True)
-        create(
-            ExplainDevice,
-            names.EXPLAIN_DEVICE,
-            lambda request: self._layer.explanations.explain(request),
-            concurrent=True,
-        )
-        create(
-            ExplainMissingState,
-            names.EXPLAIN_MISSING_STATE,
-            lambda request: self._layer.explanations.explain_missing(request),
-            concurrent=True,
-        )
         offer = self._node.offer_action
         offer("homebot/action/CommandDevices", names.PERFORM_COMMANDS, lambda: self._actions.serve_commands())
         offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds())
@@ -241,6 +235,20 @@ class Control:
 
     def _serve_questions(self, name: str) -> None:
         self._layer.executor.questions.serve(name)
+
+    def _serve_reasons(self, name: str) -> None:
+        from homebot.devices import journal_messages as journal  # noqa: PLC0415 - with the first question
+
+        create, layer = self._node.create_service, self._layer
+        match name:
+            case names.GET_CAUSES:
+                create(journal.GetCauses, name, layer.sending.reports.causes, concurrent=True)
+            case names.READ_JOURNAL:
+                create(journal.ReadJournal, name, layer.journal.read, concurrent=True)
+            case names.EXPLAIN_DEVICE:
+                create(journal.ExplainDevice, name, layer.explanations.explain, concurrent=True)
+            case _:
+                create(journal.ExplainMissingState, name, layer.explanations.explain_missing, concurrent=True)
 
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
