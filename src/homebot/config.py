@@ -55,7 +55,6 @@ from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
 
 __all__ = [
-    "ROUTINE",
     "UNNAMED",
     "AlertKey",
     "Config",
@@ -256,7 +255,6 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     """
     for name in _GONE.keys() & tables.keys():
         raise ConfigError(source, name, _GONE[name])
-    tables = _with_routines(tables) if "routines" in tables else tables
     tables = _with_features(tables, source)
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
@@ -270,7 +268,7 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
 
 def _known_tables() -> list[str]:
     own = [key for key in Config.model_fields if key not in _NO_KEYS]
-    return [*own, "routines", *feature_tables()]
+    return [*own, *feature_tables()]
 
 
 def _with_features(tables: Mapping[str, object], source: str) -> dict[str, object]:
@@ -308,22 +306,6 @@ def _add_plugins(tables: dict[str, object], key: str, table: object, row: Featur
         problem = f"is the name of the {row.section[:-1]} of [{key}]; choose another name"
         raise ConfigError(source, f"{row.section}.{taken[0]}", problem)
     tables[row.section] = section | {name: {**one, "class": row.plugin} for name, one in made.items()}
-
-
-ROUTINE: Final = "routine"
-"""The plug-in that a table ``[[routines]]`` is an app of."""
-
-
-def _with_routines(tables: Mapping[str, object]) -> dict[str, object]:
-    """Return *tables* with each routine as an app."""
-    from homebot.routine_tables import apps_of_routines  # noqa: PLC0415 - many homes have none
-
-    others = dict(tables)
-    routines, apps = others.pop("routines"), others.get("apps", {})
-    if not isinstance(apps, dict):
-        return others  # reported with the other tables
-    found = {name: {**table, "class": ROUTINE} for name, table in apps_of_routines(routines, apps).items()}
-    return {**others, "apps": apps | found}
 
 
 def parse_settings(model: type[ModelT], table: object, source: str, key: str, folder: Path = _HERE) -> ModelT:

@@ -65,6 +65,8 @@ class FeatureTable(NamedTuple):
         is_live: Whether a reload applies changes, and a replay has it too; otherwise they wait for a restart.
         plugin: The class that it configures, as ``module:Class``; empty for none.
         section: The tables that those of the plug-in join: ``gateways`` or ``apps``.
+        check: Checks each app of the plug-in beside its settings; called with its name, its table and the
+            :class:`~homebot.config.Config`.
         implied_by: The attribute of classes of gateways for which the plug-in runs without a table; empty for none.
     """
 
@@ -73,6 +75,7 @@ class FeatureTable(NamedTuple):
     is_live: bool = False
     plugin: str = ""
     section: str = ""
+    check: str = ""
     implied_by: str = ""
 
 

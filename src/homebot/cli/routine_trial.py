@@ -16,6 +16,7 @@ from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import DoorClient, open_door, with_client
 from homebot.cli.house_history import read_house_history
 from homebot.config import Config, HomeSettings, load_config, parse_config, parse_settings, read_all
+from homebot.config_lines import located
 from homebot.devices.device import part_names
 from homebot.devices.names import HOME_PLACE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage
@@ -25,7 +26,6 @@ from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
 from homebot.replay.replay import Replayed, replay
 from homebot.replay.routine_trial import TriedCommand, routines_of, trial_config, tried
-from homebot.routine_tables import located
 from homebot.routines.checks import asked_about
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import read_routines

@@ -7,6 +7,7 @@ from typing import Final
 from homebot.apps import App
 from homebot.config import Table
 from homebot.errors import UsageError
+from homebot.feature import plugin_tables
 from homebot.names import snake_case
 from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
@@ -51,7 +52,8 @@ def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str,
 
 
 def _check_installed(recorded: Iterable[RecordedApp]) -> None:
-    others = [one for one in recorded if installed_plugin(_APPS, one.kind) is None]
+    own = plugin_tables()
+    others = [one for one in recorded if one.kind not in own and installed_plugin(_APPS, one.kind) is None]
     if others:
         named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])
         raise UsageError(

@@ -4,14 +4,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.config import ROUTINE, Config, Table
+from homebot.config import Config, Table
+from homebot.config_lines import located
 from homebot.control.timeline.facts import Cause
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import ConfigError, UsageError
+from homebot.feature import plugin_tables
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay_config
-from homebot.routine_tables import located
 from homebot.runtime.plan import plan_errors
 
 _AGAINST: Final = 600.0
@@ -54,7 +55,7 @@ def trial_config(recording: Recording, given: Config) -> Config:
 def routines_of(config: Config) -> Iterator[tuple[str, Table]]:
     """Yield the tables of the routines of *config*, by the names of their apps; they are enabled for the trial."""
     for name, table in config.apps.items():
-        if table.get("class") == ROUTINE:
+        if plugin_tables().get(str(table.get("class"))) == "routines":
             yield name, {**table, "enabled": True}
 
 

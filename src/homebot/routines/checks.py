@@ -28,12 +28,12 @@ from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
-from homebot.routine_tables import app_of_routine
 from homebot.routines.conditions import Condition, Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
+from homebot.routines.tables import app_of_routine
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 from homebot.support.folding import fold
 

@@ -1,16 +1,12 @@
-"""Tables ``[[routines]]``, each of which is an app, and the lines of mistakes in a configuration."""
+"""Tables ``[[routines]]``, each of which is an app."""
 
-import tomllib
 from collections.abc import Container, Mapping
-from contextlib import suppress
-from pathlib import Path
 from zlib import crc32
 
+from homebot.apps.grants import without_act
+from homebot.config import Config, Table, parse_settings
 from homebot.errors import ConfigError
 from homebot.support.folding import words_of
-from homebot.support.toml_lines import line_of
-
-__all__ = ["app_of_routine", "apps_of_routines", "check_routine_name", "located"]
 
 _LONGEST_APP = 100
 _UNNAMED = "routine"
@@ -57,15 +53,18 @@ def check_routine_name(app: str, table: Mapping[str, object], source: str) -> No
         raise ConfigError(source, f"routines.{app}.name", reason)
 
 
-def located(error: ConfigError, text: str = "") -> ConfigError:
-    """Return *error* with the line of its key in *text*, by default that of its file; the same if it is unknown."""
-    path = error.key.split(".")
-    with suppress(OSError, ValueError, RecursionError):
-        text = text or Path(error.source).read_text("utf-8-sig")
-        if path[0] == "routines":  # they are named by their apps
-            tables = tomllib.loads(text)
-            apps = [*apps_of_routines(tables.get("routines", []), tables.get("apps", {}))]
-            path[1:2] = [str(apps.index(one)) for one in path[1:2]]
-    line = line_of(text, *path)
-    found = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
-    return ConfigError.joined((found, *(located(one, text) for one in error.others)))
+def check_routine(app: str, table: Table, config: Config) -> None:
+    """Check the table of the app of a routine beside its settings.
+
+    Raises:
+        ConfigError: It has no name, or that of another; or it asks the sun, and the place of the home is unknown.
+    """
+    check_routine_name(app, table, config.source)
+    if config.home.latitude is not None or "sun" not in repr(table).casefold():
+        return
+    from homebot.routines.settings import RoutineSettings  # noqa: PLC0415 - few ask the sun
+
+    settings = parse_settings(RoutineSettings, without_act(table), config.source, f"routines.{app}")
+    if asking := settings.asking_the_sun():
+        reason = f"{asking[0]!r} needs the place of the home: set latitude and longitude in the table [home]"
+        raise ConfigError(config.source, f"routines.{app}", reason)

@@ -8,10 +8,11 @@ from typing import Final, NamedTuple
 
 from homebot.apps.grants import ACT, scope_of, without_act
 from homebot.config import Table, parse_config, parse_settings, read_all
+from homebot.config_lines import located
 from homebot.devices.client_rights import ORDINARY
 from homebot.errors import ConfigError
-from homebot.routine_tables import check_routine_name, located
 from homebot.routines.settings import RoutineSettings
+from homebot.routines.tables import check_routine_name
 from homebot.support.toml_file import parse_toml
 from homebot.support.toml_text import toml_value
 

@@ -150,7 +150,7 @@ class AppPlanner:
         except BaseException as exc:
             code.restore()
             if isinstance(exc, ConfigError):
-                from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
+                from homebot.config_lines import located  # noqa: PLC0415 - after a mistake alone
 
                 raise located(exc) from exc
             raise

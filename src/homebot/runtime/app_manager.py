@@ -19,7 +19,6 @@ from anyio.abc import TaskGroup, TaskStatus
 from homebot.apps import App
 from homebot.apps.created_tasks import watch_created_tasks
 from homebot.clock import zone_name
-from homebot.config import ROUTINE
 from homebot.devices.app_messages import (
     AppInfo,
     AppJob,
@@ -243,7 +242,7 @@ class AppManager:
         """Return a text for people that names the apps of *planned* that run after the start."""
         names = [app.name for app in planned]
         if not names:
-            installed = ", ".join(one for one in plugin_names(APPS) if one != ROUTINE) or "none"
+            installed = ", ".join(plugin_names(APPS)) or "none"
             return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
         down = {name for name, one in self._supervisor.crashes.items() if one.state != "running again"}
         crashed = [name for name in names if name in down]

@@ -6,8 +6,8 @@ from functools import partial
 
 from homebot.apps.grants import ACT
 from homebot.config import Config
+from homebot.config_lines import located
 from homebot.errors import ConfigError
-from homebot.routine_tables import located
 from homebot.support.folding import fold
 
 
@@ -19,14 +19,15 @@ def without_mistakes(
     A group that a policy or right names is kept, because without it a limit would be gone.
 
     Args:
-        planned: Calls that raise the mistake of each app or routine, by its key.
+        planned: Calls that raise the mistake of each app of a table of a feature, by its key.
         readers: Readers of lists of tables, which raise the first mistake, by the names of the lists.
     """
     wrong: dict[str, ConfigError] = {}
     for key, plan in planned.items():
-        if key.startswith("routines.") and (error := _mistake_in(plan)) is not None:
+        if (error := _mistake_in(plan)) is not None:
             wrong[key] = located(error)
-    apps = {name: table for name, table in config.apps.items() if f"routines.{name}" not in wrong}
+    gone = {key.partition(".")[2] for key in wrong}
+    apps = {name: table for name, table in config.apps.items() if name not in gone}
     config = config.model_copy(update={"apps": apps})
     limits = fold(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
     for kind, read in readers.items():

@@ -15,7 +15,7 @@ import homebot.places
 from homebot.apps import App
 from homebot.apps.grants import grants_of, scope_of, without_act
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
+from homebot.config import UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.feature import feature_tables, find_features, load, plugin_tables
@@ -55,7 +55,6 @@ OWN_NODES = frozenset(
         "robots",
         "ros2",
         "rosapi",
-        "routines",
         "rosbridge_websocket",
     }
 )
@@ -218,27 +217,33 @@ def _without_mistakes(config: Config) -> tuple[Config, Mapping[str, ConfigError]
         f"features.{name}": ConfigError(config.source, f"features.{name}", f"is left out: {problem}")
         for name, problem in find_features().problems.items()
     }
-    if not (config.groups or config.features or any(map(_is_routine, config.apps.values()))):
+    planned = {
+        _key_of(name, table): partial(planned_app, name, table, config)
+        for name, table in config.apps.items()
+        if _table_of(table)
+    }
+    if not (config.groups or config.features or planned):
         return config, broken
     from homebot.runtime.left_out import without_mistakes  # noqa: PLC0415 - many homes have none of these
 
-    planned = {_key_of(name, table): partial(planned_app, name, table, config) for name, table in config.apps.items()}
     rows = feature_tables()
     arrays = {key: partial(_feature_table, key) for key in config.features if key not in rows or rows[key].is_array}
     config, mistakes = without_mistakes(config, planned, {"groups": _groups, **arrays})
     return config, broken | mistakes
 
 
-def _is_routine(table: Table) -> bool:
-    return table.get("class") == ROUTINE
+def _table_of(table: Table) -> str:
+    """Return the key of the array of a feature that the app *table* is from; empty for one of ``[apps]``."""
+    return plugin_tables().get(str(table.get("class")), "")
 
 
 def _key_of(name: str, table: Table) -> str:
-    return f"{'routines' if _is_routine(table) else 'apps'}.{name}"
+    return f"{_table_of(table) or 'apps'}.{name}"
 
 
 def _in_words(name: str, table: Table) -> str:
-    return f"in [[routines]] {table['name']!r}:" if _is_routine(table) and "name" in table else f"[apps.{name}]"
+    key = _table_of(table)
+    return f"in [[{key}]] {table['name']!r}:" if key and "name" in table else f"[apps.{name}]"
 
 
 def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
@@ -262,28 +267,19 @@ def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gatewa
 
 
 def planned_app(
-    name: str, table: Table, config: Config, given: type[App] | None = None, load: LoadPlugin = load_plugin
+    name: str, table: Table, config: Config, given: type[App] | None = None, load_class: LoadPlugin = load_plugin
 ) -> PlannedComponent[App]:
-    """Return the app *name* with the settings of its *table*, and the class *given*, or else loaded by *load*."""
+    """Return the app *name* with the settings of its *table*, and the class *given*, or else loaded by *load_class*."""
     if given is not None and "class" in table:
         problem = f"the program gives the class {given.__name__} for this app; remove the key, or rename one of both"
         raise ConfigError(config.source, f"apps.{name}.class", problem)
     key = _key_of(name, table)
-    if _is_routine(table):
-        from homebot.routine_tables import check_routine_name  # noqa: PLC0415 - many homes have no routine
-
-        check_routine_name(name, table, config.source)
+    if (array := _table_of(table)) and (check := feature_tables()[array].check):
+        load(check)(name, table, config)
     _check_name(key, name, config.source)
     scope_of(key, table, config.source)
-    made = load if given is None else lambda *_: given
-    app = _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
-    if _is_routine(table) and config.home.latitude is None:
-        from homebot.routines.settings import RoutineSettings  # noqa: PLC0415 - as above
-
-        if isinstance(app.settings, RoutineSettings) and (asking := app.settings.asking_the_sun()):
-            reason = f"{asking[0]!r} needs the place of the home: set latitude and longitude in the table [home]"
-            raise ConfigError(config.source, key, reason)
-    return app
+    made = load_class if given is None else lambda *_: given
+    return _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
 
 
 def _check_name(key: str, name: str, source: str) -> None:

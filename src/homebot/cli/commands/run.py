@@ -189,7 +189,7 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
 
 
 def _located(errors: Iterable[ConfigError]) -> tuple[ConfigError, ...]:
-    from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
+    from homebot.config_lines import located  # noqa: PLC0415 - after a mistake alone
 
     return tuple(map(located, errors))
 
