@@ -161,31 +161,30 @@ def label_of(device: Device, part_id: str) -> str:
 
 def order_of(command: IssuedCommand) -> Order:
     """Return *command* as an order for the timeline."""
-    settings, wanted, readable = command.settings, dict[str, PlainValue](), set[str]()
-    echoed, has_ramp = _NO_ECHO, False
+    settings, wanted, part = command.settings, dict[str, PlainValue](), command.part.part
+    echoed, has_ramp, moves, opens_further = _NO_ECHO, False, False, False
     is_told = bool(command.text or command.code or command.why_it_asks)  # a second attempt with its code may count
-    for one in command.part.part.capabilities:
-        name, is_set = one.name, one.name in settings
-        if one.readable:
-            readable.add(name)
-            if is_set and name not in MOMENTARY:
+    for capability in part.capabilities:
+        name = capability.name
+        if name in settings:
+            if capability.readable and name not in MOMENTARY:
                 wanted[name] = settings[name]
-        if one.echoed and is_set:
-            echoed |= {name}
+            if capability.echoed:
+                echoed |= {name}
         if name == "level":
-            has_ramp = one.settable
-    movement, position = settings.get("movement"), command.values.get("position")
-    if movement in END_POSITIONS and "position" in readable and wanted.keys().isdisjoint(_MOTIONS):
-        wanted["position"] = END_POSITIONS[movement]  # it does not report its movement
-    is_half_open = isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
+            has_ramp = capability.settable
+    if not _MOTIONS.isdisjoint(settings):
+        moves, opens_further = any(settings.get(one, STOPPED) != STOPPED for one in _MOTIONS), _opens_further(command)
+        if wanted.keys().isdisjoint(_MOTIONS):
+            wanted |= _end_position(settings, part)
     return Order(
         command.id,
         settings,
         wanted,
         command.transition,
-        moves=not _MOTIONS.isdisjoint(settings) and any(settings.get(one, STOPPED) != STOPPED for one in _MOTIONS),
-        is_told_once=is_told or is_told_once(command.part.part.service_type, settings),
-        opens_further=movement == "open" and is_half_open,
+        moves=moves,
+        is_told_once=is_told or is_told_once(part.service_type, settings),
+        opens_further=opens_further,
         turns_on=command.values.get("on_off") is False and _turns_on(command),
         has_ramp=has_ramp,
         echoed=echoed,
@@ -193,6 +192,21 @@ def order_of(command: IssuedCommand) -> Order:
         issuer=command.issuer,
         label=label_of(command.device, command.part.id),
     )
+
+
+def _opens_further(command: IssuedCommand) -> bool:
+    """Return whether *command* opens a part that is open already, but not fully."""
+    position = command.values.get("position")
+    if command.settings.get("movement") != "open" or not isinstance(position, float):
+        return False
+    return not fits("position", END_POSITIONS["open"], position)
+
+
+def _end_position(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
+    """Return the position that shows the end of a movement, if *part* does not report the movement itself."""
+    position = END_POSITIONS.get(settings.get("movement"))
+    is_reported = any(capability.name == "position" and capability.readable for capability in part.capabilities)
+    return {"position": position} if is_reported and position is not None else {}
 
 
 def _turns_on(command: IssuedCommand) -> bool:

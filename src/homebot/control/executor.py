@@ -146,10 +146,7 @@ class CommandExecutor:
                 refused: Outcome | None = None
                 if request.ask_first or command.is_client or command.members:
                     refused, command = await self._agreed(command, ask_first=request.ask_first)
-                refused = refused or self.check(command)
-                if refused is None and command.code:
-                    refused = self.codes.begin(command)
-                outcome = refused or await send(command)
+                outcome = refused or self.check(command) or await send(command)
                 if isinstance(outcome, Outcome):
                     outcome = self._ended(command, outcome)
         except asyncio.CancelledError:
@@ -195,10 +192,10 @@ class CommandExecutor:
         return next(filter(None, reasons), "")
 
     def check(self, command: IssuedCommand, *, is_preview: bool = False) -> Refused | None:
-        """Return the refusal of *command* by rights, leases or policies; None if it may be sent now.
+        """Return the refusal of *command* by rights, leases, policies or its code; None if it may be sent now.
 
         Args:
-            is_preview: Whether to ignore leases and not to record the verdicts in the journal.
+            is_preview: Whether to ignore leases and codes, and not to record the verdicts in the journal.
         """
         if command.is_client and (problem := self._policies.client_refusal(command)):
             return Refused(CLIENT_RIGHTS, problem, command_id=command.id)
@@ -206,7 +203,8 @@ class CommandExecutor:
             held = self.leases.refuse(command, self._clock.monotonic())
             if held is not None:
                 return held
-        return self._policies.check(command, is_recorded=not is_preview)
+        refused = self._policies.check(command, is_recorded=not is_preview)
+        return self.codes.begin(command) if refused is None and command.code and not is_preview else refused
 
     async def _send_text(self, text: TextTarget, command: IssuedCommand) -> Outcome | SendTextResponse:
         """Send a text, which supersedes older commands for the same; no report is awaited."""

@@ -2,7 +2,7 @@
 
 import asyncio
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final, final
@@ -108,7 +108,11 @@ class Sending:
                 return self._decided(opened, AlreadySo(command_id=command.id))
             rehearsal = self.rehearsal
             if rehearsal is not None and (assumed := self.rehearse(command, opened.timeline)) is not None:
-                return await self._rehearsed(opened, assumed)
+                await asyncio.sleep(durations.REHEARSED)
+                self._decided(opened, AlreadySo(command_id=command.id))
+                wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
+                reported = {setting.capability: setting.value.plain() for setting in command.public(wanted)}
+                return replace(assumed, reported=reported)
             if command.members:
                 members = self._timelines.command_members(opened.progress.order, command.members)
                 opened.members, opened.progress.members = tuple(members), tuple(members.values())
@@ -155,11 +159,8 @@ class Sending:
                 await self._ask(sent, plan)
             elif sendings.attempts == 0 or self._policies.check(command) is None:
                 problem = await self._send(sent, plan)
-                is_acknowledged = problem is None and not sendings.is_unacknowledged
-                if is_acknowledged or (progress.wanted and progress.is_met):
-                    route = sendings.routes[-1] if sendings.routes and problem is None else ""
-                    self._journal.record("acknowledged", command, route.partition("/")[0])
-                elif problem is not None and sendings.attempts == 1:
+                is_taken = self._record_answer(sent, problem)
+                if problem is not None and not is_taken and sendings.attempts == 1:
                     return problem
             else:
                 sent.timeline.append(Withheld(command.id, now))
@@ -185,14 +186,6 @@ class Sending:
         opened = self.open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         is_so = is_recent and is_at_rest and progress.was_so
         return opened, is_so and not (progress.has_echo or order.is_always_sent)
-
-    async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
-        await asyncio.sleep(durations.REHEARSED)
-        command = opened.command
-        self._decided(opened, AlreadySo(command_id=command.id))
-        wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
-        reported = {one.capability: one.value.plain() for one in command.public(wanted)}
-        return replace(assumed, reported=reported)
 
     async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
         """Return whether the answer is missing because the device or its part was removed meanwhile."""
@@ -228,41 +221,41 @@ class Sending:
         sendings = sent.progress.transmission
         began, is_repeated = clock.monotonic(), sendings.attempts > 0
         shared = None if is_repeated else command.shared
-        if shared is None:
-            self._journal.record("sent", command, "again" if is_repeated else "")
-        for timeline in (sent.timeline, *(sent.members if is_repeated else ())):
-            timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
-        if command.place in self._leases.parts:
-            self._leases.record_stop(command, began)
-        order_of = partial(
-            Command,
-            key="",
-            part="",
-            transition=command.transition,
-            code=command.code,
-            expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
-            id=command.id,
-            kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
-            repeated=is_repeated,
-        )
+        self._record_sending(sent, began, shared)
+        expires_after = plan.end(sendings) - began if is_repeated else plan.lasts
+        kept_for = plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0
+        orders: list[Command] = []
+        for capability, value in command.in_order:
+            orders += [
+                Command(
+                    key="",
+                    part="",
+                    capability=capability,
+                    value=Value.of(value),
+                    transition=command.transition,
+                    code=command.code,
+                    expires_after=expires_after,
+                    id=command.id,
+                    kept_for=kept_for,
+                    repeated=is_repeated,
+                )
+            ]
+        left: Sequence[Command] = orders
         routes, is_unacknowledged = list[str](), False
         is_shared: bool | None = False
         try:
-            if shared is not None and (is_shared := await self._share(sent, shared, order_of)) is not False:
+            if shared is not None and (is_shared := await self._share(sent, shared, orders)) is not False:
                 return None
-            orders: Sequence[Command] = [
-                order_of(capability=capability, value=Value.of(value)) for capability, value in command.in_order
-            ]
-            while orders:
+            while left:
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous message
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
-                sending = self._sender.send(command.device, command.part, orders, ineffective)
+                sending = self._sender.send(command.device, command.part, left, ineffective)
                 if (accepted := await sent.acknowledged(sending)) is None:
-                    is_unacknowledged, orders = True, orders[1:]
+                    is_unacknowledged, left = True, left[1:]
                     continue
-                route, orders = accepted
+                route, left = accepted
                 if len(command.part.routes) > 1:
                     routes.append(route.name)
         except UnansweredError:
@@ -273,6 +266,26 @@ class Sending:
             ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, bool(is_shared))
             sent.timeline.append(ended)
         return None
+
+    def _record_sending(self, sent: OpenCommand, now: float, shared: SharedSending | None) -> None:
+        """Record that a sending begins, before any wait: a check needs it."""
+        command, is_repeated = sent.command, sent.progress.transmission.attempts > 0
+        if shared is None:
+            self._journal.record("sent", command, "again" if is_repeated else "")
+        for timeline in (sent.timeline, *(sent.members if is_repeated else ())):
+            timeline.append(Sent(command.id, command.settings, now))
+        if command.place in self._leases.parts:
+            self._leases.record_stop(command, now)
+
+    def _record_answer(self, sent: OpenCommand, problem: Outcome | None) -> bool:
+        """Record that the gateway or the device took the last sending; return whether one did."""
+        progress, sendings = sent.progress, sent.progress.transmission
+        is_acknowledged = problem is None and not sendings.is_unacknowledged
+        if not (is_acknowledged or (progress.wanted and progress.is_met)):
+            return False
+        route = sendings.routes[-1] if sendings.routes and problem is None else ""
+        self._journal.record("acknowledged", sent.command, route.partition("/")[0])
+        return True
 
     async def _ask(self, sent: OpenCommand, plan: SendingPlan) -> None:
         """Have the part, or the members of a group, asked for their values before a message that may be needless."""
@@ -286,7 +299,7 @@ class Sending:
         ):
             await sent.wait(left)
 
-    async def _share(self, sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool | None:
+    async def _share(self, sent: OpenCommand, shared: SharedSending, orders: Sequence[Command]) -> bool | None:
         """Return whether *shared* was sent in place of a first sending; None if a newer command replaced this one.
 
         Raises:
@@ -294,7 +307,6 @@ class Sending:
         """
         command, sendings = sent.command, sent.progress.transmission
         sendings.echoed = shared.echoed
-        orders = [order_of(capability=one, value=Value.of(value)) for one, value in command.in_order]
         on_sent = partial(self._journal.record, "sent", command, shared.name)
         if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
             sent.progress.fellows = shared.progress

@@ -105,15 +105,17 @@ def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> C
     if role is ReportRole.ASTRAY:
         return Cause.UNKNOWN
     if role is ReportRole.AGREES:
-        sendings, limit = command.transmission, durations.CAME_ALONG
-        if command.is_raw and not command.wanted:
-            limit = durations.UNREAD
-        signs = (sendings.sent_at, command.motion.moved_at, *command.met_times, *sendings.accepted.values())
-        if command.is_open or fact.at - max(signs) <= limit:
-            return Cause.COMMAND
-    if role is ReportRole.ASIDE and rests_where_sent(fact, command):
-        return Cause.COMMAND
-    return None
+        return Cause.COMMAND if _came_along(fact, command) else None
+    return Cause.COMMAND if role is ReportRole.ASIDE and rests_where_sent(fact, command) else None
+
+
+def _came_along(fact: Reported, command: CommandProgress) -> bool:
+    """Return whether a value that is consistent with a command came while it was open, or soon after a sign of it."""
+    if command.is_open:
+        return True
+    sendings, is_unread = command.transmission, command.is_raw and not command.wanted
+    signs = (sendings.sent_at, command.motion.moved_at, *command.met_times, *sendings.accepted.values())
+    return fact.at - max(signs) <= (durations.UNREAD if is_unread else durations.CAME_ALONG)
 
 
 def rests_where_sent(fact: Reported, command: CommandProgress) -> bool:

@@ -83,7 +83,8 @@ class WantedValue:
 
     def meet(self, fact: Reported, sent_at: float) -> None:
         """Record a report of the wanted value."""
-        self._see(fact)
+        self.is_answered = self.is_answered or self.echoed_at is not None
+        self.seen, self.seen_at = fact.value, fact.at
         if self.met_at is None:
             self.met_at = fact.at
             if fact.at - sent_at <= durations.FAST:
@@ -95,17 +96,14 @@ class WantedValue:
         self.met_at = None
         if self.fast_at is not None and self.returned_after is None:
             self.returned_after = fact.at - self.fast_at
-        self._see(fact)
+        self.is_answered = self.is_answered or self.echoed_at is not None
+        self.seen, self.seen_at = fact.value, fact.at
 
     def echo(self, at: float, *, is_fast: bool) -> None:
         """Record that a bridge repeats the wanted value."""
         if is_fast:
             self.fast_at = at
         self.echoed_at = at
-
-    def _see(self, fact: Reported) -> None:
-        self.is_answered = self.is_answered or self.echoed_at is not None
-        self.seen, self.seen_at = fact.value, fact.at
 
     def _is_so(self, value: PlainValue) -> bool:
         """Return whether *value* is exactly the wanted one, or was the device's answer to the same command earlier."""

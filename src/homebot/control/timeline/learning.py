@@ -6,7 +6,7 @@ from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.obedience import fits
-from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
 
 def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
@@ -20,11 +20,8 @@ def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: floa
         profile.learn_routes(routes, routes[-1])
 
 
-def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
-    """Learn from a command without an answer, or that the device contradicted."""
-    outcome = progress.outcome
-    if outcome is None or not outcome.may_obey_later:
-        return
+def learn_failure(progress: CommandProgress, outcome: Outcome, profile: DeviceProfile) -> None:
+    """Learn from a command without an answer, or that the device contradicted, so it may obey later."""
     _learn_answers(progress, profile)
     if not progress.transmission.refusal:
         profile.learn_routes(progress.transmission.routes)

@@ -225,15 +225,7 @@ class PartTimeline:
         echo = self._echoes.pop(capability, None)
         if echo is not None and (echo[0].is_open or at - seen_at <= durations.TAKEN_BACK):
             previous, seen_at, since = echo[1].previous, echo[1].seen_at, echo[1].since  # an echo is no report
-        is_off_again = (  # a change of will, while several values turn it on
-            is_same
-            and value is False
-            and any(
-                one.is_open and one.transmission.count and len(one.wanted) > 1 and one.wanted[capability].value is True
-                for one in self.active
-                if capability in one.wanted
-            )
-        )
+        is_off_again = is_same and value is False and self._is_turning_on(capability)
         self._number += 1
         fact = Reported(
             at,
@@ -258,6 +250,14 @@ class PartTimeline:
         while len(self.reports) > MOST_REPORTS or self.reports[0].at < at - durations.REMEMBERED:
             self._drop_commands(self.reports.popleft().at)
         return fact
+
+    def _is_turning_on(self, capability: str) -> bool:
+        """Return whether an open command turns *capability* on along with other values, so "off" is a new will."""
+        return any(
+            command.is_open and command.transmission.count and len(command.wanted) > 1 and wanted.value is True
+            for command in self.active
+            if (wanted := command.wanted.get(capability)) is not None
+        )
 
     @property
     def next_at(self) -> float:
@@ -346,13 +346,13 @@ class PartTimeline:
         if outcome.may_obey_later:  # if it is contradicted, certain is what it has reported since the last sending
             since = progress.transmission.sent_at if isinstance(outcome, Contradicted) else fact.at
             self.unsure_since.update((other, since) for one in settings for other in related(one))
-        learn_failure(progress, self.profile)
+            learn_failure(progress, outcome, self.profile)
 
     def _relate(self, fact: Reported) -> None:
         """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
         found, brought = fact.attribution, self._brought.get(fact.capability)
         is_unexplained = not found.command or found.role is ReportRole.OTHERWISE
-        if fact.is_after_loss or fact.was_absent or fact.set_by or not (is_unexplained or found.cause is Cause.UNKNOWN):
+        if not (is_unexplained or found.cause is Cause.UNKNOWN):
             return
         if is_unexplained and brought is not None and brought.is_near(fact):
             fact.drifted_from = brought.command
@@ -367,7 +367,8 @@ class PartTimeline:
     def _judge(self, fact: Reported, roles: Roles) -> None:
         """Store the cause of a report, the only time that it is asked for."""
         fact.attribution = judge(fact, roles)
-        if fact.is_change and fact.attribution.may_be_person:
+        is_unknown = fact.is_after_loss or fact.was_absent or fact.set_by
+        if fact.is_change and fact.attribution.may_be_person and not is_unknown:
             self._relate(fact)
             fact.attribution = judge(fact, roles)
         self._note(fact, roles)
@@ -389,15 +390,15 @@ class PartTimeline:
     def _bring(self, fact: Reported, roles: Roles) -> None:
         """Remember the value that a command brought, from when on it lasts, until another value follows; or an echo."""
         capability, brought = fact.capability, self._brought.get(fact.capability)
-        for one, role in roles:
+        for command, role in roles:
             if role is ReportRole.ECHO:
-                self._echoes[capability] = one, fact
-            elif role is ReportRole.EFFECT and (wanted := one.wanted.get(capability)) is not None:
-                if brought is None or brought.command != one.order.id:
-                    at = max(fact.at if fact.is_change else -math.inf, one.transmission.sent_at)
-                    self._brought[capability] = _Brought(one.order.id, wanted.value, fact.value, at)
-                    if one.order.moves:
-                        self._explain_rest(one, fact.at)
+                self._echoes[capability] = command, fact
+            elif role is ReportRole.EFFECT and (wanted := command.wanted.get(capability)) is not None:
+                if brought is None or brought.command != command.order.id:
+                    at = max(fact.at if fact.is_change else -math.inf, command.transmission.sent_at)
+                    self._brought[capability] = _Brought(command.order.id, wanted.value, fact.value, at)
+                    if command.order.moves:
+                        self._explain_rest(command, fact.at)
                 return
         if brought is not None and fact.is_change and not brought.is_near(fact):
             del self._brought[capability]

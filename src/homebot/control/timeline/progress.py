@@ -120,10 +120,9 @@ class CommandProgress:
         self.given_at = at
         self.transmission = Transmission(at)
         self.motion = Motion(order, last)
-        self.wanted = {
-            name: WantedValue(order, name, value, known.get(name, NOTHING), profile)
-            for name, value in order.wanted.items()
-        }
+        self.wanted: dict[str, WantedValue] = {}
+        for name, value in order.wanted.items():
+            self.wanted[name] = WantedValue(order, name, value, known.get(name, NOTHING), profile)
         if order.turns_on:  # the wanted colour or level does not show that it is on
             self.wanted["on_off"] = WantedValue(order, "on_off", value=True, known=NOTHING, profile=profile)
         self.must_answer = answers and not self.wanted
@@ -289,21 +288,10 @@ class CommandProgress:
             return ReportRole.AGREES  # a lost value proves nothing
         if wanted is None or (capability == "level" and self._fades_out):
             return self._side_role(fact)
-        if not wanted.fits(value) or not (self.is_confirmed or wanted.is_told(value)):
-            return self._confirmed_departure(wanted, fact) if self.is_confirmed else self._departure(wanted, fact)
         if self.is_confirmed:
-            self._end_steps(capability)
-            wanted.refine(value)
-            return ReportRole.EFFECT
-        if self.transmission.echoed and self._is_of_group(fact):
-            wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
-            return ReportRole.ECHO
-        if not (self.has_echo and self._is_echo(wanted, fact)):
-            wanted.meet(fact, self.transmission.sent_at)
-            return ReportRole.EFFECT
-        if not wanted.is_answered and wanted.met_at is None:
-            wanted.seen = NOTHING  # it was reported before the bridge had the command
-        return ReportRole.ECHO
+            return self._confirmed_role(wanted, fact)
+        is_met = wanted.fits(value) and wanted.is_told(value)
+        return self._met_role(wanted, fact) if is_met else self._departure(wanted, fact)
 
     def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
         self.outcome, self.is_open = outcome, False
@@ -321,6 +309,18 @@ class CommandProgress:
             is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
             is_sent = self.transmission.count > 0
             self.until = now + (durations.ASLEEP if is_silent else durations.LATE) if is_sent else -math.inf
+
+    def _met_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        """Return the role of the wanted value before the outcome: the device's own report, or a bridge's echo."""
+        if self.transmission.echoed and self._is_of_group(fact):
+            wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
+            return ReportRole.ECHO
+        if not (self.has_echo and self._is_echo(wanted, fact)):
+            wanted.meet(fact, self.transmission.sent_at)
+            return ReportRole.EFFECT
+        if not wanted.is_answered and wanted.met_at is None:
+            wanted.seen = NOTHING  # it was reported before the bridge had the command
+        return ReportRole.ECHO
 
     def _late_role(self, wanted: WantedValue | None, fact: Reported, *, is_exact: bool) -> ReportRole:
         """Return the role of a report after a newer command, or long after the last sending: only the first effect."""
@@ -362,9 +362,13 @@ class CommandProgress:
         wanted.is_step = False
         return ReportRole.UNDONE if was_met or self._was_echoed(wanted, fact) else ReportRole.OTHERWISE
 
-    def _confirmed_departure(self, wanted: WantedValue, fact: Reported) -> ReportRole:
-        """Return the role of another value than the confirmed one: a step that another has to follow, or its end."""
+    def _confirmed_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        """Return the role of a report after the confirmation: another value is a step, or the end of the wanted one."""
         capability, value, now = fact.capability, fact.value, fact.at
+        if wanted.fits(value):
+            self._end_steps(capability)
+            wanted.refine(value)
+            return ReportRole.EFFECT
         is_on_again = capability == "on_off"
         may_fade = is_on_again and (now < self._fades_until or (self._fades_out and self.motion.has_level))
         if not (may_fade or self._may_move_on(wanted, fact)):
