@@ -256,39 +256,37 @@ class OpenHome(Protocol):
     ) -> AbstractAsyncContextManager[Home]: ...
 
 
+@asynccontextmanager
+async def opened_home(
+    grants: Mapping[str, tuple[str, ...]] = NO_GRANTS,
+    clock: Clock | None = None,
+    store: JournalStore | None = None,
+    journal_file: Path | None = None,
+    **settings: object,
+) -> AsyncIterator[Home]:
+    """Give a home without approvals; *settings* are those of `ControlSettings`."""
+    graph = Graph(clock)
+    async with (
+        Node(graph, "memory", namespace="/gateway") as gateway_node,
+        Node(graph, "discovery") as directory_node,
+        Node(graph, "control") as control_node,
+        Node(graph, "app") as app,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = RecordingGateway(gateway_node)
+        checked = ControlSettings.model_validate({"approvals": False, **settings})
+        control = Control(control_node, checked, grants, store=store, journal_file=journal_file)
+        await tasks.start(gateway.serve)
+        await tasks.start(Directory(directory_node, DirectorySettings()).serve)
+        await tasks.start(control.serve)
+        yield Home(app, gateway, control, tasks, graph)
+        tasks.cancel_scope.cancel()
+
+
 @pytest.fixture
 def open_home() -> OpenHome:
-    """Give what opens a home without approvals.
-
-    It takes ``grants``, ``clock``, ``store``, ``journal_file`` and what `ControlSettings` takes.
-    """
-
-    @asynccontextmanager
-    async def opened(
-        grants: Mapping[str, tuple[str, ...]] = NO_GRANTS,
-        clock: Clock | None = None,
-        store: JournalStore | None = None,
-        journal_file: Path | None = None,
-        **settings: object,
-    ) -> AsyncIterator[Home]:
-        graph = Graph(clock)
-        async with (
-            Node(graph, "memory", namespace="/gateway") as gateway_node,
-            Node(graph, "discovery") as directory_node,
-            Node(graph, "control") as control_node,
-            Node(graph, "app") as app,
-            anyio.create_task_group() as tasks,
-        ):
-            gateway = RecordingGateway(gateway_node)
-            checked = ControlSettings.model_validate({"approvals": False, **settings})
-            control = Control(control_node, checked, grants, store=store, journal_file=journal_file)
-            await tasks.start(gateway.serve)
-            await tasks.start(Directory(directory_node, DirectorySettings()).serve)
-            await tasks.start(control.serve)
-            yield Home(app, gateway, control, tasks, graph)
-            tasks.cancel_scope.cancel()
-
-    return opened
+    """Give what opens a home."""
+    return opened_home
 
 
 @pytest.fixture

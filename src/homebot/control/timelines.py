@@ -16,7 +16,7 @@ from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, R
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
-from homebot.devices.capabilities import SETTABLE
+from homebot.devices.capabilities import MOMENTARY, SETTABLE
 from homebot.devices.device import ChangedSetting, target_of
 from homebot.devices.journal_messages import KnownCause
 from homebot.devices.obedience import related
@@ -85,7 +85,9 @@ class Timelines:
         for device, part in members:
             can = part.part.capabilities
             settings = {one.name: order.settings[one.name] for one in can if one.name in order.settings}
-            wanted = {one.name: order.wanted[one.name] for one in can if one.name in order.wanted and one.readable}
+            told = {**settings, **order.wanted}  # a member may report what its group does not
+            wanted = {one.name: told[one.name] for one in can if one.name in told and one.readable}
+            wanted = {name: value for name, value in wanted.items() if name not in MOMENTARY}
             own = replace(order, settings=settings or order.settings, wanted=wanted, echoed=frozenset())
             timeline = self.of(device, part)
             found[timeline] = progress = timeline.command(own, self._clock.monotonic(), is_raw=True)
