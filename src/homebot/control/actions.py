@@ -87,7 +87,10 @@ class ControlActions:
             scope=scope,
         )
         try:
-            answer = await self._hold_until_over(goal, leases, wanted, holder)
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(_renew, leases, holder)
+                answer = await self._follow(goal, leases, holder, await leases.hold(wanted))
+                tasks.cancel_scope.cancel()
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
                 is_held = _phase(leases.renew(holder)) == "held"
@@ -98,19 +101,10 @@ class ControlActions:
         (goal.succeed if answer.held else goal.abort)()
         return HoldDeviceResult(success=answer.held, message="" if answer.held else answer.outcome.text)
 
-    async def _hold_until_over(
-        self, goal: HoldGoal, leases: LeaseService, wanted: HoldRequest, holder: HolderRequest
-    ) -> LeaseState:
-        """Hold a value and publish its state until its time is up or the lease ends; return its last state."""
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(_renew, leases, holder)
-            answer = await self._follow(goal, leases, holder, await leases.hold(wanted))
-            tasks.cancel_scope.cancel()
-        return answer
-
     async def _follow(
         self, goal: HoldGoal, leases: LeaseService, holder: HolderRequest, answer: LeaseState
     ) -> LeaseState:
+        """Publish the state of a lease until its time is up or it ends; return its last state."""
         seconds, clock = goal.request.seconds, self._node.graph.clock
         until: float | None = None
         while answer.held:

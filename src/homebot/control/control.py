@@ -82,12 +82,7 @@ class HouseWatch:
     """
 
     def __init__(
-        self,
-        node: Node,
-        lookup: DeviceLookup,
-        layer: Callable[[], ControlLayer],
-        *,
-        is_dry_run: bool,
+        self, node: Node, lookup: DeviceLookup, layer: Callable[[], ControlLayer], *, is_dry_run: bool
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
@@ -314,11 +309,7 @@ class Control:
     @cached_property
     def _names(self) -> ConfiguredNames:
         """The check of the names in the settings and the rights, after a reload too."""
-        from homebot.devices.misspelt_names import (  # noqa: PLC0415 - see _begin_check
-            ConfiguredNames,
-            StatedNames,
-            patterns_of_rights,
-        )
+        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames, patterns_of_rights  # noqa: PLC0415 - see _begin_check
 
         def stated() -> StatedNames:
             named = StatedNames() if self._given_settings is None else self._given_settings.stated_names

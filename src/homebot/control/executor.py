@@ -8,14 +8,7 @@ from typing import Final, NamedTuple, TypeVar, final
 
 from homebot.control import durations
 from homebot.control.code_guesses import CodeGuesses
-from homebot.control.command import (
-    IssuedCommand,
-    commanded_part,
-    device_settings,
-    order_of,
-    read_text,
-    rounding_text,
-)
+from homebot.control.command import IssuedCommand, commanded_part, device_settings, order_of, read_text, rounding_text
 from homebot.control.journal.given_codes import UNREAD, without_codes
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
@@ -29,18 +22,10 @@ from homebot.control.together import Together
 from homebot.devices import Device, DevicePart, RawCommand
 from homebot.devices.always_ask import why_device_asks
 from homebot.devices.client_rights import CLIENT_RIGHTS
-from homebot.devices.command_messages import (
-    CommandRequest,
-    SendTextRequest,
-    SendTextResponse,
-)
+from homebot.devices.command_messages import CommandRequest, SendTextRequest, SendTextResponse
 from homebot.devices.command_sender import TextSender, TextTarget
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.outcomes import (
-    Outcome,
-    Refused,
-    no_such_part,
-)
+from homebot.devices.outcomes import Outcome, Refused, no_such_part
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
 

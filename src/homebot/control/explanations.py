@@ -145,7 +145,13 @@ class Explanations:
             entries = await reader.chain(last, _DEEPEST)
             finding, changed_at = "change" if last.kind == "changed" else "command", entries[-1].at
         elif (newest := max(_main_states(device), key=_since, default=None)) is not None:
-            finding, changed_at = self._finding_of_state(device, newest), newest.since
+            changed_at = newest.since
+            if not newest.live:
+                finding = "retained"
+            elif not newest.is_first:
+                finding = "change"
+            else:
+                finding = "heard" if device.first_seen.to_seconds() >= self._began_at else "first"
         elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
             entries = await reader.chain(sent, 1)
         if (event := _last_event(device, changed_at)) is not None:
@@ -162,13 +168,6 @@ class Explanations:
             ineffective=self._find_ineffective(device),
             goal=(latest,) if latest is not None and latest.kind == "goal" else (),
         )
-
-    def _finding_of_state(self, device: Device, newest: State) -> Finding:
-        if not newest.live:
-            return "retained"
-        if not newest.is_first:
-            return "change"
-        return "heard" if device.first_seen.to_seconds() >= self._began_at else "first"
 
     async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
         reader, wanted = _JournalReader(self._read), _as_state(state)

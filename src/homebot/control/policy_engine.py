@@ -88,7 +88,10 @@ class PolicyEngine(HouseWatcher):
         self._zone = ZoneInfo(settings.time_zone) if settings.time_zone else None
         self.rights.cache_clear()
         if self._watches or settings.needs_house:
-            self._watch()
+            if not self._watches:
+                self._watches = True
+                self._node.create_task(self._await_house)
+            HouseView.of(self._node).add(self)
         if settings.presence_guard is not None and not self._guards_presence:
             self._guards_presence = True
             self._learnt.add(DETECTION, self._house.detections.restore)
@@ -130,10 +133,16 @@ class PolicyEngine(HouseWatcher):
             found = [] if device is None else [device]
         else:
             found = await self._waiting()
+        parts = [(device, part) for device in found[:1] for part in device.parts if request.device]
+        limits = (
+            KeyValue(key=part.id, value=why)
+            for device, part in parts
+            if is_commanded(part.part) and not always_asks(device, part) and (why := why_not_harmless(device, part))
+        )
         return UnapprovedResponse(
             devices=tuple(one.id for one in found if self._settings.approvals and waits_for_approval(one)),
             reasons=tuple(KeyValue(key=one.id, value=why) for one in found if (why := why_device_asks(one))),
-            limits=_limits(found[0]) if request.device and found else (),
+            limits=tuple(limits),
         )
 
     async def _waiting(self) -> list[Device]:
@@ -187,12 +196,6 @@ class PolicyEngine(HouseWatcher):
             return ALL_RIGHTS
         return APP_RIGHTS._replace(table=self._tables.get(issuer, ""))
 
-    def _watch(self) -> None:
-        if not self._watches:
-            self._watches = True
-            self._node.create_task(self._await_house)
-        HouseView.of(self._node).add(self)
-
     async def _await_house(self) -> None:
         await HouseView.of(self._node).wait_until_complete()
         self._house.is_known = True
@@ -221,11 +224,6 @@ class Policies:
             if not verdicts[-1].allowed:
                 break
         return tuple(verdicts)
-
-
-def _limits(device: Device) -> tuple[KeyValue, ...]:
-    parts = [one for one in device.parts if is_commanded(one.part) and not always_asks(device, one)]
-    return tuple(KeyValue(key=one.id, value=why) for one in parts if (why := why_not_harmless(device, one)))
 
 
 def _first_of(names: Sequence[str]) -> str:

@@ -160,7 +160,12 @@ class Timelines:
         timeline.on_news, timeline.on_undone = self.on_news, self.on_undone
         self._follow(entry, part)
         if len(self._entries) > _MOST:
-            self._forget_oldest()
+            for oldest, known in self._entries.items():
+                if not (known.timeline.held or any(command.is_open for command in known.timeline.active)):
+                    del self._entries[oldest]
+                    self._limits.discard(known.timer)
+                    known.stop_watch()
+                    break
         return entry
 
     def _move(self, entry: _TrackedPart, device: Device) -> None:
@@ -208,14 +213,6 @@ class Timelines:
         entry.timer_at = math.inf
         entry.timeline.advance(self._clock.monotonic())
         self._update(entry)
-
-    def _forget_oldest(self) -> None:
-        for place, entry in self._entries.items():
-            if not (entry.timeline.held or any(one.is_open for one in entry.timeline.active)):
-                del self._entries[place]
-                self._limits.discard(entry.timer)
-                entry.stop_watch()
-                return
 
 
 def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:

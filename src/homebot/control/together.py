@@ -25,7 +25,7 @@ from homebot.devices.query.terms import FactIs, type_is
 from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from homebot.control.leases import Leases
     from homebot.control.policy_engine import PolicyEngine
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.device_lookup import DeviceLookup
-    from homebot.devices.value import PlainValue
     from homebot.graph import Node
 
 _RECALL: Final = Setting.of("scene", True)  # noqa: FBT003 - the value of the scene
@@ -112,8 +111,9 @@ class Together:
                 alike[tuple(one.settings.items()), one.transition].append(one)
         found = [one for one in alike.values() if len(one) > 1]
         groups = await self._lookup.all_known(FactIs("category", "group")) if found else ()
+        parts = [(device, part) for device in groups for part in device.parts if part.part.is_group]
         for members in found:
-            group = next((one for one in _parts_of(groups) if self._may_carry(*one, members)), None)
+            group = next((place for place in parts if self._may_carry(*place, members)), None)
             if group is not None:
                 self._let_share(members, group)
         if all(one.shared is None for one in commands):
@@ -180,19 +180,15 @@ class Together:
         return self._leases.refuse(command, self._clock.monotonic()) if is_leased else None
 
 
-def _parts_of(devices: Sequence[Device]) -> Sequence[tuple[Device, DevicePart]]:
-    return [(device, part) for device in devices for part in device.parts if part.part.is_group]
-
-
 def reaches_exactly(group: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
     """Return whether the members of *group* that take the settings are exactly the parts of *commands*."""
     gateways, wanted = {one.gateway for one in group.routes}, set(group.part.members)
     places, named, reached = {one.place for one in commands}, set[str](), set[tuple[str, str]]()
     for device in {one.device.id: one.device for one in commands}.values():
         for part in device.parts:
-            if (names := wanted.intersection(references(device, part, gateways))) and _takes(
-                part, commands[0].settings
-            ):
+            names = wanted.intersection(references(device, part, gateways))
+            settable = {capability.name for capability in part.part.capabilities if capability.settable}
+            if names and is_commanded(part.part) and commands[0].settings.keys() <= settable:
                 named |= names
                 reached.add((device.id, part.id))
     return named == wanted and reached == places
@@ -212,8 +208,3 @@ def sets_exactly(scene: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
         if not all(is_same(name, value, settings[name]) for name, value in wanted.items()):
             return False
     return met == {each.member for each in scene.part.values}
-
-
-def _takes(part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:
-    settable = {one.name for one in part.part.capabilities if one.settable}
-    return is_commanded(part.part) and settings.keys() <= settable

@@ -66,16 +66,14 @@ class CommandLog:
     def write(self) -> None:
         """Write the pending lines."""
         while self._ended:
-            self._write(self._ended.popleft())
-
-    def _write(self, command: CommandChain) -> None:
-        asked, ended = command.notes[0], command.notes[-1]
-        if any(one.kind == "would" for one in command.notes):  # already logged
-            return
-        if not isinstance(ended.outcome, AlreadySo):  # else nothing was sent
-            self._log(command, ended)
-        if asked.kind == "requested" and not isinstance(ended.outcome, AlreadySo | Refused | Gone):
-            self._add_turn(asked, command.device)
+            command = self._ended.popleft()
+            asked, ended = command.notes[0], command.notes[-1]
+            if any(note.kind == "would" for note in command.notes):  # already logged
+                continue
+            if not isinstance(ended.outcome, AlreadySo):  # else nothing was sent
+                self._log(command, ended)
+            if asked.kind == "requested" and not isinstance(ended.outcome, AlreadySo | Refused | Gone):
+                self._add_turn(asked, command.device)
 
     def log_change(self, change: ChangedSetting, cause: str) -> None:
         """Log a change that no command explains."""

@@ -116,7 +116,10 @@ class Fights:
 
 def _message(place: PartRef, fight: _Fight) -> DeviceFight:
     device, part = place
-    one, other = (f"{turn.issuer.removeprefix('/')} ({_wanted(turn)})" for turn in fight.last[:2])
+    one, other = (
+        f"{turn.issuer.removeprefix('/')} ({settings_text(map(Setting.of, turn.values, turn.values.values()))})"
+        for turn in fight.last[:2]
+    )
     newest = fight.last[-1].at
     text = f"{one} and {other} fight over {fight.last[0].label}"
     return DeviceFight(
@@ -128,7 +131,3 @@ def _message(place: PartRef, fight: _Fight) -> DeviceFight:
         newest=Time.from_seconds(newest),
         commands=fight.commands,
     )
-
-
-def _wanted(turn: Turn) -> str:
-    return settings_text(map(Setting.of, turn.values, turn.values.values()))

@@ -8,7 +8,6 @@ from typing import Final
 from homebot.conventions.secrets import names_secret
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import Setting
-from homebot.devices.part import Part
 from homebot.devices.value import Value
 
 CODE_GIVEN: Final = "a code"
@@ -33,7 +32,7 @@ MOST_NOTED: Final = 500
 
 
 def without_codes(settings: tuple[Setting, ...], device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
-    """Return the *settings* for *part* of *device*, with :data:`CODE_GIVEN` in place of each code.
+    """Return the *settings* for *part* of *device*, with :data:`CODE_GIVEN` in place of each code, judging by names.
 
     If the part is unknown and any setting may be a code, none is returned. If it is only a stand-in, all parts count.
     """
@@ -42,16 +41,11 @@ def without_codes(settings: tuple[Setting, ...], device: Device | None, part: De
     if device is None or part is None:
         return () if part is None else settings
     parts = device.parts if device.part(part.id) is None else (part,)
-    if not any(_takes_code(device, one.part) for one in parts):
+    names = (name for part in parts for name in (part.part.name or device.name, part.part.id, part.part.advertised))
+    if not any(map(names_secret, names)):
         return settings
     given = Value.of(CODE_GIVEN)
     return tuple(one.model_copy(update={"value": given}) if one.capability in _MAY_BE_CODE else one for one in settings)
-
-
-def _takes_code(device: Device, part: Part) -> bool:
-    """Return whether a text or number for *part* is a code, judging by its names."""
-    names = (part.name or device.name, part.id, part.advertised)
-    return any(map(names_secret, names))
 
 
 @lru_cache(maxsize=1024)

@@ -108,14 +108,11 @@ class CommandJournal:
         """Return the newest entries that fit, and the names of their devices."""
         response = with_newer(await self._store.read(request), self._waiting(), request)
         entries = tuple(sorted(response.entries, key=lambda one: one.at.to_seconds()))  # folded ones are stored late
-        ids = {one.device for one in entries} | {one.trigger.device for one in entries}
-        return response.model_copy(update={"entries": entries, "names": await self._names(sorted(ids - {""}))})
-
-    async def _names(self, device_ids: list[str]) -> tuple[KeyValue, ...]:
-        """Return the names of the known devices; none if the directory does not answer."""
-        wanted = Or(tuple(FactIs("id", one.casefold()) for one in device_ids[:_MOST_NAMES]))
-        devices = await self._lookup.all_known(wanted) if device_ids else ()
-        return tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
+        ids = sorted({place for entry in entries for place in (entry.device, entry.trigger.device) if place})
+        wanted = Or(tuple(FactIs("id", device_id.casefold()) for device_id in ids[:_MOST_NAMES]))
+        devices = await self._lookup.all_known(wanted) if ids else ()  # none if the directory does not answer
+        names = tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
+        return response.model_copy(update={"entries": entries, "names": names})
 
     def requested(
         self,

@@ -6,13 +6,4 @@ from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.control.policies.home_policy import HomePolicy
 from homebot.control.policies.house import House, SensorReading
 
-__all__ = [
-    "FactUsed",
-    "Facts",
-    "HomePolicy",
-    "House",
-    "IssuedCommand",
-    "Patterns",
-    "SensorReading",
-    "Verdict",
-]
+__all__ = ["FactUsed", "Facts", "HomePolicy", "House", "IssuedCommand", "Patterns", "SensorReading", "Verdict"]

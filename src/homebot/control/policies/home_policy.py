@@ -85,7 +85,13 @@ def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedP
         UsageError: A name is not an installed policy, or its table is wrong; names the remedy.
     """
     for name, table in tables.items():
-        kind = _kind(name)
+        if not has_plugin(POLICIES, name):  # no module or file is loaded: a recording may name one
+            known = plugin_names(POLICIES)
+            hint = did_you_mean(name, known, f"installed are {', '.join(known) or 'none'}")
+            raise UsageError(f"no installed package offers the policy {name!r}; {hint}")
+        kind = load_plugin(POLICIES, name)
+        if not issubclass(kind, HomePolicy):
+            raise PluginError(name, f"{kind.__name__} is not a HomePolicy; derive it from {HomePolicy.__module__}")
         try:
             settings = parse_settings(kind.Settings, table, POLICIES, name)
         except ConfigError as exc:
@@ -105,15 +111,3 @@ def check_tables(tables: PolicyTables) -> PolicyTables:
     except UsageError as exc:
         raise ValueError(str(exc)) from exc
     return tables
-
-
-def _kind(name: str) -> type[HomePolicy]:
-    """Return the installed class of that name; never load a module or file, because a recording may name one."""
-    if not has_plugin(POLICIES, name):
-        known = plugin_names(POLICIES)
-        hint = did_you_mean(name, known, f"installed are {', '.join(known) or 'none'}")
-        raise UsageError(f"no installed package offers the policy {name!r}; {hint}")
-    kind = load_plugin(POLICIES, name)
-    if not issubclass(kind, HomePolicy):
-        raise PluginError(name, f"{kind.__name__} is not a HomePolicy; derive it from {HomePolicy.__module__}")
-    return kind

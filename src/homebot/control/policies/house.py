@@ -114,7 +114,11 @@ class House:
         return tuple(
             view.device.name or view.device.id
             for view in self._devices.values()
-            if view.device.area and any(self._is_unproven(view.device, one) for one in view.device.parts)
+            if view.device.area
+            and any(
+                _reports(part, OCCUPANCY) and target_of(view.device.id, part.id) not in self.detections
+                for part in view.device.parts
+            )
         )
 
     def devices(self, room: str | None = None) -> Iterable[DeviceView]:
@@ -147,9 +151,6 @@ class House:
                 sensor = target_of(device_id, state.part)
                 self.detections.record(sensor, state.told_at.to_seconds())
                 self._detected_since[sensor] = state.since.to_seconds()
-
-    def _is_unproven(self, device: Device, part: DevicePart) -> bool:
-        return _reports(part, OCCUPANCY) and target_of(device.id, part.id) not in self.detections
 
 
 def _is_heard(device: Device) -> bool:

@@ -67,7 +67,12 @@ class Interlock(PolicyTable):
         is_there = facets.reachable == "yes"
         used = tuple(_facts(device, part.id, self._capabilities, is_there=is_there))
         is_known = bool(used) if self._capabilities else is_there or device.freshness == "fresh"
-        if doubt := _doubt(device, is_away=facets.reachable == "no", is_known=is_known):
+        doubt = "" if is_known else "it has reported nothing yet since homebot started"
+        if facets.reachable == "no":
+            doubt = "it is unreachable"
+        elif device.freshness == "stale":
+            doubt = "it has been silent for too long"
+        if doubt:
             reason = f"not while {self.condition}, and the state of {device.name} is unknown: {doubt}"
             return Verdict(NAME, is_by_person, reason, used, warns=is_by_person)
         if not fits(self._query, facets):
@@ -87,15 +92,6 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
         case Not(term):
             return Not(without_states(term, is_possible=not is_possible))
     return query
-
-
-def _doubt(device: Device, *, is_away: bool, is_known: bool) -> str:
-    """Return why the current state of a part is unknown; empty if it is known."""
-    if is_away:
-        return "it is unreachable"
-    if device.freshness == "stale":
-        return "it has been silent for too long"
-    return "" if is_known else "it has reported nothing yet since homebot started"
 
 
 def _facts(device: Device, part: str, capabilities: frozenset[str], *, is_there: bool) -> Iterator[FactUsed]:

@@ -192,17 +192,12 @@ def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
         return "the devices of the home are not known yet"
     if not used:
         return "it has no motion sensor"
-    silent = " or ".join(_shown(one) for one in used if one.value is None)
-    return "; ".join([*([f"no current {silent}"] if silent else []), *_doubts_of_clear(used, facts)])
-
-
-def _doubts_of_clear(used: tuple[FactUsed, ...], facts: Facts) -> list[str]:
-    """Return why each sensor that reports "clear" does not count."""
-    found: list[str] = []
-    for one in used:
-        sensor, shown = (name.removeprefix(f"{OCCUPANCY} of ") for name in (one.name, _shown(one)))
-        if one.value is False and sensor in facts.house.detections:
-            found.append(f"{shown} has been heard for only {facts.age(one.since):.0f} s")
-        elif one.value is False:
-            found.append(f"{shown} has never detected anybody; walk past it once")
-    return found
+    silent = " or ".join(_shown(reading) for reading in used if reading.value is None)
+    doubts = [f"no current {silent}"] if silent else []
+    for reading in used:
+        sensor, shown = (name.removeprefix(f"{OCCUPANCY} of ") for name in (reading.name, _shown(reading)))
+        if reading.value is False and sensor in facts.house.detections:
+            doubts.append(f"{shown} has been heard for only {facts.age(reading.since):.0f} s")
+        elif reading.value is False:
+            doubts.append(f"{shown} has never detected anybody; walk past it once")
+    return "; ".join(doubts)

@@ -73,7 +73,7 @@ def _turns_of(name: str, sent: list[Sent], timeline: PartTimeline, since: float)
     effects = [(one.at, effect) for one in sent if (effect := _effects(one.settings).get(name)) is not None]
     turns, is_turn, direction = 0, False, 0.0
     for (before_at, before), (at, value) in pairwise(effects):
-        step = _step(before, value)
+        step = value - before if isinstance(value, float) and isinstance(before, float) else 0.0
         if value == before:
             is_turn = name == _POWER and _is_undone(timeline, value, before_at, at)
         else:
@@ -81,10 +81,6 @@ def _turns_of(name: str, sent: list[Sent], timeline: PartTimeline, since: float)
         direction = step or direction
         turns += is_turn and at > since
     return turns - 1 if is_turn else 0
-
-
-def _step(before: PlainValue, value: PlainValue) -> float:
-    return value - before if isinstance(value, float) and isinstance(before, float) else 0.0
 
 
 def _effects(settings: Mapping[str, PlainValue]) -> dict[str, PlainValue]:

@@ -315,19 +315,15 @@ class PartTimeline:
             has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
             if sent.order.id == except_id or not has_effect:
                 continue
-            if settings.get(capability) != value:
-                may_change = told_at < sendings.sent_at - _ROUNDING or _is_on_its_way(sent, capability, now)
-                if may_change and self._changes(settings, capability, value):
+            is_before = told_at < sendings.sent_at - _ROUNDING
+            if settings.get(capability) != value and (is_before or _is_on_its_way(sent, capability, now)):
+                is_goal = capability in settings and self.profile.fits(capability, settings[capability], value)
+                others = [other for other in related(capability) if other in settings]
+                if not is_goal and any(changes(capability, value, other, settings[other]) for other in others):
                     return None
             if capability in settings:
                 break  # it replaced all older ones
         return value
-
-    def _changes(self, settings: Mapping[str, PlainValue], capability: str, value: PlainValue) -> bool:
-        """Return whether *settings* are for another *value* of *capability*."""
-        if capability in settings and self.profile.fits(capability, settings[capability], value):
-            return False
-        return any(changes(capability, value, one, settings[one]) for one in related(capability) if one in settings)
 
     def _end(self, progress: CommandProgress, fact: Decided) -> None:
         """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
