@@ -6,7 +6,7 @@ import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
 
-from homebot.control.journal.denied_requests import MOST_CLIENTS, MOST_ENTRIES
+from homebot.control.journal.denied_requests import MAX_CLIENTS, MAX_ENTRIES
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.handles import DoorLock
 from homebot.devices.journal_messages import JournalEntry
@@ -83,20 +83,20 @@ async def test_a_flood_is_some_entries_in_an_hour_and_a_count(home: Home) -> Non
     same = [{"target": COMMAND_DEVICES}] * 500
     others = [{"target": f"/app/{number}"} for number in range(300)]
     entries = await refuse(home, *same, *others, {"target": "/app/0", "held_back": 99})
-    assert len(entries) == MOST_ENTRIES
+    assert len(entries) == MAX_ENTRIES
     await anyio.sleep(3600)
     *_, last = (await home.read()).entries
-    assert count_of(last) == 500 + 300 + 100 - MOST_ENTRIES
+    assert count_of(last) == 500 + 300 + 100 - MAX_ENTRIES
     assert last.verdicts[0].facts[1].value.plain() == "/app/0"
     await anyio.sleep(3600)
     again = await refuse(home, {})
-    assert len(again) == MOST_ENTRIES + 2
+    assert len(again) == MAX_ENTRIES + 2
     assert sum(float(str(count_of(one))) for one in again) == 901
 
 
 async def test_clients_are_told_apart_up_to_a_number(home: Home) -> None:
-    clients = [{"issuer": f"client:{number}"} for number in range(MOST_CLIENTS * 2)]
+    clients = [{"issuer": f"client:{number}"} for number in range(MAX_CLIENTS * 2)]
     entries = await refuse(home, *clients)
-    assert [one.issuer for one in entries] == [f"client:{number}" for number in range(MOST_CLIENTS + 1)]
+    assert [one.issuer for one in entries] == [f"client:{number}" for number in range(MAX_CLIENTS + 1)]
     await anyio.sleep(3600)
-    assert count_of((await home.read()).entries[-1]) == MOST_CLIENTS - 1
+    assert count_of((await home.read()).entries[-1]) == MAX_CLIENTS - 1

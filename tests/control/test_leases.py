@@ -12,7 +12,7 @@ from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey, o
 from tests.sizes import examples
 
 from homebot.control.durations import REMEMBERED
-from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
+from homebot.control.leases import MAX_HOLDERS, MAX_HOLDERS_OF_ISSUER, Lease, LeaseHolder, Leases
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.command_messages import (
     CommandDevices,
@@ -531,17 +531,17 @@ def begin(leases: Leases, issuer: str, name: int) -> Lease | str:
 
 def test_further_holders_are_refused_and_counted() -> None:
     leases = Leases(300)
-    for number in range(MOST_HOLDERS):
+    for number in range(MAX_HOLDERS):
         assert not isinstance(begin(leases, f"client:{number % 20}", number), str)
     assert begin(leases, "client:late", 0) == "there are 1,000 holders already"
     assert leases.refused == 1
-    assert len(leases.expire(3600)) == MOST_HOLDERS
+    assert len(leases.expire(3600)) == MAX_HOLDERS
     assert list(leases) == []
 
 
 def test_one_issuer_has_fifty_leases_at_most_and_the_others_have_room() -> None:
     leases = Leases(300)
-    for number in range(MOST_OF_ISSUER):
+    for number in range(MAX_HOLDERS_OF_ISSUER):
         assert not isinstance(begin(leases, "client:greedy", number), str)
     assert begin(leases, "client:greedy", 50) == "client:greedy has 50 leases already; release one first"
     assert leases.refused == 1
@@ -642,7 +642,7 @@ async def test_who_releases_hears_what_became_of_the_newest_command(open_home: O
 def test_of_those_whose_leases_were_ended_the_newest_are_remembered() -> None:
     leases = Leases(300)
 
-    for number in range(MOST_HOLDERS + 1):
+    for number in range(MAX_HOLDERS + 1):
         assert not isinstance(begin(leases, "", number), str)
         leases.end("d", "client:owner", 0)
     assert begin(leases, "", 1) == "its lease was ended by client:owner"

@@ -11,8 +11,8 @@ from homebot.support.rate_limit import RateLimit
 
 _POLICY: Final = "code"
 _AT_ONCE: Final = 4.0  # people mistype
-_EVERY: Final = 8.0  # seconds
-_MOST: Final = 1000
+_INTERVAL_S: Final = 8.0
+_MAX_GUESSERS: Final = 1000
 
 _Guesser: TypeAlias = tuple[str, tuple[str, str]]
 
@@ -31,19 +31,19 @@ class CodeGuesses:
     def __init__(self, clock: Clock) -> None:
         self.refused = 0
         self._clock = clock
-        self._limits: BoundedMap[_Guesser, RateLimit] = BoundedMap(_MOST)
+        self._limits: BoundedMap[_Guesser, RateLimit] = BoundedMap(_MAX_GUESSERS)
 
     def begin(self, command: IssuedCommand) -> Refused | None:
         """Return the refusal of a command with a code that comes too early; otherwise count its code."""
         guesser, now = (command.issuer, command.place), self._clock.monotonic()
-        limit = self._limits[guesser] = self._limits.get(guesser) or RateLimit(1 / _EVERY, _AT_ONCE)
+        limit = self._limits[guesser] = self._limits.get(guesser) or RateLimit(1 / _INTERVAL_S, _AT_ONCE)
         if limit.admits(now):
             return None
         self.refused += 1
-        issuer, wait = issuer_text(command.issuer), max((1 - limit.room(now)) * _EVERY, 0.1)
+        issuer, wait = issuer_text(command.issuer), max((1 - limit.room(now)) * _INTERVAL_S, 0.1)
         why = f"too many codes without a known effect by {issuer}"
         if not any(one.readable and one.name in command.settings for one in command.part.part.capabilities):
-            why = f"{command.label} reports no effect of a code, so {issuer} may give one every {_EVERY:g} s"
+            why = f"{command.label} reports no effect of a code, so {issuer} may give one every {_INTERVAL_S:g} s"
         return Refused(_POLICY, f"{why}; try again in {wait:.1f} s", command_id=command.id)
 
     def end(self, command: IssuedCommand, outcome: Outcome) -> None:

@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Final
 
 from homebot.control import durations
-from homebot.control.journal.given_codes import MOST_NOTED, UNREAD, public_text, without_codes
+from homebot.control.journal.given_codes import MAX_NOTED_CHARACTERS, UNREAD, public_text, without_codes
 from homebot.control.timeline.facts import Order
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
@@ -271,8 +271,8 @@ def read_text(device: Device | None, text: TextTarget) -> tuple[DevicePart, Sett
     for words in (text.payload, text.payload.strip().casefold()):
         with suppress(RefusedError):
             capability, value = decode_command(words, part.part)
-            return part, Setting.of(capability, value[:MOST_NOTED] if isinstance(value, str) else value)
-    return part, Setting.of(UNREAD, public_text(text.payload, text.address)[:MOST_NOTED])
+            return part, Setting.of(capability, value[:MAX_NOTED_CHARACTERS] if isinstance(value, str) else value)
+    return part, Setting.of(UNREAD, public_text(text.payload, text.address)[:MAX_NOTED_CHARACTERS])
 
 
 def certain_values(

@@ -29,7 +29,7 @@ from homebot.journal.store import JournalStore
 _DAY: Final = 86_400.0
 _MEGABYTE: Final = 1_000_000
 
-MOST_IN_MEMORY: Final = 10_000
+MAX_ENTRIES_IN_MEMORY: Final = 10_000
 """Entries of a journal without a file."""
 
 
@@ -119,5 +119,5 @@ def _with_approvals(settings: ControlSettings | None, *, approves_all: bool) -> 
 def _store(node: Node, settings: ControlSettings, journal_file: Path | None) -> JournalStore:
     longest = settings.journal_days * _DAY
     if journal_file is None:
-        return JournalStore(MOST_IN_MEMORY, longest)
-    return FileStore(node, journal_file, longest, settings.journal_megabytes * _MEGABYTE, MOST_IN_MEMORY)
+        return JournalStore(MAX_ENTRIES_IN_MEMORY, longest)
+    return FileStore(node, journal_file, longest, settings.journal_megabytes * _MEGABYTE, MAX_ENTRIES_IN_MEMORY)

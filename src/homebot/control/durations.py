@@ -104,7 +104,7 @@ FRESH: Final = 60.0
 WISH: Final = 60.0
 """An app responds to a press, a scan or a call within this time; a later command is its own decision."""
 
-LONGEST_MOVE: Final = 300.0
+MAX_MOVE: Final = 300.0
 """The longest wait for a motor: gates take up to two minutes."""
 
 REMEMBERED: Final = 900.0
@@ -116,8 +116,8 @@ FIRST_REPORTS: Final = 600.0
 REHEARSED: Final = 0.1
 """The response time of a device in a rehearsal, so that an app that repeats commands does not block."""
 
-SHORTEST_ANSWER: Final = 2.0
-LONGEST_ANSWER: Final = 120.0
+MIN_ANSWER: Final = 2.0
+MAX_ANSWER: Final = 120.0
 """Bounds of the time that a device has to answer."""
 
 ANSWER_SPARE: Final = 1.0

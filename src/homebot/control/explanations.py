@@ -32,10 +32,10 @@ _COMMANDED_STATES: Final = {"close": "closed", "lock": "locked", "unlock": "unlo
 _WORDS: Final = {state: word for word, state in _COMMANDED_STATES.items()}
 _FLAGS: Final = ("on", "off", "true", "false", "yes", "no")
 
-_DEEPEST: Final = 5
+_MAX_CHAIN: Final = 5
 """The limit of commands in a chain: the report that led to a command may be the effect of another one."""
 
-_MOST_CHOICES: Final = 6
+_MAX_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
 _REPORTS: Final = frozenset({"reported", "changed"})
 _GOALS_END: Final = frozenset({"goal", "requested", "published"})
@@ -142,7 +142,7 @@ class Explanations:
         finding: Finding = "none"
         changed_at = Time(sec=0, nanosec=0)
         if (last := _last_change(device, known)) is not None:
-            entries = await reader.chain(last, _DEEPEST)
+            entries = await reader.chain(last, _MAX_CHAIN)
             finding, changed_at = "change" if last.kind == "changed" else "command", entries[-1].at
         elif (newest := max(_main_states(device), key=_since, default=None)) is not None:
             changed_at = newest.since
@@ -316,8 +316,8 @@ def _unknown_state(device: Device, state: str) -> str:
         return "It takes no commands; it only reports."
     if any(_may_be(one, _as_state(state)) for one in _capabilities(device)):
         return ""
-    known = "; ".join(f"{name} {accepted_values(part, name)}" for part, name in settable[:_MOST_CHOICES])
-    more = "; …" if len(settable) > _MOST_CHOICES else ""
+    known = "; ".join(f"{name} {accepted_values(part, name)}" for part, name in settable[:_MAX_CHOICES])
+    more = "; …" if len(settable) > _MAX_CHOICES else ""
     return f"It has no state {state[:40]!r}. It takes {known}{more}."
 
 

@@ -24,7 +24,7 @@ _QOS: Final = QoSProfile(depth=1000)
 """In a flood older reports of a stream may be lost, but never the newest, which decides."""
 
 _STATE_QOS: Final = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_MOST_ANSWERING: Final = 10_000
+_MAX_ROUTES: Final = 10_000
 
 
 class LinkLoss(NamedTuple):
@@ -55,8 +55,8 @@ class GatewayFeed:
         self._watches: dict[_Place, list[OnReport]] = {}
         self._states: set[str] = set()
         self._reports: set[str] = set()
-        self._answering: BoundedMap[_Place, None] = BoundedMap(_MOST_ANSWERING)
-        self._absences: BoundedMap[_Place, float] = BoundedMap(_MOST_ANSWERING)
+        self._answering: BoundedMap[_Place, None] = BoundedMap(_MAX_ROUTES)
+        self._absences: BoundedMap[_Place, float] = BoundedMap(_MAX_ROUTES)
         self.losses: dict[str, LinkLoss] = {}
         self.on_gateway: Callable[[str], None] = lambda _: None
         self.on_answer: Callable[[str, str, str], None] = lambda *_: None

@@ -30,10 +30,10 @@ LOADED: Final = "control.learnt_loaded"
 DROPPED: Final = "control.learnt_dropped"
 LATE: Final = "control.learnt_late"
 
-_LONGEST: Final = 100
-_MOST: Final = 10_000
+_MAX_NAME_CHARACTERS: Final = 100
+_MAX_PROFILES: Final = 10_000
 
-_PATIENCE: Final = 1.0
+_MAX_WAIT_S: Final = 1.0
 """Seconds for which a command waits for the records: another program may lock the file for longer."""
 
 
@@ -69,7 +69,7 @@ class LearntPersistence:
         if loaded is None:
             loaded = self._loaded = anyio.Event()
             self._node.create_task(partial(self._load, loaded))
-        with anyio.move_on_after(_PATIENCE):
+        with anyio.move_on_after(_MAX_WAIT_S):
             await loaded.wait()
         if not loaded.is_set() and self.is_awaited:
             kinds = ", ".join(sorted(self._restorers))
@@ -102,7 +102,7 @@ class LearntPersistence:
             problem = exc.problem
         if problem:
             self._save(row.kind, row.name, "")
-        return problem and f"{row.kind} {row.name[:_LONGEST]!r}: {problem}"
+        return problem and f"{row.kind} {row.name[:_MAX_NAME_CHARACTERS]!r}: {problem}"
 
     def _save(self, kind: str, name: str, record: str) -> None:
         self._store.learn(LearntRow(kind, name, record, self._node.graph.clock.now()))
@@ -123,7 +123,7 @@ class Profiles:
 
     def __init__(self, save: SaveRecord) -> None:
         self._save = save
-        self._known: BoundedMap[str, DeviceProfile] = BoundedMap(_MOST, lambda target, _: save(target, ""))
+        self._known: BoundedMap[str, DeviceProfile] = BoundedMap(_MAX_PROFILES, lambda target, _: save(target, ""))
 
     def of(self, target: str) -> DeviceProfile:
         """Return the profile of a part; a new one if it is not known."""

@@ -38,10 +38,10 @@ from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
 
-_AGAIN: Final = 30.0
+_REPEATED_AFTER_S: Final = 30.0
 """Seconds after which the value is commanded again if a command had no success, or the device soon went back."""
 
-_LONGEST: Final = 200
+_MAX_TEXT_CHARACTERS: Final = 200
 
 _NOT_HELD: Final = "there is no such lease: it is over or was released"
 
@@ -208,7 +208,7 @@ class LeaseService:
             elif isinstance(outcome, Contradicted) and lease.held is not None and lease.held.is_by_hand:
                 self._leases.outrank(lease, outcome.saw, now)
             elif not outcome.succeeded:
-                lease.again_at = now + _AGAIN
+                lease.again_at = now + _REPEATED_AFTER_S
             else:
                 self._hand_back(lease)
         self._changed.set()
@@ -224,7 +224,7 @@ class LeaseService:
         elif found.is_hand:
             self._leases.outrank(lease, saw, now)
         else:  # the device itself, which may refuse if it went back at once, or a command to a group
-            lease.again_at = now + _AGAIN if found.role is ReportRole.UNDONE else now
+            lease.again_at = now + _REPEATED_AFTER_S if found.role is ReportRole.UNDONE else now
             self._log("control.held_again", lease, f"is held {lease.held_value}, but {saw}: it is commanded again")
         self._changed.set()
 
@@ -276,7 +276,7 @@ def _resolved(request: HoldRequest, device: Device, part: DevicePart) -> HoldReq
 
 def _command_of(place: tuple[str, str], held: Setting, issuer: str, holder: LeaseHolder) -> CommandRequest:
     device, part = place
-    trigger = Trigger(kind="lease", text=holder.text[:_LONGEST])
+    trigger = Trigger(kind="lease", text=holder.text[:_MAX_TEXT_CHARACTERS])
     return CommandRequest(
         device=device,
         part=part,

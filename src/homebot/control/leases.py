@@ -21,13 +21,13 @@ from homebot.devices.wording.values import value_text
 LEASE_POLICY: Final = "lease"
 """The policy that a refusal names."""
 
-MOST_HOLDERS: Final = 1000
+MAX_HOLDERS: Final = 1000
 """The limit of holders in all; further ones are refused and counted."""
 
-MOST_OF_ISSUER: Final = 50
+MAX_HOLDERS_OF_ISSUER: Final = 50
 """The limit of holders of one issuer; further ones are refused and counted, so that there is room for others."""
 
-_MOST_NAMED: Final = 3
+_MAX_NAMED: Final = 3
 _COMMANDING: Final = NoAnswer(0.0, "it is being commanded")
 
 _KEEPING: Final = frozenset({"lease", "end"})
@@ -104,11 +104,11 @@ class Lease:
     def text(self, now: float) -> str:
         """Return the value, the holders and the time left, for people."""
         names = list(dict.fromkeys(one.text for one in self.holders.values()))
-        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        more = f" and {len(names) - _MAX_NAMED} more" if len(names) > _MAX_NAMED else ""
         left = max((one.deadline - now for one in self.holders.values()), default=0.0)
         is_open_ended = any(one.is_open_ended for one in self.holders.values())
         until = "until it is released" if is_open_ended else f"for {math.ceil(left)} s more"
-        return f"held {self.held_value} by {', '.join(names[:_MOST_NAMED])}{more} {until}"
+        return f"held {self.held_value} by {', '.join(names[:_MAX_NAMED])}{more} {until}"
 
     @property
     def yields_to_persons(self) -> bool:
@@ -135,7 +135,7 @@ class Leases:
         hand_time: Seconds for which a hand outranks a lease.
 
     Attributes:
-        refused: The number of holders beyond :data:`MOST_HOLDERS` or :data:`MOST_OF_ISSUER`.
+        refused: The number of holders beyond :data:`MAX_HOLDERS` or :data:`MAX_HOLDERS_OF_ISSUER`.
         parts: The leases of each part that has any, by capability; for reading.
         on_outranked: Called with each lease when a hand or a command outranks it.
     """
@@ -206,7 +206,7 @@ class Leases:
         for _, key, holder in found:
             self.release(key)
             self._ended[key] = now + holder.ttl, by
-            if len(self._ended) > MOST_HOLDERS:
+            if len(self._ended) > MAX_HOLDERS:
                 del self._ended[next(iter(self._ended))]
         return found
 
@@ -290,10 +290,10 @@ class Leases:
 
     def _limit(self, issuer: str) -> str:
         """Return the limit that *issuer* has reached; empty if there is room for one more holder."""
-        if len(self._of) >= MOST_HOLDERS:
-            return f"there are {MOST_HOLDERS:,} holders already"
-        if sum(key[0] == issuer for key in self._of) >= MOST_OF_ISSUER:
-            return f"{issuer} has {MOST_OF_ISSUER} leases already; release one first"
+        if len(self._of) >= MAX_HOLDERS:
+            return f"there are {MAX_HOLDERS:,} holders already"
+        if sum(key[0] == issuer for key in self._of) >= MAX_HOLDERS_OF_ISSUER:
+            return f"{issuer} has {MAX_HOLDERS_OF_ISSUER} leases already; release one first"
         return ""
 
 

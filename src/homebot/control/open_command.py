@@ -16,7 +16,7 @@ from homebot.support.time_limits import TimeLimits
 
 _T = TypeVar("_T")
 
-_MOST_RECORDED: Final = 20
+_MAX_RECORDED: Final = 20
 """The limit of reports of one command in the journal."""
 
 _ON_THE_WAY: Final = (ReportRole.STEP, ReportRole.ASTRAY)
@@ -60,7 +60,7 @@ class OpenCommand:
         """Return whether a report differs from the last recorded one, and remember it; all steps on the way are one."""
         role = fact.attribution.role if fact.attribution.command == self.command.id else None
         news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
-        if self.recorded.get(fact.capability) == news or len(self.recorded) >= _MOST_RECORDED:
+        if self.recorded.get(fact.capability) == news or len(self.recorded) >= _MAX_RECORDED:
             return False
         self.recorded[fact.capability] = news
         return True

@@ -30,8 +30,8 @@ from homebot.devices.query.terms import IsUnapproved, Or
 from homebot.errors import ServiceError
 from homebot.graph import Node
 
-_MOST_NAMED: Final = 5
-_CLOCK_SET: Final = 5.0
+_MAX_NAMED: Final = 5
+_MAX_CLOCK_DRIFT_S: Final = 5.0
 """Seconds by which the computer's clock and the monotonic one must drift apart to show that it was set, or slept."""
 
 Policy: TypeAlias = Callable[[IssuedCommand, Facts], Verdict]
@@ -104,7 +104,7 @@ class PolicyEngine(HouseWatcher):
             is_recorded: Whether the journal records the verdicts; False for a preview.
         """
         now, monotonic = self._clock.now(), self._clock.monotonic()
-        if abs(now - monotonic - self._ahead) > _CLOCK_SET:
+        if abs(now - monotonic - self._ahead) > _MAX_CLOCK_DRIFT_S:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
         facts = Facts(now, monotonic, self._zone, self._house, self._timelines.of, self._clock_set_at)
@@ -227,4 +227,4 @@ class Policies:
 
 
 def _first_of(names: Sequence[str]) -> str:
-    return ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
+    return ", ".join(names[:_MAX_NAMED]) + (", …" if len(names) > _MAX_NAMED else "")

@@ -32,15 +32,15 @@ from homebot.support.printable import printable
 
 ASKED: Final = "control.asked"
 
-_PATIENCE: Final = 60.0
+_MAX_WAIT_S: Final = 60.0
 """Seconds until an open question is refused, and for which a no holds for the same command."""
 
-_MOST, _MOST_OF_ONE = 20, 5
+_MAX_OPEN, _MAX_OPEN_OF_CLIENT = 20, 5
 """The limits of open questions, and of those of one client."""
 
-_MOST_DENIED: Final = 100
+_MAX_DENIED: Final = 100
 
-_NOBODY: Final = f"nobody answered within {_PATIENCE:.0f} s"
+_NOBODY: Final = f"nobody answered within {_MAX_WAIT_S:.0f} s"
 
 
 @dataclass(slots=True, eq=False)
@@ -63,8 +63,8 @@ class Questions:
         self._policies = policies
         self._journal = journal
         self._open: dict[str, _Asked] = {}
-        self._ends: BoundedMap[str, str] = BoundedMap(_MOST_DENIED)  # for late answers
-        self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MOST_DENIED)
+        self._ends: BoundedMap[str, str] = BoundedMap(_MAX_DENIED)  # for late answers
+        self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MAX_DENIED)
 
     def must_ask(self, command: IssuedCommand) -> bool:
         """Return whether a person must agree to *command*, or to the same for a member of the group that it is for."""
@@ -94,7 +94,7 @@ class Questions:
         key = (command.issuer, command.place, text)
         if problem := self._why_not_asked(command.issuer, key):
             return Refused(ASK, problem, command_id=command.id)
-        until = Time.from_seconds(self._clock.now() + _PATIENCE)
+        until = Time.from_seconds(self._clock.now() + _MAX_WAIT_S)
         message = OpenQuestion(
             question=command.id, text=printable(text, 300), device=command.device.id, issuer=command.issuer, until=until
         )
@@ -105,7 +105,7 @@ class Questions:
         self._publish()
         end = _NOBODY
         try:
-            with anyio.move_on_after(_PATIENCE):
+            with anyio.move_on_after(_MAX_WAIT_S):
                 await question.answered.wait()
         except anyio.get_cancelled_exc_class():
             end = f"{issuer_text(command.issuer)} asks no more"
@@ -117,7 +117,7 @@ class Questions:
             self._journal.judged(command, Verdict(ASK, allowed=True, reason=f"{question.by} said yes"))
             return None
         if question.by:
-            self._denied[key] = question.by, self._clock.monotonic() + _PATIENCE
+            self._denied[key] = question.by, self._clock.monotonic() + _MAX_WAIT_S
         nobody = f"{_NOBODY}: a person does on the page, or with `homebot answer`"
         return Refused(ASK, f"{question.by} said no" if question.by else nobody, command_id=command.id)
 
@@ -152,7 +152,7 @@ class Questions:
         if by and self._clock.monotonic() < until:
             return f"{by} said no a moment ago"
         own = sum(one.command.issuer == issuer for one in self._open.values())
-        is_full = own >= _MOST_OF_ONE or len(self._open) >= _MOST
+        is_full = own >= _MAX_OPEN_OF_CLIENT or len(self._open) >= _MAX_OPEN
         return f"{len(self._open)} questions wait for an answer already" if is_full else ""
 
     def _why_not_answered(self, command: IssuedCommand, request: AnswerQuestionRequest) -> str:

@@ -44,7 +44,7 @@ from homebot.errors import LinkError, RefusedError, ServiceError, UnansweredErro
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-MOST_PENDING: Final = 10_000
+MAX_PENDING: Final = 10_000
 """The limit of commands without an outcome; further ones are refused."""
 
 REVERTED: Final = "control.reverted"
@@ -96,8 +96,8 @@ class Sending:
 
     async def send(self, command: IssuedCommand) -> Outcome:
         """Send a command unless its part is already so, and return its outcome by reports and witnesses."""
-        if len(self.open) >= MOST_PENDING:
-            reason = f"{MOST_PENDING:,} commands wait for their outcome"
+        if len(self.open) >= MAX_PENDING:
+            reason = f"{MAX_PENDING:,} commands wait for their outcome"
             return Refused("control", reason, command_id=command.id)
         if self._timelines.learnt.is_awaited:
             await self._timelines.learnt.load()

@@ -23,7 +23,7 @@ _WITNESSES: Final = "control.witnesses"
 _DOORS: Final = "control.presence_guard.doors"
 
 
-_LONGEST_REASON = 200
+_MAX_REASON_CHARACTERS = 200
 
 
 def _zone(name: str) -> str:
@@ -44,7 +44,7 @@ def _table_or_bool(example: str) -> BeforeValidator:
             return {} if value else None
         if value is None or isinstance(value, (dict, BaseModel)):
             return value
-        raise ValueError(f"must be true, false or a table such as {example}, got {value!r}"[:_LONGEST_REASON])
+        raise ValueError(f"must be true, false or a table such as {example}, got {value!r}"[:_MAX_REASON_CHARACTERS])
 
     return BeforeValidator(read)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from homebot.devices.gateway_messages import Command
     from homebot.graph import Node
 
-_PATIENCE: Final = 0.5
+_MAX_WAIT_S: Final = 0.5
 """Seconds for which a command waits until the others are about to be sent too."""
 
 
@@ -77,7 +77,7 @@ class SharedSending:
         self.progress.append(progress)
         self._on_sent.append(on_sent)
         self._send_if_complete()
-        with anyio.move_on_after(_PATIENCE):
+        with anyio.move_on_after(_MAX_WAIT_S):
             await self._decided.wait()
         if not self._decided.is_set():
             self._give_up()

@@ -11,7 +11,7 @@ from typing import Final, final
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
-from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
+from homebot.control.timeline.cause import MAX_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
@@ -25,7 +25,7 @@ from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
 
-_MOST: Final = 10_000
+_MAX_PARTS: Final = 10_000
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 
@@ -59,7 +59,7 @@ class Timelines:
         self._settle = settle
         self._limits = TimeLimits()
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
-        self._nearby: BoundedMap[str, NearbyCommands] = BoundedMap(_MOST)
+        self._nearby: BoundedMap[str, NearbyCommands] = BoundedMap(_MAX_PARTS)
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
 
@@ -159,7 +159,7 @@ class Timelines:
         self._move(entry, device)
         timeline.on_news, timeline.on_undone = self.on_news, self.on_undone
         self._follow(entry, part)
-        if len(self._entries) > _MOST:
+        if len(self._entries) > _MAX_PARTS:
             for oldest, known in self._entries.items():
                 if not (known.timeline.held or any(command.is_open for command in known.timeline.active)):
                     del self._entries[oldest]
@@ -182,7 +182,7 @@ class Timelines:
     def _commands_to(self, place: str) -> NearbyCommands:
         known = self._nearby.get(place)
         if known is None:
-            known = self._nearby[place] = deque(maxlen=MOST_NEARBY)
+            known = self._nearby[place] = deque(maxlen=MAX_NEARBY)
         return known
 
     def _follow(self, entry: _TrackedPart, part: DevicePart) -> None:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _RECALL: Final = Setting.of("scene", True)  # noqa: FBT003 - the value of the scene
 
-_PATIENCE: Final = 0.5
+_MAX_WAIT_S: Final = 0.5
 """Seconds for which a command waits for the others that were given with it."""
 
 
@@ -81,7 +81,7 @@ class Together:
                 batch.is_complete.set()
             return
         try:
-            with anyio.move_on_after(_PATIENCE):
+            with anyio.move_on_after(_MAX_WAIT_S):
                 await batch.is_complete.wait()
         finally:
             if self._batches.get(key) is batch:

@@ -25,8 +25,8 @@ from homebot.support.bounded_map import BoundedMap
 
 CONTRADICTED = "control.contradicted_by_witness"
 
-_MOST: Final = 1000
-_MOST_FOR_ONE: Final = 4
+_MAX_CONTRADICTED: Final = 1000
+_MAX_NAMED: Final = 4
 _METERS: Final = frozenset({"power", "flow"})
 """Capabilities with which a device measures its own effect."""
 
@@ -67,7 +67,7 @@ class Witnesses:
         self._feed = feed
         self._lookup = lookup
         self.counts = {"commands_witnessed": 0, "commands_disproved": 0, "contradictions_forgotten": 0}
-        self.contradicted: BoundedMap[tuple[str, str], str] = BoundedMap(_MOST, self._on_drop)
+        self.contradicted: BoundedMap[tuple[str, str], str] = BoundedMap(_MAX_CONTRADICTED, self._on_drop)
 
     def notes(self) -> tuple[str, ...]:
         """Return a note on the devices that a witness contradicts, for people."""
@@ -129,7 +129,7 @@ class Witnesses:
             devices = await self._lookup.called(name)
         except ServiceError:
             return []
-        return [sensor for one in devices for sensor in _sensors(one, wanted, is_named=True)][:_MOST_FOR_ONE]
+        return [sensor for one in devices for sensor in _sensors(one, wanted, is_named=True)][:_MAX_NAMED]
 
     def _on_drop(self, _place: tuple[str, str], _witness: str) -> None:
         self.counts["contradictions_forgotten"] += 1

@@ -3,7 +3,7 @@
 import pytest
 
 from homebot.control.timeline.facts import Decided, Order, SendingEnded, Sent
-from homebot.control.timeline.part_timeline import MOST_REPORTS, PartTimeline
+from homebot.control.timeline.part_timeline import MAX_REPORTS, PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
 
@@ -15,9 +15,9 @@ LAMP_OF_INFRARED = {"on_off": True}
 def test_a_part_that_never_reports_keeps_only_its_last_commands(seconds: float, outcome: Outcome) -> None:
     """All others would be kept for ever, and each further command compared with them."""
     timeline = PartTimeline(DeviceProfile(), first=10.0, settle=10.0)
-    for number in range(5 * MOST_REPORTS):
+    for number in range(5 * MAX_REPORTS):
         command(timeline, f"c-{number}", seconds * number, outcome)
-    assert len(timeline.active) <= MOST_REPORTS + 1
+    assert len(timeline.active) <= MAX_REPORTS + 1
 
 
 def command(timeline: PartTimeline, name: str, at: float, outcome: Outcome) -> None:

@@ -12,10 +12,10 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.limiter import Limiter, LimitInterval
 
-MOST_ENTRIES: Final = 20
+MAX_ENTRIES: Final = 20
 """Entries for one client in an hour; one more entry counts further requests."""
 
-MOST_CLIENTS: Final = 100
+MAX_CLIENTS: Final = 100
 """Clients with a count of their own; the others share one."""
 
 _HOUR: Final = 3600.0
@@ -37,18 +37,18 @@ class DeniedRequests:
         self._node = node
         self._lookup = lookup
         self._journal = journal
-        self._clients = Limiter[str, tuple[_Request, AccessRefused]](_HOUR, MOST_CLIENTS + 1, self._record_count)
+        self._clients = Limiter[str, tuple[_Request, AccessRefused]](_HOUR, MAX_CLIENTS + 1, self._record_count)
         self._devices: dict[_Request, str] = {}  # of the requests with an entry
 
     async def record(self, refused: AccessRefused) -> None:
         """Record a refused request."""
         if not self._clients:
             self._node.create_task(self._end_hour)
-        name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MOST_CLIENTS else ""
+        name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MAX_CLIENTS else ""
         client = self._clients.of(name, self._node.graph.clock.monotonic())
         request = name, refused.operation, refused.target, refused.subject, refused.wanted
         count = 1 + refused.held_back
-        if not client.admit(0 if request in self._devices else MOST_ENTRIES, (request, refused), count):
+        if not client.admit(0 if request in self._devices else MAX_ENTRIES, (request, refused), count):
             return
         self._devices[request] = ""
         self._devices[request] = device = await self._device_of(refused)

@@ -16,14 +16,14 @@ from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
 _TURNS: Final = 4
-_LONGEST: Final = 600.0
-_QUICK: Final = 30.0
+_MAX_FIGHT_S: Final = 600.0
+_MAX_REACTION_S: Final = 30.0
 """The longest gap between a command and a reaction to it, in seconds; two of the three gaps are this short."""
 
-_SHOWN: Final = 3600.0
+_SHOWN_S: Final = 3600.0
 """Seconds for which a fight is shown after its last command."""
 
-_MOST: Final = 1000
+_MAX_PARTS: Final = 1000
 _Sensed: TypeAlias = tuple[str, str, str]
 
 
@@ -45,10 +45,10 @@ class Turn(NamedTuple):
 
 def is_fight(turns: Sequence[Turn]) -> bool:
     """Return whether two apps alternated in the four *turns*, oldest first, each undoing the one before."""
-    if len(turns) < _TURNS or turns[-1].at - turns[0].at > _LONGEST:
+    if len(turns) < _TURNS or turns[-1].at - turns[0].at > _MAX_FIGHT_S:
         return False
     first, second = turns[0].issuer, turns[1].issuer
-    quick = sum(after.at - before.at <= _QUICK for before, after in pairwise(turns))
+    quick = sum(after.at - before.at <= _MAX_REACTION_S for before, after in pairwise(turns))
     return (
         quick >= _TURNS // 2
         and first != second
@@ -87,8 +87,8 @@ class Fights:
     """The fights of the last hour over the 1,000 parts that apps commanded last."""
 
     def __init__(self) -> None:
-        self._turns: BoundedMap[PartRef, tuple[Turn, ...]] = BoundedMap(_MOST)
-        self._fights: BoundedMap[PartRef, _Fight] = BoundedMap(_MOST)
+        self._turns: BoundedMap[PartRef, tuple[Turn, ...]] = BoundedMap(_MAX_PARTS)
+        self._fights: BoundedMap[PartRef, _Fight] = BoundedMap(_MAX_PARTS)
 
     def add(self, place: PartRef, turn: Turn) -> DeviceFight | None:
         """Record a command; return the fight if this command starts it."""
@@ -99,7 +99,7 @@ class Fights:
         if not is_fight(turns):
             return None
         known, opponents = self._fights.get(place), {one.issuer for one in turns}
-        if known and turn.at - known.last[-1].at <= _LONGEST and {one.issuer for one in known.last} == opponents:
+        if known and turn.at - known.last[-1].at <= _MAX_FIGHT_S and {one.issuer for one in known.last} == opponents:
             self._fights[place] = replace(known, commands=known.commands + 1, last=turns)
             return None
         found = self._fights[place] = _Fight(turns[0].at, len(turns), turns)
@@ -110,7 +110,7 @@ class Fights:
         return tuple(
             _message(place, one)
             for place, one in self._fights.items()
-            if device in {"", place[0]} and abs(now - one.last[-1].at) <= _SHOWN
+            if device in {"", place[0]} and abs(now - one.last[-1].at) <= _SHOWN_S
         )
 
 

@@ -24,10 +24,10 @@ _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"
 
 _ENDS: Final = ("code", "password", "token", "_pin", "-pin", " pin")
 _CAPABILITY: Final = attrgetter("capability")
-_MOST_READ: Final = 5_000
+_MAX_READ_CHARACTERS: Final = 5_000
 """The limit of characters of a raw text that are searched for codes."""
 
-MOST_NOTED: Final = 500
+MAX_NOTED_CHARACTERS: Final = 500
 """The limit of characters of a raw text in the journal."""
 
 
@@ -58,7 +58,7 @@ def public_text(text: str, address: str) -> str:
     """Return the raw *text* of a command to *address* with ``"***"`` in place of each code, or :data:`CODE_GIVEN`."""
     if is_for_code(address):
         return CODE_GIVEN
-    known = text[:_MOST_READ]
+    known = text[:_MAX_READ_CHARACTERS]
     found = _FIELD.sub(_without_code, known)
     return CODE_GIVEN if found == known and names_secret(found) else found
 

@@ -8,7 +8,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
 
 from homebot.control.journal.command_log import CommandChain, CommandLog
-from homebot.control.journal.given_codes import CODE_GIVEN, MOST_NOTED, is_for_code, public_text
+from homebot.control.journal.given_codes import CODE_GIVEN, MAX_NOTED_CHARACTERS, is_for_code, public_text
 from homebot.control.timeline.facts import PartRef
 from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
@@ -46,14 +46,14 @@ if TYPE_CHECKING:
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
 _DEPTH = 1000
-_MOST_NAMES = 500
+_MAX_NAMES = 500
 _ENDS: Final = frozenset({"published", "outcome"})
 """Kinds of entries that end a command."""
 
-_SLOW: Final = 30.0
+_MAX_UNFILED_S: Final = 30.0
 """The most seconds after which the first entries of a command are filed, although it has no outcome."""
 
-_MOST_OPEN: Final = 10_000
+_MAX_OPEN: Final = 10_000
 
 
 @final
@@ -109,7 +109,7 @@ class CommandJournal:
         response = with_newer(await self._store.read(request), self._waiting(), request)
         entries = tuple(sorted(response.entries, key=lambda one: one.at.to_seconds()))  # folded ones are stored late
         ids = sorted({place for entry in entries for place in (entry.device, entry.trigger.device) if place})
-        wanted = Or(tuple(FactIs("id", device_id.casefold()) for device_id in ids[:_MOST_NAMES]))
+        wanted = Or(tuple(FactIs("id", device_id.casefold()) for device_id in ids[:_MAX_NAMES]))
         devices = await self._lookup.all_known(wanted) if ids else ()  # none if the directory does not answer
         names = tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
         return response.model_copy(update={"entries": entries, "names": names})
@@ -133,7 +133,7 @@ class CommandJournal:
         self._open[name] = CommandChain([note], device)
         if not self._is_timed:
             self._is_timed = True
-            asyncio.get_running_loop().call_later(_SLOW, self._file_open)
+            asyncio.get_running_loop().call_later(_MAX_UNFILED_S, self._file_open)
         if self._entries.subscription_count:
             self._entries.publish(note.entry())
         return name
@@ -183,7 +183,7 @@ class CommandJournal:
         text = CODE_GIVEN if is_code else command.payload
         if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is not a code
             text = public_text(text, command.address)
-        text = text[:MOST_NOTED]
+        text = text[:MAX_NOTED_CHARACTERS]
         self._add(
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
@@ -261,7 +261,7 @@ class CommandJournal:
         for command in self._open.values():
             if not command.filed:
                 self._file(command)
-        while len(self._open) > _MOST_OPEN:
+        while len(self._open) > _MAX_OPEN:
             del self._open[next(iter(self._open))]
 
     def _waiting(self) -> list[JournalNote]:

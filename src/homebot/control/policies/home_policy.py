@@ -71,11 +71,13 @@ class NamedPolicy:
                 self._has_failed = True
                 _logger.exception("the policy %s failed, and refuses every command that it checks", self.name)
             return Verdict(
-                self.name, allowed=False, reason=f"the policy failed: {type(exc).__name__}: {exc}"[:_LONGEST]
+                self.name,
+                allowed=False,
+                reason=f"the policy failed: {type(exc).__name__}: {exc}"[:_MAX_REASON_CHARACTERS],
             )
 
 
-_LONGEST: Final = 200
+_MAX_REASON_CHARACTERS: Final = 200
 
 
 def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedPolicy]:

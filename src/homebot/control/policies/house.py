@@ -24,8 +24,8 @@ DETECTION: Final = "detection"
 """The kind of the saved rows."""
 
 _RECORD: Final = '{"version":1}'
-_MOST: Final = 10_000
-_DAY: Final = 86_400.0
+_MAX_SENSORS: Final = 10_000
+_DAY_S: Final = 86_400.0
 """Seconds after which a row is saved again, because the store drops old rows."""
 
 
@@ -174,7 +174,7 @@ class Detections:
 
     def __init__(self, save: Callable[[str, str], object] = lambda *_: None) -> None:
         self._save = save
-        self._saved_at: BoundedMap[str, float] = BoundedMap(_MOST, self._on_drop)
+        self._saved_at: BoundedMap[str, float] = BoundedMap(_MAX_SENSORS, self._on_drop)
         self.forgotten = 0
 
     def __contains__(self, sensor: str) -> bool:
@@ -183,7 +183,7 @@ class Detections:
     def record(self, sensor: str, at: float) -> None:
         """Record that *sensor* detected a person at *at*, in seconds since the Unix epoch."""
         saved_at = self._saved_at.get(sensor)
-        is_due = saved_at is None or abs(at - saved_at) >= _DAY
+        is_due = saved_at is None or abs(at - saved_at) >= _DAY_S
         self._saved_at[sensor] = at if saved_at is None or is_due else saved_at
         if is_due:
             self._save(sensor, _RECORD)

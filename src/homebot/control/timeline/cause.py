@@ -123,7 +123,7 @@ def rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
     return fact.value in _RESTS and any(abs(fact.at - met) <= durations.CAME_ALONG for met in command.met_times)
 
 
-MOST_NEARBY: Final = 32
+MAX_NEARBY: Final = 32
 """The limit of commands to one device, and to one room; older ones are dropped."""
 
 NearbyCommands: TypeAlias = deque[CommandProgress]

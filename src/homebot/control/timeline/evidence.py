@@ -134,7 +134,7 @@ def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: floa
     ends_at = motion.moved_at + (durations.FADE_SILENCE if motion.has_faded else durations.MOTOR_SILENCE)
     if motion.has_stopped:
         ends_at = motion.stopped_at + durations.STOPPED
-    return min(max(until, ends_at), sendings.began + durations.LONGEST_MOVE)
+    return min(max(until, ends_at), sendings.began + durations.MAX_MOVE)
 
 
 def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, is_echoed: bool) -> Step:

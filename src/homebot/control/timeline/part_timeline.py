@@ -29,11 +29,11 @@ from homebot.devices.obedience import changes, fits, related
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
 from homebot.devices.value import PlainValue, SetBy
 
-MOST_REPORTS: Final = 128
-_MOST_SENT: Final = 2000
+MAX_REPORTS: Final = 128
+_MAX_SENT: Final = 2000
 """As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
 
-_ROUNDING: Final = 0.001
+_MAX_CLOCK_ERROR_S: Final = 0.001
 """Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
 
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
@@ -87,7 +87,7 @@ class PartTimeline:
         self.reports: deque[Reported] = deque()
         self.commands: deque[CommandProgress] = deque()
         self.active: list[CommandProgress] = []
-        self.sent: deque[Sent] = deque(maxlen=_MOST_SENT)
+        self.sent: deque[Sent] = deque(maxlen=_MAX_SENT)
         self.profile = profile
         self.place: PartRef = ("", "")
         self.nearby: Nearby = NOWHERE
@@ -144,7 +144,7 @@ class PartTimeline:
                 if fact.at >= at:  # the text is known a little later than its effect
                     self._judge(fact, [(progress, progress.report(fact))])
                     self._learn(progress, fact.at)
-        if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
+        if len(self.commands) > MAX_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self.active = [one for one in self.active if at <= one.until]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
         return progress
@@ -247,7 +247,7 @@ class PartTimeline:
         elif not is_off_again:
             self.profile.learn_repetition()
         self.reports.append(fact)
-        while len(self.reports) > MOST_REPORTS or self.reports[0].at < at - durations.REMEMBERED:
+        while len(self.reports) > MAX_REPORTS or self.reports[0].at < at - durations.REMEMBERED:
             self._drop_commands(self.reports.popleft().at)
         return fact
 
@@ -308,14 +308,14 @@ class PartTimeline:
         Args:
             except_id: The id of a command that does not count.
         """
-        if value is None or told_at <= self.unsure_since.get(capability, -math.inf) + _ROUNDING:
+        if value is None or told_at <= self.unsure_since.get(capability, -math.inf) + _MAX_CLOCK_ERROR_S:
             return None
         for sent in reversed(self.commands):
             outcome, sendings, settings = sent.outcome, sent.transmission, sent.order.settings
             has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
             if sent.order.id == except_id or not has_effect:
                 continue
-            is_before = told_at < sendings.sent_at - _ROUNDING
+            is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
             if settings.get(capability) != value and (is_before or _is_on_its_way(sent, capability, now)):
                 is_goal = capability in settings and self.profile.fits(capability, settings[capability], value)
                 others = [other for other in related(capability) if other in settings]
@@ -453,7 +453,7 @@ class PartTimeline:
         """Drop the commands that ended *before* that time, and the oldest if there are too many."""
         commands = self.commands
         while commands and not commands[0].is_open:
-            if commands[0].ended_at >= before and len(commands) <= MOST_REPORTS:
+            if commands[0].ended_at >= before and len(commands) <= MAX_REPORTS:
                 break
             commands.popleft()
 
@@ -465,4 +465,4 @@ def _is_on_its_way(sent: CommandProgress, capability: str, now: float) -> bool:
             return since < sent.order.transition
         if wanted is not None and wanted.met_at is not None and sent.has_held:
             return False  # it has arrived
-    return since < durations.LONGEST_MOVE
+    return since < durations.MAX_MOVE

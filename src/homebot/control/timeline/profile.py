@@ -15,7 +15,7 @@ from homebot.devices.obedience import departs, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
 
 KEPT: Final = 16
-_KEPT_ANSWERS: Final = 8
+_MAX_ANSWERS: Final = 8
 """The limit of answers to different values, for each capability."""
 
 ENOUGH: Final = 3
@@ -23,7 +23,7 @@ _IN_VAIN: Final = 2
 """Consecutive commands without effect after which a route is tried last: a person may have undone one."""
 
 _FIRST_ECHOES: Final = 3
-_LARGEST_ERROR: Final = 25.0
+_MAX_ROUNDING: Final = 25.0
 """Percent by which a dimmer may round; a larger error is not rounding."""
 
 _SLACK: Final = 1.5
@@ -36,7 +36,7 @@ Sources: openhab/org.openhab.binding.zigbee#108 (99 becomes 98), home-assistant/
 _T = TypeVar("_T")
 _Newest: TypeAlias = Annotated[list[_T], Field(max_length=KEPT)]
 _Seconds: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-_Answers: TypeAlias = Annotated[list[tuple[PlainValue, PlainValue]], Field(max_length=_KEPT_ANSWERS)]
+_Answers: TypeAlias = Annotated[list[tuple[PlainValue, PlainValue]], Field(max_length=_MAX_ANSWERS)]
 """The reported values for commanded values, each of which occurs once."""
 
 
@@ -112,7 +112,7 @@ class DeviceProfile:
         limit = durations.ANSWER_FACTOR * longest + durations.ANSWER_SPARE
         if not is_known:
             limit, longest = max(limit, first), max(longest, durations.UNKNOWN_ANSWER)
-        return min(max(limit, durations.SHORTEST_ANSWER), durations.LONGEST_ANSWER), longest
+        return min(max(limit, durations.MIN_ANSWER), durations.MAX_ANSWER), longest
 
     def learn_time(
         self, capability: str, seconds: float, first: float, *, sendings: int = 1, is_change: bool = True
@@ -221,7 +221,7 @@ class DeviceProfile:
         answers = self.answers.get(capability, [])
         if (wanted, seen) not in answers:
             others = [one for one in answers if one[0] != wanted]
-            self.answers[capability] = [*others, (wanted, seen)][-_KEPT_ANSWERS:]
+            self.answers[capability] = [*others, (wanted, seen)][-_MAX_ANSWERS:]
             self.is_changed = True
 
     def fits(self, capability: str, wanted: PlainValue, value: PlainValue) -> bool:
@@ -251,7 +251,7 @@ class DeviceProfile:
         if len(known) < ENOUGH or len({seen for _, seen in known}) < 2:
             return 0.0
         largest = max(abs(wanted - seen) for wanted, seen in known)
-        return largest + _SLACK if largest <= _LARGEST_ERROR else 0.0
+        return largest + _SLACK if largest <= _MAX_ROUNDING else 0.0
 
     def is_echo(self, capability: str) -> bool:
         """Return whether fast reports are a bridge's echoes: the last three were retracted, quickly and regularly.

@@ -407,7 +407,7 @@ class CommandProgress:
             self._wait_on(at)
 
     def _wait_on(self, now: float) -> None:
-        self.until = max(self.until, min(now + self._settle, self.ended_at + durations.LONGEST_MOVE))
+        self.until = max(self.until, min(now + self._settle, self.ended_at + durations.MAX_MOVE))
 
     def _step_role(self, fact: Reported) -> ReportRole:
         if self.undoing is not None:
