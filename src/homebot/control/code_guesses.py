@@ -42,7 +42,9 @@ class CodeGuesses:
         self.refused += 1
         issuer, wait = issuer_text(command.issuer), max((1 - limit.room(now)) * _INTERVAL_S, 0.1)
         why = f"too many codes without a known effect by {issuer}"
-        if not any(one.readable and one.name in command.settings for one in command.part.part.capabilities):
+        if not any(
+            capability.readable and capability.name in command.settings for capability in command.part.part.capabilities
+        ):
             why = f"{command.label} reports no effect of a code, so {issuer} may give one every {_INTERVAL_S:g} s"
         return Refused(_POLICY, f"{why}; try again in {wait:.1f} s", command_id=command.id)
 

@@ -99,9 +99,9 @@ class IssuedCommand:
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id
         self.states, self.values = {}, {}
-        for one in self.device.states:
-            if one.part == self.part.id:
-                self.states[one.capability], self.values[one.capability] = one, one.value.plain()
+        for state in self.device.states:
+            if state.part == self.part.id:
+                self.states[state.capability], self.values[state.capability] = state, state.value.plain()
         if len(self.settings) > 1:
             self.settings = _ordered(self.settings, self.values)
         mode = self.settings.get("thermostat_mode")
@@ -148,14 +148,14 @@ def is_by_hand(trigger: Trigger, now: float) -> bool:
     """Return whether *trigger* is a recent press of a button, scan of a tag or call of a client."""
     if trigger.kind not in {"report", "client"} or abs(now - trigger.at.to_seconds()) > durations.WISH:
         return False
-    return trigger.kind == "client" or any(one.capability in EVENTS for one in trigger.readings)
+    return trigger.kind == "client" or any(reading.capability in EVENTS for reading in trigger.readings)
 
 
 def label_of(device: Device, part_id: str) -> str:
     """Return the id of the device for people, plus that of the part if others, except settings, take commands."""
     if len(device.parts) < 2 or not part_id:
         return device.id
-    takes = [one for one in device.parts if one.id == part_id or is_commanded(one.part)]
+    takes = [part for part in device.parts if part.id == part_id or is_commanded(part.part)]
     return device.id if len(takes) < 2 else f"{device.id}#{part_id}"
 
 
@@ -174,7 +174,10 @@ def order_of(command: IssuedCommand) -> Order:
         if name == "level":
             has_ramp = capability.settable
     if not _MOTIONS.isdisjoint(settings):
-        moves, opens_further = any(settings.get(one, STOPPED) != STOPPED for one in _MOTIONS), _opens_further(command)
+        moves, opens_further = (
+            any(settings.get(capability, STOPPED) != STOPPED for capability in _MOTIONS),
+            _opens_further(command),
+        )
         if wanted.keys().isdisjoint(_MOTIONS):
             wanted |= _end_position(settings, part)
     return Order(
@@ -224,12 +227,12 @@ def device_settings(settings: Mapping[str, PlainValue], part: Part) -> Mapping[s
 
     Most lamps that are off report the brightness that they will have when turned on, and never a level of 0.
     """
-    for one in part.capabilities:
-        if one.grid and isinstance(value := settings.get(one.name), float):
-            settings = {**settings, one.name: one.nearest(value)}
+    for capability in part.capabilities:
+        if capability.grid and isinstance(value := settings.get(capability.name), float):
+            settings = {**settings, capability.name: capability.nearest(value)}
     if 0.0 not in map(settings.get, _LEVELS):
         return settings  # as nearly always
-    if not any(one.name == "on_off" and one.settable for one in part.capabilities):
+    if not any(capability.name == "on_off" and capability.settable for capability in part.capabilities):
         return settings
     others = {name: value for name, value in settings.items() if name not in _LEVELS or value != 0.0}
     return {**others, "on_off": False}  # last, because setting a colour turns most lamps on
@@ -253,8 +256,8 @@ def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setti
     if part is not None or part_id:
         return part
     wanted = set(map(attrgetter("capability"), settings))
-    able = [one for one in device.parts if wanted <= {can.name for can in one.part.capabilities if can.settable}]
-    found = [one for one in able or device.parts if not one.part.category] or able
+    able = [part for part in device.parts if wanted <= {can.name for can in part.part.capabilities if can.settable}]
+    found = [part for part in able or device.parts if not part.part.category] or able
     return found[0] if len(found) == 1 else None
 
 

@@ -171,7 +171,7 @@ class CommandExecutor:
         command = self._issued("", request, device, part, self._clock.now())
         if self.check(command, is_preview=True) is not None or self.questions.must_ask(command):
             return ""  # it is refused, or asked of all, anyway
-        values = {one.capability: one.value.plain() for one in request.settings}
+        values = {setting.capability: setting.value.plain() for setting in request.settings}
         members = await self._lookup.members(device, part) if part.part.members else ()
         reasons = (why_asked(its_device, its_part, values) for its_device, its_part in ((device, part), *members))
         return next(filter(None, reasons), "")
@@ -230,7 +230,7 @@ class CommandExecutor:
             self.timelines.command_members(order, command.members)
 
     def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
-        asked = {one.capability: one.value.plain() for one in request.settings}
+        asked = {setting.capability: setting.value.plain() for setting in request.settings}
         settings = device_settings(asked, part.part)
         return IssuedCommand(
             name,

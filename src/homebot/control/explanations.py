@@ -65,7 +65,7 @@ class _JournalReader:
         found = await self._read(ReadJournalRequest(device=device, command=command, since=begin, until=end))
         if not found.success:
             raise PeerError(found.message)
-        self.names |= {one.key: one for one in found.names}
+        self.names |= {name.key: name for name in found.names}
         return found
 
     async def chain(self, entry: JournalEntry, deepest: int) -> _Entries:
@@ -88,8 +88,8 @@ class _JournalReader:
             return None
         # The entry has the time of the report itself; earlier versions wrote that of its recording.
         found = await self.read(device=trigger.device, since=trigger.at.to_seconds(), until=command.at.to_seconds())
-        reports = (one for one in found.entries if one.kind in _REPORTS and one.command != command.command)
-        return next((one for one in reports if _is_trigger(one, trigger)), None)
+        reports = (entry for entry in found.entries if entry.kind in _REPORTS and entry.command != command.command)
+        return next((entry for entry in reports if _is_trigger(entry, trigger)), None)
 
 
 @final
@@ -172,7 +172,7 @@ class Explanations:
     async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
         reader, wanted = _JournalReader(self._read), _as_state(state)
         found = await reader.read(device=device.id)
-        asking = [one for one in found.entries if one.kind in _REQUESTS and _asks_for(one, wanted)]
+        asking = [entry for entry in found.entries if entry.kind in _REQUESTS and _asks_for(entry, wanted)]
         newest = {one.command or number: one for number, one in enumerate(asking)}
         return ExplainMissingStateResponse(
             is_so=_is_so(device, wanted),
@@ -186,7 +186,7 @@ class Explanations:
 
 def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntry | None:
     """Return the newest entry of a change; None if the device reported newer values that the journal lacks."""
-    last = next((one for one in reversed(entries) if _is_change(one, entries)), None)
+    last = next((entry for entry in reversed(entries) if _is_change(entry, entries)), None)
     if last is None:
         return None
     until = last.at.to_seconds() + durations.CAME_ALONG
@@ -219,12 +219,12 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
 def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: JournalEntry) -> bool:
     """Return whether *entries*, with the change *last*, contain the values of *states* and no others."""
     known = {
-        (entry.part, one.capability): one.value.plain()
+        (entry.part, setting.capability): setting.value.plain()
         for entry in entries
         if entry.kind in _REPORTS
-        for one in entry.settings
+        for setting in entry.settings
     }
-    current = {(one.part, one.capability): one.value.plain() for one in states}
+    current = {(state.part, state.capability): state.value.plain() for state in states}
     shared = known.keys() & current.keys()
     if last.kind == "reverted":  # to the previous state, which is unknown
         return all(known[one] != current[one] for one in shared)
@@ -238,26 +238,31 @@ def _since(state: State) -> float:
 def _main_states(device: Device) -> list[State]:
     """Return the states of the settings of *device*; of one that only reports, all."""
     main = {
-        (part.id, one.name): one.settable
+        (part.id, capability.name): capability.settable
         for part in device.parts
         if not part.part.category
-        for one in part.part.capabilities
+        for capability in part.part.capabilities
     }
     takes_commands = _takes_commands(device)
-    return [one for one in device.states if main.get((one.part, one.capability)) is takes_commands]
+    return [state for state in device.states if main.get((state.part, state.capability)) is takes_commands]
 
 
 def _takes_commands(device: Device) -> bool:
-    return any(is_commanded(one.part) for one in device.parts)
+    return any(is_commanded(part.part) for part in device.parts)
 
 
 def _is_trigger(entry: JournalEntry, trigger: Trigger) -> bool:
     """Return whether a report has a value of *trigger*; the values in a structured text are unknown."""
     if trigger.kind == "message":
         text = trigger.text.strip().casefold()
-        return text.startswith("{") or any(_means(one.capability, one.value.plain(), text) for one in entry.settings)
-    values = {one.capability: one.value.plain() for one in trigger.readings}
-    return any(one.capability in values and values[one.capability] == one.value.plain() for one in entry.settings)
+        return text.startswith("{") or any(
+            _means(setting.capability, setting.value.plain(), text) for setting in entry.settings
+        )
+    values = {reading.capability: reading.value.plain() for reading in trigger.readings}
+    return any(
+        setting.capability in values and values[setting.capability] == setting.value.plain()
+        for setting in entry.settings
+    )
 
 
 def _as_state(text: str) -> str:
@@ -270,7 +275,7 @@ def _asks_for(entry: JournalEntry, wanted: str) -> bool:
     if entry.kind != "requested" and not entry.settings:  # a raw command, or one that the door refused
         word = entry.text.strip().casefold()
         return wanted in {word, _COMMANDED_STATES.get(word)}
-    return any(_means(one.capability, one.value.plain(), wanted) for one in entry.settings)
+    return any(_means(setting.capability, setting.value.plain(), wanted) for setting in entry.settings)
 
 
 def _means(capability: str, value: PlainValue, wanted: str) -> bool:
@@ -299,17 +304,22 @@ def _squeezed(text: str) -> str:
 def _is_so(device: Device, wanted: str) -> bool:
     """Return whether the last report of a main state is *wanted*."""
     states = _main_states(device)
-    off = {one.part for one in states if one.capability == "on_off" and one.value.plain() is False}
+    off = {state.part for state in states if state.capability == "on_off" and state.value.plain() is False}
     return any(
-        _means(one.capability, one.value.plain(), wanted)
-        for one in states
-        if one.capability == "on_off" or one.part not in off  # a lamp that is off is not at its level
+        _means(state.capability, state.value.plain(), wanted)
+        for state in states
+        if state.capability == "on_off" or state.part not in off  # a lamp that is off is not at its level
     )
 
 
 def _unknown_state(device: Device, state: str) -> str:
     """Return a sentence that explains why no command can bring *device* to *state*; empty if one may."""
-    settable = [(part.part, one.name) for part in device.parts for one in part.part.capabilities if one.settable]
+    settable = [
+        (part.part, capability.name)
+        for part in device.parts
+        for capability in part.part.capabilities
+        if capability.settable
+    ]
     if not device.parts:
         return ""
     if not settable:
@@ -330,7 +340,7 @@ def _command_for(device: Device, wanted: str) -> str:
 
 
 def _capabilities(device: Device) -> Iterator[Capability]:
-    return (one for part in device.parts for one in part.part.capabilities)
+    return (capability for part in device.parts for capability in part.part.capabilities)
 
 
 def _may_be(capability: Capability, wanted: str) -> bool:

@@ -70,7 +70,7 @@ class GatewayFeed:
 
     def watch(self, routes: Iterable[Route], on_report: OnReport) -> Callable[[], None]:
         """Call *on_report* with each live report by one of *routes*; return the function that stops it, once."""
-        places = [(one.gateway, one.key, one.part) for one in routes]
+        places = [(route.gateway, route.key, route.part) for route in routes]
         for place in places:
             self._watches.setdefault(place, []).append(on_report)
             self._follow_reports(place[0])
@@ -93,12 +93,14 @@ class GatewayFeed:
         """Return when a device or part on one of *routes* was last unreachable, on the monotonic clock."""
         if not self._absences:
             return -math.inf
-        places = [(one.gateway, one.key, part) for one in routes for part in ("", one.part)]
+        places = [(route.gateway, route.key, part) for route in routes for part in ("", route.part)]
         return max([self._absences.get(place, -math.inf) for place in places], default=-math.inf)
 
     def is_answering(self, routes: Iterable[Route]) -> bool:
         """Return whether a device ever answered a command by one of *routes*; the last 10,000 routes are remembered."""
-        return bool(self._answering) and any((one.gateway, one.key, one.part) in self._answering for one in routes)
+        return bool(self._answering) and any(
+            (route.gateway, route.key, route.part) in self._answering for route in routes
+        )
 
     def _follow_state(self, gateway: str) -> None:
         if gateway in self._states:

@@ -150,8 +150,10 @@ class LeaseService:
         """Return the held parts."""
         self._expire()
         monotonic, now = self._clock.monotonic(), self._clock.now()
-        leases = sorted((one for one in self._leases if request.device in {"", one.part[0]}), key=lambda one: one.part)
-        return LeasesResponse(parts=tuple(_held_part(one, monotonic, now) for one in leases))
+        leases = sorted(
+            (lease for lease in self._leases if request.device in {"", lease.part[0]}), key=lambda one: one.part
+        )
+        return LeasesResponse(parts=tuple(_held_part(lease, monotonic, now) for lease in leases))
 
     def end(self, request: EndLeasesRequest) -> LeasesResponse:
         """End all leases of a device, and return them."""

@@ -103,17 +103,17 @@ class Lease:
 
     def text(self, now: float) -> str:
         """Return the value, the holders and the time left, for people."""
-        names = list(dict.fromkeys(one.text for one in self.holders.values()))
+        names = list(dict.fromkeys(holder.text for holder in self.holders.values()))
         more = f" and {len(names) - _MAX_NAMED} more" if len(names) > _MAX_NAMED else ""
-        left = max((one.deadline - now for one in self.holders.values()), default=0.0)
-        is_open_ended = any(one.is_open_ended for one in self.holders.values())
+        left = max((holder.deadline - now for holder in self.holders.values()), default=0.0)
+        is_open_ended = any(holder.is_open_ended for holder in self.holders.values())
         until = "until it is released" if is_open_ended else f"for {math.ceil(left)} s more"
         return f"held {self.held_value} by {', '.join(names[:_MAX_NAMED])}{more} {until}"
 
     @property
     def yields_to_persons(self) -> bool:
         """True if all its holders yield to persons."""
-        return all(one.yields_to_persons for one in self.holders.values())
+        return all(holder.yields_to_persons for holder in self.holders.values())
 
     def outranked(self, now: float) -> str:
         """Return what outranks the lease at *now*; empty for nothing."""
@@ -149,7 +149,7 @@ class Leases:
         self._of: dict[HolderKey, Lease] = {}
 
     def __iter__(self) -> Iterator[Lease]:
-        return (one for leases in self.parts.values() for one in leases.values())
+        return (lease for leases in self.parts.values() for lease in leases.values())
 
     def hold(
         self, part: PartRef, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
@@ -235,7 +235,7 @@ class Leases:
         if leases is None:
             return ""
         for lease in leases.values():
-            if all(one.deadline <= now for one in lease.holders.values()):
+            if all(holder.deadline <= now for holder in lease.holders.values()):
                 continue  # ended, but not removed yet
             if is_by_person and (overrides or lease.yields_to_persons):
                 continue
@@ -272,7 +272,7 @@ class Leases:
                     self.outrank(lease, f"{issuer_text(command.issuer)} overrode it", now)
                 elif lease.yields_to_persons:
                     lease.yielded_to, lease.saw = command.issuer, f"a command by {issuer_text(command.issuer)}"
-                    lease.again_at = lease.hand_until = max(one.deadline for one in lease.holders.values())
+                    lease.again_at = lease.hand_until = max(holder.deadline for holder in lease.holders.values())
                     self.on_outranked(lease)
 
     def outrank(self, lease: Lease, saw: str, now: float) -> None:

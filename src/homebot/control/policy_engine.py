@@ -213,8 +213,8 @@ class Policies:
         tables = tuple(settings.tables())
         rights: tuple[Policy, ...] = (partial(check_grants, settings.approvals),)
         rights += (check_approval,) if settings.approvals else ()
-        self._policies = (*rights, *(one.judge for one in tables))
-        self.needs = Or(tuple(one.needs for one in tables if one.needs is not None))
+        self._policies = (*rights, *(table.judge for table in tables))
+        self.needs = Or(tuple(table.needs for table in tables if table.needs is not None))
 
     def check(self, command: IssuedCommand, facts: Facts) -> tuple[Verdict, ...]:
         """Return the verdicts up to and including the first refusal."""

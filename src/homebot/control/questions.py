@@ -145,13 +145,13 @@ class Questions:
 
     def listed(self) -> OpenQuestions:
         """Return the open questions."""
-        return OpenQuestions(questions=tuple(one.message for one in self._open.values()))
+        return OpenQuestions(questions=tuple(question.message for question in self._open.values()))
 
     def _why_not_asked(self, issuer: str, key: tuple[object, ...]) -> str:
         by, until = self._denied.get(key, ("", 0.0))
         if by and self._clock.monotonic() < until:
             return f"{by} said no a moment ago"
-        own = sum(one.command.issuer == issuer for one in self._open.values())
+        own = sum(question.command.issuer == issuer for question in self._open.values())
         is_full = own >= _MAX_OPEN_OF_CLIENT or len(self._open) >= _MAX_OPEN
         return f"{len(self._open)} questions wait for an answer already" if is_full else ""
 

@@ -211,7 +211,7 @@ class Sending:
         echoes = order.echoed | sent.progress.suspected
         patience = math.inf
         if echoes:
-            patience = max(profile.echo_patience(one, limit + command.transition) for one in echoes)
+            patience = max(profile.echo_patience(capability, limit + command.transition) for capability in echoes)
         return SendingPlan(tries, interval, lasts, interval - longest - command.transition, patience)
 
     async def _send(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:

@@ -97,7 +97,7 @@ class PolicySettings(BaseModel):
     @property
     def needs_house(self) -> bool:
         """True if some policy needs the values of sensors."""
-        return bool(self.policies) or any(one.needs is not None for one in self.tables())
+        return bool(self.policies) or any(table.needs is not None for table in self.tables())
 
 
 class ControlSettings(PolicySettings):
@@ -144,5 +144,5 @@ class ControlSettings(PolicySettings):
 def _stated(key: str, tables: Iterable[Interlock | QuietHours]) -> Iterator[tuple[str, str, Query]]:
     """Yield the key, the text and the query of each command in *tables*."""
     for table in tables:
-        for one in table.commands:
-            yield f"control.{key}", one.text, one.query
+        for pattern in table.commands:
+            yield f"control.{key}", pattern.text, pattern.query

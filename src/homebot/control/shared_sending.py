@@ -53,7 +53,7 @@ class SharedSending:
         self.device, self.part = group
         self.name = f"group {self.device.name}" if recall is None else f"scene {self.part.part.name}"
         self._recall = recall
-        self.echoed = frozenset([one.name for one in self.part.part.capabilities if one.echoed])
+        self.echoed = frozenset([capability.name for capability in self.part.part.capabilities if capability.echoed])
         self._node, self._sender, self._may_send = node, sender, may_send
         self._awaited = awaited
         self._orders: list[Sequence[Command]] = []
@@ -111,7 +111,7 @@ class SharedSending:
 
     async def _send(self) -> None:
         try:
-            if not await self._may_send() or any(one.superseded_by for one in self.progress):
+            if not await self._may_send() or any(command.superseded_by for command in self.progress):
                 return
             for on_sent in self._on_sent:
                 on_sent()

@@ -175,7 +175,7 @@ class Timelines:
             self._commands_to(f"device {device.id}") if has_others else NOWHERE.device,
             self._commands_to(f"room {area}") if area else NOWHERE.room,
         )
-        others = (self._entries.get((device.id, one.id)) for one in device.parts)
+        others = (self._entries.get((device.id, part.id)) for part in device.parts)
         for one in (entry, *filter(None, others)):
             one.near, one.timeline.nearby = near, nearby
 
@@ -188,8 +188,12 @@ class Timelines:
     def _follow(self, entry: _TrackedPart, part: DevicePart) -> None:
         entry.stop_watch()
         entry.part = part
-        settings = [one.name for one in part.part.capabilities if one.settable or one.name in SETTABLE]
-        entry.relevant = frozenset([other for one in settings for other in related(one)])
+        settings = [
+            capability.name
+            for capability in part.part.capabilities
+            if capability.settable or capability.name in SETTABLE
+        ]
+        entry.relevant = frozenset([other for name in settings for other in related(name)])
         entry.stop_watch = self.feed.watch(part.routes, partial(self._on_value, entry))
 
     def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float, set_by: SetBy) -> None:
@@ -220,12 +224,12 @@ def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, 
 
     No command explains an earlier change. The first value of the part is not a change.
     """
-    settable = {one.name for one in part.part.capabilities if one.settable}
-    states = [one for one in device.states if one.part == part.id and one.live]
+    settable = {capability.name for capability in part.part.capabilities if capability.settable}
+    states = [state for state in device.states if state.part == part.id and state.live]
     for state in states:
         age = max(0.0, now - state.told_at.to_seconds())
         timeline.seed(state.capability, state.value.plain(), monotonic - age)
-    changed = [one for one in states if one.capability in settable and _is_change(one, states)]
+    changed = [state for state in states if state.capability in settable and _is_change(state, states)]
     newest = max(changed, key=lambda one: one.since.to_seconds(), default=None)
     if newest is not None:
         since = newest.since.to_seconds()
@@ -236,4 +240,4 @@ def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, 
 def _is_change(state: State, states: list[State]) -> bool:
     """Return whether *state* is a change, or the first value of a part that reported others long before."""
     since = state.since.to_seconds()
-    return not state.is_first or any(since - one.since.to_seconds() > durations.FIRST_REPORTS for one in states)
+    return not state.is_first or any(since - state.since.to_seconds() > durations.FIRST_REPORTS for state in states)

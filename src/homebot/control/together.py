@@ -106,9 +106,9 @@ class Together:
 
     async def _share(self, commands: Sequence[IssuedCommand]) -> None:
         alike: defaultdict[object, list[IssuedCommand]] = defaultdict(list)
-        for one in commands:
-            if not (one.code or one.why_it_asks or one.part.part.members):
-                alike[tuple(one.settings.items()), one.transition].append(one)
+        for command in commands:
+            if not (command.code or command.why_it_asks or command.part.part.members):
+                alike[tuple(command.settings.items()), command.transition].append(command)
         found = [one for one in alike.values() if len(one) > 1]
         groups = await self._lookup.all_known(FactIs("category", "group")) if found else ()
         parts = [(device, part) for device in groups for part in device.parts if part.part.is_group]
@@ -116,14 +116,14 @@ class Together:
             group = next((place for place in parts if self._may_carry(*place, members)), None)
             if group is not None:
                 self._let_share(members, group)
-        if all(one.shared is None for one in commands):
+        if all(command.shared is None for command in commands):
             await self._recall(commands)
 
     async def _recall(self, commands: Sequence[IssuedCommand]) -> None:
         """Let *commands* share the recall of a scene with exactly their values, if a bridge or device keeps one."""
         known = await self._lookup.all_known(type_is("x_scene"))
         parts = ((device, part) for device in known for part in device.parts if part.part.values)
-        scene = next((one for one in parts if self._may_recall(*one, commands)), None)
+        scene = next((place for place in parts if self._may_recall(*place, commands)), None)
         if scene is not None:
             self._let_share(commands, scene, _RECALL)
 
@@ -132,8 +132,8 @@ class Together:
     ) -> None:
         may_send = partial(self._may_begin, commands, *place)
         shared = SharedSending(self._node, self._sender, place, len(commands), may_send, recall)
-        for one in commands:
-            one.shared = shared
+        for command in commands:
+            command.shared = shared
 
     def _may_recall(self, device: Device, part: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
         """Return whether a scene sets exactly *commands*, and may be recalled."""
@@ -182,9 +182,9 @@ class Together:
 
 def reaches_exactly(group: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
     """Return whether the members of *group* that take the settings are exactly the parts of *commands*."""
-    gateways, wanted = {one.gateway for one in group.routes}, set(group.part.members)
-    places, named, reached = {one.place for one in commands}, set[str](), set[tuple[str, str]]()
-    for device in {one.device.id: one.device for one in commands}.values():
+    gateways, wanted = {route.gateway for route in group.routes}, set(group.part.members)
+    places, named, reached = {command.place for command in commands}, set[str](), set[tuple[str, str]]()
+    for device in {command.device.id: command.device for command in commands}.values():
         for part in device.parts:
             names = wanted.intersection(references(device, part, gateways))
             settable = {capability.name for capability in part.part.capabilities if capability.settable}
@@ -196,14 +196,14 @@ def reaches_exactly(group: DevicePart, commands: Sequence[IssuedCommand]) -> boo
 
 def sets_exactly(scene: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
     """Return whether the values of *scene* are exactly those of *commands*, each to another part."""
-    gateways, met = {one.gateway for one in scene.routes}, set[str]()
-    for one in commands:
-        names = set(references(one.device, one.part, gateways))
+    gateways, met = {route.gateway for route in scene.routes}, set[str]()
+    for command in commands:
+        names = set(references(command.device, command.part, gateways))
         own = [each for each in scene.part.values if each.member in names]
         wanted = {each.capability: each.value.plain() for each in own}
         met |= {each.member for each in own}
-        settings = one.settings
-        if one.code or wanted.keys() != settings.keys() or one.transition != commands[0].transition:
+        settings = command.settings
+        if command.code or wanted.keys() != settings.keys() or command.transition != commands[0].transition:
             return False
         if not all(is_same(name, value, settings[name]) for name, value in wanted.items()):
             return False

@@ -111,7 +111,7 @@ class Witnesses:
     ) -> Outcome:
         """Return the outcome of a command that the device reported as done at *reported_at*."""
         until = now = reported_at
-        named = [one for one in witnesses if one.is_named]
+        named = [witness for witness in witnesses if witness.is_named]
         if named:
             until += self._timeout + opened.command.transition
         while isinstance(newest := outcome_of(opened.progress, now), Confirmed):
@@ -129,7 +129,7 @@ class Witnesses:
             devices = await self._lookup.called(name)
         except ServiceError:
             return []
-        return [sensor for one in devices for sensor in _sensors(one, wanted, is_named=True)][:_MAX_NAMED]
+        return [sensor for device in devices for sensor in _sensors(device, wanted, is_named=True)][:_MAX_NAMED]
 
     def _on_drop(self, _place: tuple[str, str], _witness: str) -> None:
         self.counts["contradictions_forgotten"] += 1
@@ -168,9 +168,11 @@ def _with_answer(
     """Return the witnesses with that *answer* about a command that the device reported as done at *reported_at*."""
     is_rise = rises(opened.command.settings) is True
     return [
-        one
-        for one in witnesses
-        if observed(one.capability, one.before, one.newest, is_rise=is_rise, is_heard=one.seen_at > reported_at)
+        witness
+        for witness in witnesses
+        if observed(
+            witness.capability, witness.before, witness.newest, is_rise=is_rise, is_heard=witness.seen_at > reported_at
+        )
         is answer
     ]
 
@@ -184,7 +186,8 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
         if state.capability in wanted and state.live and state.part not in device.offline_parts:
             part, value = device.part(state.part), state.value.plain()
             if part is not None and any(
-                one.name == state.capability and one.readable and not one.settable for one in part.part.capabilities
+                capability.name == state.capability and capability.readable and not capability.settable
+                for capability in part.part.capabilities
             ):
                 found.append(Witness(device.name, is_named, part, state.capability, value, value))
     return found

@@ -105,10 +105,10 @@ class CommandLog:
         """Record a command of an app, unless it carries out a person's request."""
         if not note.issuer or is_client(note.issuer) or is_by_hand(note.trigger, note.at):
             return
-        wanted = {one.capability: one.value.plain() for one in note.settings}
+        wanted = {setting.capability: setting.value.plain() for setting in note.settings}
         sensor = note.trigger.device
         readings = () if sensor == note.device else note.trigger.readings
-        sensed = {(sensor, one.part, one.capability): one.value.plain() for one in readings}
+        sensed = {(sensor, reading.part, reading.capability): reading.value.plain() for reading in readings}
         turn = Turn(note.at, note.issuer, wanted, _label(note, device), sensed)
         fight = self.fights.add((note.device, note.part), turn)
         if fight is not None:

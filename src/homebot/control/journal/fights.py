@@ -52,7 +52,7 @@ def is_fight(turns: Sequence[Turn]) -> bool:
     return (
         quick >= _TURNS // 2
         and first != second
-        and [one.issuer for one in turns] == [first, second] * 2
+        and [turn.issuer for turn in turns] == [first, second] * 2
         and all(
             _opposes(before.values, after.values) and not _follows(before.sensed, after.sensed)
             for before, after in pairwise(turns)
@@ -98,8 +98,8 @@ class Fights:
         turns = self._turns[place] = tuple(sorted((*before, turn), key=lambda one: one.at))[-_TURNS:]
         if not is_fight(turns):
             return None
-        known, opponents = self._fights.get(place), {one.issuer for one in turns}
-        if known and turn.at - known.last[-1].at <= _MAX_FIGHT_S and {one.issuer for one in known.last} == opponents:
+        known, opponents = self._fights.get(place), {turn.issuer for turn in turns}
+        if known and turn.at - known.last[-1].at <= _MAX_FIGHT_S and {turn.issuer for turn in known.last} == opponents:
             self._fights[place] = replace(known, commands=known.commands + 1, last=turns)
             return None
         found = self._fights[place] = _Fight(turns[0].at, len(turns), turns)

@@ -45,7 +45,10 @@ def without_codes(settings: tuple[Setting, ...], device: Device | None, part: De
     if not any(map(names_secret, names)):
         return settings
     given = Value.of(CODE_GIVEN)
-    return tuple(one.model_copy(update={"value": given}) if one.capability in _MAY_BE_CODE else one for one in settings)
+    return tuple(
+        setting.model_copy(update={"value": given}) if setting.capability in _MAY_BE_CODE else setting
+        for setting in settings
+    )
 
 
 @lru_cache(maxsize=1024)

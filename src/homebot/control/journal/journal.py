@@ -148,8 +148,8 @@ class CommandJournal:
     def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
         """Record the verdict of a policy."""
         facts = tuple(
-            JournalFact(name=one.name, value=Value.of(one.value), since=Time.from_seconds(one.since))
-            for one in verdict.facts
+            JournalFact(name=fact.name, value=Value.of(fact.value), since=Time.from_seconds(fact.since))
+            for fact in verdict.facts
         )
         noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
         self.record("judged", command, verdicts=(noted,))

@@ -36,7 +36,7 @@ class ReportLog:
         places = {(one.device, one.part, one.capability) for one in known}
         for device in request.devices if request.from_journal else ():
             entries = (await self._journal.read(ReadJournalRequest(device=device, limit=_MAX_ENTRIES))).entries
-            issuers = {one.command: one.issuer for one in entries if one.kind == "requested"}
+            issuers = {entry.command: entry.issuer for entry in entries if entry.kind == "requested"}
             for entry in reversed(entries):
                 place = device, entry.part, entry.settings[0].capability if entry.settings else ""
                 if entry.kind not in {"reported", "changed"} or not entry.cause or place in places:

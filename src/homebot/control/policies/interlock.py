@@ -57,7 +57,9 @@ class Interlock(PolicyTable):
     def _concerned_parts(self, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
         for tracked in facts.house.devices(room):
             for part in tracked.device.parts:
-                if self._capabilities and not any(one.name in self._capabilities for one in part.part.capabilities):
+                if self._capabilities and not any(
+                    capability.name in self._capabilities for capability in part.part.capabilities
+                ):
                     continue
                 if fits(self.needs, PartFacets(tracked.device, part)):
                     yield tracked.current(), part

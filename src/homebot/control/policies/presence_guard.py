@@ -123,11 +123,11 @@ def presence_in(room: str, facts: Facts, absent_after: AbsentAfter) -> tuple[Pre
     """
     found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
     longest = absent_after.motion
-    for one in sorted(facts.house.readings(room, OCCUPANCY), key=_IS_PRESENCE, reverse=True):
-        used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, max(one.since, one.heard_since))
-        within = min(longest, absent_after.of(one))
-        presence_by_it = _presence_by(one, used.since, facts, within)
-        if one.is_presence and presence_by_it == "absent":
+    for reading in sorted(facts.house.readings(room, OCCUPANCY), key=_IS_PRESENCE, reverse=True):
+        used = FactUsed(f"{OCCUPANCY} of {reading.sensor}", reading.value, max(reading.since, reading.heard_since))
+        within = min(longest, absent_after.of(reading))
+        presence_by_it = _presence_by(reading, used.since, facts, within)
+        if reading.is_presence and presence_by_it == "absent":
             longest = within
         found[presence_by_it].append(used)
     if found["present"]:
@@ -155,17 +155,19 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
     ``absent_after`` seconds later, which is longer than it reports the motion of a person who left.
     """
     contacts = [facts.house.reading_of(one, CONTACT) for one in settings.contacts_of(room)]
-    closed = [one for one in contacts if one is not None and one.value is False]
+    closed = [contact for contact in contacts if contact is not None and contact.value is False]
     if not contacts or len(closed) < len(contacts):
         return None
-    closed_for = min(facts.age(one.since) for one in closed)
-    for one in facts.house.readings(room, OCCUPANCY):
-        began = facts.house.detected_since(one.sensor)
+    closed_for = min(facts.age(reading.since) for reading in closed)
+    for reading in facts.house.readings(room, OCCUPANCY):
+        began = facts.house.detected_since(reading.sensor)
         if began is None:
             continue
         has_moved = facts.age(began) <= closed_for
-        if has_moved or (one.value is False and facts.age(one.since) + settings.absent_after.of(one) <= closed_for):
-            return FactUsed(f"{OCCUPANCY} of {one.sensor}", value=True, since=began)
+        if has_moved or (
+            reading.value is False and facts.age(reading.since) + settings.absent_after.of(reading) <= closed_for
+        ):
+            return FactUsed(f"{OCCUPANCY} of {reading.sensor}", value=True, since=began)
     return None
 
 

@@ -94,5 +94,5 @@ def _effects(settings: Mapping[str, PlainValue]) -> dict[str, PlainValue]:
 def _is_undone(timeline: PartTimeline, value: PlainValue, after: float, until: float) -> bool:
     """Return whether the part reported the opposite power after a command switched it, and before the next one."""
     power = next((name for name in _REPORTED_POWERS if timeline.value(name) is not None), "")
-    reported = [one.value for one in timeline.reports if one.capability == power and after < one.at <= until]
+    reported = [fact.value for fact in timeline.reports if fact.capability == power and after < fact.at <= until]
     return bool(reported) and bool(reported[-1]) is not value

@@ -148,7 +148,7 @@ def must_ask(command: IssuedCommand) -> bool:
         return True
     device, part = command.device, command.part
     parts = device.parts if device.part(part.id) is None else (part,)
-    return any(rights.must_ask(device, one) for one in parts)
+    return any(rights.must_ask(device, part) for part in parts)
 
 
 def names_it(command: IssuedCommand) -> bool:

@@ -90,7 +90,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
 def weakly_met_at(progress: CommandProgress) -> float:
     """Return when all values were reported or echoed, or sent if an echo is declared; inf if they were not."""
     order = progress.order
-    if not progress.wanted or any(one.others for one in progress.members):  # a member did not follow
+    if not progress.wanted or any(member.others for member in progress.members):  # a member did not follow
         return math.inf
     latest = -math.inf
     for name, wanted in progress.wanted.items():

@@ -145,7 +145,9 @@ class PartTimeline:
                     self._judge(fact, [(progress, progress.report(fact))])
                     self._learn(progress, fact.at)
         if len(self.commands) > MAX_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
-            self.active = [one for one in self.active if at <= one.until]  # no report may ever come that drops them
+            self.active = [
+                command for command in self.active if at <= command.until
+            ]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
         return progress
 
@@ -187,7 +189,7 @@ class PartTimeline:
             at: Seconds on the monotonic clock.
             stamp: The time of the message, in seconds since the Unix epoch.
         """
-        active = self.active = [one for one in self.active if at <= one.until]
+        active = self.active = [command for command in self.active if at <= command.until]
         latest = self._latest.get(capability)
         if latest is not None and latest[0] == value and not active:
             self._latest[capability] = value, at, latest[2]
@@ -196,13 +198,13 @@ class PartTimeline:
             self._report_held(capability, value, Attribution(Cause.PERSON, was_absent=was_absent))
             return None
         fact = self._append(at, stamp, capability, value, lost_at, absent_at, set_by)
-        roles = [(one, one.report(fact)) for one in reversed(active)]
+        roles = [(command, command.report(fact)) for command in reversed(active)]
         self._judge(fact, roles)
         self._bring(fact, roles)
-        for one in active:
-            self._learn(one, at)
-        for one in active:
-            self.on_news(one, fact)
+        for command in active:
+            self._learn(command, at)
+        for command in active:
+            self.on_news(command, fact)
         if self.held:
             self._report_held(capability, value, fact.attribution)
         return fact
@@ -262,14 +264,14 @@ class PartTimeline:
     @property
     def next_at(self) -> float:
         """The time of the next call of :meth:`advance`; inf for never."""
-        return min([one.next_at for one in self.active if one.is_confirmed], default=math.inf)
+        return min([command.next_at for command in self.active if command.is_confirmed], default=math.inf)
 
     def advance(self, now: float) -> None:
         """End the commands that waited for a further report that did not come."""
-        for one in self.active:
-            if one.next_at <= now:
-                one.advance(now)
-                self._learn(one, now)
+        for command in self.active:
+            if command.next_at <= now:
+                command.advance(now)
+                self._learn(command, now)
 
     def value(self, capability: str) -> PlainValue:
         """Return the newest live value; None if there is none."""
@@ -341,7 +343,7 @@ class PartTimeline:
             return
         if outcome.may_obey_later:  # if it is contradicted, certain is what it has reported since the last sending
             since = progress.transmission.sent_at if isinstance(outcome, Contradicted) else fact.at
-            self.unsure_since.update((other, since) for one in settings for other in related(one))
+            self.unsure_since.update((other, since) for name in settings for other in related(name))
             learn_failure(progress, outcome, self.profile)
 
     def _relate(self, fact: Reported) -> None:

@@ -189,7 +189,7 @@ class DeviceProfile:
         known = records.get(capability, [])
         times = [lasted for one, lasted in known if one == value][-ENOUGH - 2 :]
         records[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
-        same = [seconds, *(one for one in times if abs(one - seconds) <= slack)]
+        same = [seconds, *(time for time in times if abs(time - seconds) <= slack)]
         is_regular = max(same) - min(same) <= slack
         return len(same) - 1 if len(same) <= ENOUGH or is_regular else ENOUGH - 1
 

@@ -129,7 +129,7 @@ class CommandProgress:
         self._fades_out = order.settings.get("on_off") is False
         if profile.returns:
             self.suspected = frozenset(
-                [one for one in order.settings if one not in order.echoed and profile.is_echo(one)]
+                [name for name in order.settings if name not in order.echoed and profile.is_echo(name)]
             )
         self.has_echo = bool(order.echoed or self.suspected)
         self._profile = profile
@@ -145,14 +145,14 @@ class CommandProgress:
     @property
     def met_times(self) -> list[float]:
         """The time of the first report of each wanted value that is still reported."""
-        times = [one.met_at for one in self.wanted.values() if one.met_at is not None]
-        return times or [at for one in self.members for at in one.met_times]
+        times = [wanted.met_at for wanted in self.wanted.values() if wanted.met_at is not None]
+        return times or [at for member in self.members for at in member.met_times]
 
     @property
     def is_met_by_members(self) -> bool:
         """True if all members of a group that report its values reported the wanted ones."""
-        reporting = [one for one in self.members if one.wanted]
-        return bool(reporting) and all(one.is_met for one in reporting)
+        reporting = [member for member in self.members if member.wanted]
+        return bool(reporting) and all(command.is_met for command in reporting)
 
     @property
     def over_at(self) -> float:
@@ -209,7 +209,7 @@ class CommandProgress:
         """True if no part that the message was for has reported a wanted value since the first sending, or is asked."""
         wanted = (value for command in (self, *self.members, *self.fellows) for value in command.wanted.values())
         sendings = self.transmission
-        return not sendings.can_be_asked and all(one.seen_at < sendings.first_sent_at for one in wanted)
+        return not sendings.can_be_asked and all(value.seen_at < sendings.first_sent_at for value in wanted)
 
     @property
     def others(self) -> dict[str, PlainValue]:
