@@ -7,10 +7,10 @@ from tests.fuzz.conftest import Fuzz
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.tokens import quoted
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError
 from homebot.features.goals.wishes import KnownNames, read_wishes
+from homebot.words.tokens import quoted
 
 WORDS = """\
 on off lights lamp in kitchen and or not ( ) type area = : < >= 50 % " ' fresh stale reachable level temperature

@@ -11,7 +11,7 @@ from homebot.units import parse_duration
 from homebot.words.times import TimeSpan, read_days
 
 
-@pytest.mark.parametrize("text", ["30m", "30 min", "30 minutes", "0.5 hours", "1800 seconds"])
+@pytest.mark.parametrize("text", ["30m", "30 min", "30 minutes", "half an hour", "0.5 hours", "1800 seconds"])
 def test_a_length_of_time_is_the_same_for_all(text: str) -> None:
     trigger, step = read_trigger(f"front door open for {text}"), read_step(f"wait {text}")
     assert isinstance(trigger, Becomes)

@@ -11,13 +11,13 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import progress
 from homebot.devices.names import EXPLAIN_DEVICE, FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
-from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import to_seconds
 from homebot.errors import PeerError, UsageError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean, similar_to
+from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
     from homebot.devices import Device

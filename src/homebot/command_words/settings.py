@@ -17,6 +17,7 @@ from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
+from homebot.words.tokens import has_code
 
 SET: Final = "set"
 """The command that only sets values."""
@@ -24,7 +25,6 @@ SET: Final = "set"
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
 )
-_CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
 STATE_WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "start": ("cleaning", "mowing"),
@@ -130,7 +130,7 @@ def check_without_code(words: str) -> None:
     Raises:
         UsageError: They do.
     """
-    if _CODE.search(words):
+    if has_code(words):
         raise UsageError("no code is kept, as everyone who may read this would see it; leave it out")
 
 

@@ -122,13 +122,13 @@ def quantity_of_entity(info: Fields) -> Quantity:
 def quantity_row(read: ReadField, when: Callable[[Fields], object] | None = None) -> EntityRow:
     """Return the row of a sensor; *read* returns its number."""
 
-    def read_quantity(info: Fields, state: Fields) -> PlainValue:
+    def read_amount(info: Fields, state: Fields) -> PlainValue:
         number = read(info, state)
         return quantity_of_entity(info).value(number) if isinstance(number, float) else None
 
     return EntityRow(
         "measurement",
-        read_quantity,
+        read_amount,
         when=when,
         named=lambda info: quantity_of_entity(info).capability,
         unit=lambda info: quantity_of_entity(info).unit,

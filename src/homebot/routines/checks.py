@@ -23,7 +23,6 @@ from homebot.devices.query.matching import fits
 from homebot.devices.query.parse import names_in, parse_query
 from homebot.devices.query.term_messages import query_terms, query_words, read_terms
 from homebot.devices.query.terms import Query, StateIs, lasting, leaves
-from homebot.devices.query.tokens import quoted
 from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
@@ -36,6 +35,7 @@ from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.tables import app_of_routine
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 from homebot.support.folding import fold
+from homebot.words.tokens import quoted
 
 _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""

@@ -1,6 +1,5 @@
 """Conditions of routines, as text. Pure."""
 
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -12,17 +11,17 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.routines.people import check_known, read_person
 from homebot.routines.triggers import (
-    NOBODY,
     SUN,
     Becomes,
     Press,
     check_alone,
-    divided,
     is_no_state,
     read_press,
     read_state,
 )
+from homebot.words.phrases import NOBODY, NOT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
+from homebot.words.tokens import split_at
 
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"
@@ -34,7 +33,6 @@ _EXAMPLES: Final = {
     "sun": "write it like 'sun is down' or 'after sunset - 30m'",
 }
 _ALL_DAYS: Final = frozenset(range(7))
-_NONE: Final = re.compile(r"(?:no|not|none of) (?P<state>.+)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +76,15 @@ def read_condition(text: str) -> Condition:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
-    parts = divided(plain, "or")
+    parts = split_at(plain, "or")
     if any(map(is_no_state, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
     if (found := _of_time(plain)) is not None:
         return found
     check_alone(plain, "and")
-    if _denies(divided(plain, "and")):
+    if _denies(split_at(plain, "and")):
         raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
-    if (press := read_press(plain)) is not None and _NONE.fullmatch(plain):
+    if (press := read_press(plain)) is not None and NOT.match(plain):
         raise UsageError(f"{text!r}: a press is not denied; write it without the `not`, and the steps into `else`")
     return _of_people(plain) or press or _of_state(plain)
 
@@ -131,7 +129,7 @@ def _denies(parts: Sequence[str]) -> bool:
     first, *others = parts
     if others and first.casefold().startswith("not ("):
         return True
-    for one in filter(None, map(_NONE.fullmatch, others)):
+    for one in filter(None, map(NOT.match, others)):
         with suppress(UsageError):  # `not in hall` is no state
             read_state(one["state"])
             return True
@@ -151,7 +149,7 @@ def _of_time(text: str) -> Condition | None:
 
 
 def _of_people(text: str) -> Matches | None:
-    if (found := NOBODY.fullmatch(text)) is None:
+    if (found := NOBODY.match(text)) is None:
         return None
     seen = _IN_BED if found["sleeps"] else _PRESENCE
     state = replace(read_state(f"{seen} {found['room']}"), words="")  # no device called Motion
@@ -159,7 +157,7 @@ def _of_people(text: str) -> Matches | None:
 
 
 def _of_state(text: str) -> Matches:
-    none = None if read_person(text) else _NONE.fullmatch(text)
+    none = None if read_person(text) else NOT.match(text)
     state = replace(read_state(none["state"] if none else text, _EXAMPLES, is_none=none is not None), is_none=False)
     if none is not None:
         check_known(text, Not(state.query))

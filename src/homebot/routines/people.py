@@ -1,22 +1,17 @@
 """People in the texts of routines: at home, arriving and leaving. Pure."""
 
-import re
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import And, NameIs, Not, Or, Query, StateIs, TypeIs, leaves
 from homebot.devices.query.vocabulary import HOUSEHOLD, HOUSEHOLD_FACTS
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.words.phrases import PERSON_IS, PERSON_MOVES
 
 AT_HOME: Final = "at_home"
 _ALL_AT_HOME: Final = "all_at_home"
 HOME_FACTS: Final = frozenset({AT_HOME, _ALL_AT_HOME})
 
-_IS: Final = re.compile(r"(?P<who>.+?) (?:is|are) (?P<no>not )?(?:at )?(?P<where>home|away)", re.IGNORECASE)
-_MOVES: Final = re.compile(
-    r"(?P<who>.+?) (?:(?P<comes>arrives?|comes?)(?: home)?|(?:leaves?|has left|have left|goes away)(?: home)?)",
-    re.IGNORECASE,
-)
 _FACTS: Final = {**HOUSEHOLD_FACTS, "all": HOUSEHOLD_FACTS["everybody"]}
 _ROBOT: Final = frozenset({"robot"})
 
@@ -46,7 +41,7 @@ def read_person(text: str) -> PersonState | None:
     Raises:
         UsageError: It may be meant in two ways.
     """
-    if (found := _IS.fullmatch(text)) is None:
+    if (found := PERSON_IS.match(text)) is None:
         return None
     is_home = (found["where"].casefold() == "home") is not bool(found["no"])
     who = fold(found["who"])
@@ -65,10 +60,10 @@ def read_move(text: str) -> PersonState | None:
     Raises:
         UsageError: It is the move of one of several, which is not known.
     """
-    found = _MOVES.fullmatch(text)
+    found = PERSON_MOVES.match(text)
     if found is None or fold(found["who"]) in _ROBOT:
         return None
-    who, comes = fold(found["who"]), bool(found["comes"])
+    who, comes = fold(found["who"]), bool(found.get("comes"))
     if who in _FACTS and _FACTS[who][0 if comes else 1] == StateIs(AT_HOME, "=", comes):
         return PersonState(HOUSEHOLD, comes)
     if who in _FACTS:

@@ -1,6 +1,5 @@
 """The steps of a routine, as text. Pure."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,44 +15,18 @@ from homebot.devices.text.colors import COLORS, WHITES
 from homebot.errors import UsageError
 from homebot.routines.triggers import Becomes, Press, read_press, read_state
 from homebot.support.folding import fold
+from homebot.support.numbers import to_number
 from homebot.support.similar import did_you_mean
+from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, WAIT, WAIT_UNTIL
 from homebot.words.times import read_duration
+from homebot.words.tokens import read_amount, split_steps
 
-_WAIT_UNTIL: Final = re.compile(r"wait until (?P<state>.+?),? at most (?P<most>.+)", re.IGNORECASE)
-_WAIT: Final = re.compile(r"wait (?P<length>\d.*)", re.IGNORECASE)
-_NOTIFY: Final = re.compile(r"notify:? (?P<text>.+)", re.IGNORECASE)
 APPLY: Final = "apply"
 """The command to a scene."""
 
-_SCENE: Final = re.compile(r"scene (?P<name>.+?)(?:, ?over (?P<length>\d.*))?", re.IGNORECASE | re.DOTALL)
-_DRIVE: Final = re.compile(r"(?P<robot>\w+) (?:go|goes|drive|drives) to (?:the )?(?P<room>.+)", re.IGNORECASE)
-_DIM: Final = re.compile(
-    r"(?P<target>.+?) (?P<way>dim|brighten|darken) while (?P<button>.+?) (?P<event>\w+|\"[^\"]+\"|'[^']+')",
-    re.IGNORECASE,
-)
-_OVER: Final = re.compile(r"over (?P<length>\d.*)", re.IGNORECASE)
-_NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)? ?(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
-_UNITS: Final = {"%": "level", "k": "color_temperature"}
-_HUE: Final = re.compile(r"color\s+(?P<value>\d+(?:\.\d+)?\s+\d+(?:\.\d+)?)", re.IGNORECASE)
-"""A colour by its hue in degrees and its saturation in per cent."""
+_UNITS: Final = {"%": "level", "k": "color_temperature", **dict.fromkeys(("", "c", "f", "°c", "°f"), "")}
+"""The units of numbers, with the capabilities that they mean."""
 
-_NO_TARGET: Final = re.compile(
-    r"turn\s.*|set\s.*\sto(?:\s.*)?|(?:.*\s)?(?:and|at|for|over|then|with)\s\S+", re.IGNORECASE
-)
-"""A target and a word after it that are not meant so."""
-_JOINT: Final = re.compile(r" ?[;,] ?(?:(?:and|then) )*| (?:(?:and|then) )+", re.IGNORECASE)
-_FIRST: Final = "write the device first, like"
-_VERBS: Final = "on|off|open|close|toggle|lock|unlock|start|stop|pause|play"
-_MEANT: Final = (
-    (r"wait for (?P<length>\d.*)", "write", ("wait {length}",)),
-    (r"(?P<do>.+?),? for (?P<length>\d.*)", "write three steps,", ("{do}", "wait {length}", "undo")),
-    (r"(?P<do>.+[^,]) over (?P<length>\d.*)", "write", ("{do}, over {length}",)),
-    (r"(?P<do>.+\son) (?:at|with) (?P<value>\d+ ?\D{0,2})", "write", ("{do}, {value}",)),
-    (r"(?P<target>.+) at (?P<value>\d+ ?\D{0,2})", "write", ("{target} {value}",)),
-    (r"(?:turn|set) (?P<target>.+) (?P<do>on|off|to\s.+)", _FIRST, ("{target} {do}",)),
-    (rf"(?:turn |switch )?(?P<do>{_VERBS}) (?:the )?(?P<target>.+)", _FIRST, ("{target} {do}",)),
-)
-"""How steps that are no command are written instead: a pattern, the advice, and the steps."""
 _WHAT: Final = "say what to do, such as on, off, open or 40 %; a device's own words follow a colon, as in 'washer: eco'"
 _HOW_LONG: Final = "write it like 'wait 5m' or 'wait until hall motion clear, at most 30m'"
 _HINTS: Final = {
@@ -180,22 +153,22 @@ def read_step(text: str) -> Step:
 def _read(plain: str) -> Step:
     if plain.casefold() == "undo":
         return Undo()
-    if (found := _NOTIFY.fullmatch(plain)) is not None:
+    if (found := NOTIFY.match(plain)) is not None:
         return Notify(found["text"])
-    if (until := _WAIT_UNTIL.fullmatch(plain)) is not None:
+    if (until := WAIT_UNTIL.match(plain)) is not None:
         return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain))
     if plain.casefold().startswith("wait until"):
         raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
-    if (pause := _WAIT.fullmatch(plain)) is not None:
+    if (pause := WAIT.match(plain)) is not None:
         return Wait(read_duration(pause["length"], plain, "s"))
-    if (driven := _DRIVE.fullmatch(plain)) is not None:
+    if (driven := DRIVE.match(plain)) is not None:
         return SendRobot(plain, driven["robot"].casefold(), driven["room"].strip('"'))
-    if (held := _DIM.fullmatch(plain)) is not None:
-        target, way, button, event = held.group("target", "way", "button", "event")
+    if (held := DIM.match(plain)) is not None:
+        target, way, button, event = held.values()
         if (press := read_press(f"{button} press {event}")) is not None:
             return Dim(plain, target, parse_query(target), way.casefold(), press)
-    if (scene := _SCENE.fullmatch(plain)) is not None:
-        length = read_duration(scene["length"], plain, "s") if scene["length"] else 0.0
+    if (scene := SCENE.match(plain)) is not None:
+        length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
         return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
     return _read_do(plain)
 
@@ -212,11 +185,11 @@ def _read_do(text: str) -> Do:
     words = text.split(" ")
     for place in range(1, len(words)):
         commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
-        is_read = _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands)
+        is_read = _is_command(commands[0]) and all(_is_command(one) or OVER.match(one) for one in commands)
         target = " ".join(words[:place])
         begun = (f"{target} {words[place]}", f"{target} {commands[0]}")
-        if is_read and not any(map(_NO_TARGET.fullmatch, begun)):
-            if _JOINT.search(target) and _several(text):
+        if is_read and not any(map(_is_no_target, begun)):
+            if len(split_steps(target)) > 1 and _several(text):
                 break
             is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
             if is_after and words[place - 1].casefold() in {"on", "off"}:
@@ -229,7 +202,7 @@ def _read_do(text: str) -> Do:
 
 def _several(text: str) -> str:
     """Return the advice to divide *text* if it is several steps; else empty."""
-    first, *others = _JOINT.split(text)
+    first, *others = split_steps(text)
     if not others:
         return ""
     try:
@@ -249,10 +222,10 @@ def _meant(text: str) -> str:
     Raises:
         UsageError: The steps would have another mistake.
     """
-    for pattern, advice, steps in _MEANT:
-        if (found := re.fullmatch(pattern, text, re.IGNORECASE)) is not None:
-            length = found.groupdict().get("length", "")
-            words = {**found.groupdict(), "length": f"{length}s" if length[-1:].isdigit() else length}
+    for form, advice, steps in MEANT_STEPS:
+        if (found := form.match(text)) is not None:
+            length = found.get("length", "")
+            words = {**found, "length": f"{length}s" if length[-1:].isdigit() else length}
             written = [one.format(**words) for one in steps]
             for one in written:
                 _read(one)
@@ -265,18 +238,25 @@ def _listed(steps: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
+def _is_no_target(text: str) -> bool:
+    """Return whether a target and a word after it are not meant so, as in ``turn …`` or ``… for 5m``."""
+    words = text.casefold().split(" ")
+    is_verb = words[0] == "turn" or (words[0] == "set" and "to" in words[2:])
+    return is_verb or words[-2] in {"and", "at", "for", "over", "then", "with"}
+
+
 def _is_command(text: str) -> bool:
     word = text.casefold()
-    if word in _WORDS or word.replace(" ", "_") in _WORDS or _HUE.fullmatch(word):
+    if word in _WORDS or word.replace(" ", "_") in _WORDS or _hue_of(word):
         return True
-    if _NUMBER.fullmatch(word) or (word.startswith(("brighter", "darker")) and is_relative(word)):
+    if _is_number(word) or (word.startswith(("brighter", "darker")) and is_relative(word)):
         return True
     words = word.removeprefix("set ").split(" ")
     for place in range(1, len(words)):
         name, value = " ".join(words[:place]), " ".join(words[place:])
         is_set = name.replace(" ", "_") in SETTABLE  # not heat, as in ``kitchen heat to 16 °C``
         number = value.removeprefix("to ") if is_set else ""
-        if name in _SETTABLE and (" " not in value or value in _WORDS or _NUMBER.fullmatch(number)):
+        if name in _SETTABLE and (" " not in value or value in _WORDS or _is_number(number)):
             return True
     return False
 
@@ -285,21 +265,36 @@ def _combined(text: str, target: str, commands: list[str]) -> Do:
     """Return one command for several words: ``on, 20 %, 2700 K``."""
     first, *others = commands
     values: list[tuple[str, str]] = []
-    over = _OVER.fullmatch(others[-1]) if others else None
+    over = OVER.match(others[-1]) if others else None
     transition = read_duration(over["length"], text, "s") if over is not None else 0.0
     others = others[:-1] if over is not None else others
     for one in others:
-        if (hue := _HUE.fullmatch(one)) is not None:
-            values.append(("color", hue["value"]))
+        if hue := _hue_of(one):
+            values.append(("color", hue))
             continue
-        number = _NUMBER.fullmatch(one)
-        capability = _UNITS.get((number["unit"] or "").casefold(), "") if number else _color_of(one)
-        if _OVER.fullmatch(one):
+        number = read_amount(one)
+        capability = _UNITS.get(number.unit.casefold(), "") if number else _color_of(one)
+        if OVER.match(one):
             raise UsageError(f"{text!r}: write {one!r} last")
         if not capability:
             raise UsageError(f"{text!r}: {one!r} cannot follow {first!r}; write it as a step of its own")
         values.append((capability, one))
     return Do(text, target, first, tuple(values), transition)
+
+
+def _is_number(text: str) -> bool:
+    number = read_amount(text)
+    return number is not None and number.unit.casefold() in _UNITS
+
+
+def _hue_of(text: str) -> str:
+    """Return the hue in degrees and the saturation in per cent of the colour *text*; empty for none."""
+    hue = HUE.match(text)
+    return (
+        hue["value"]
+        if hue and [number is not None for number in map(to_number, hue["value"].split())] == [True, True]
+        else ""
+    )
 
 
 def _color_of(word: str) -> str:

@@ -1,6 +1,5 @@
 """Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -12,24 +11,15 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import DevicePart
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
-from homebot.devices.query.tokens import tokens_of
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
 from homebot.support.folding import fold
+from homebot.words.phrases import ALL, ARRIVAL, INTERVAL, LASTING, LIMIT, MOTION, NO, NOBODY, PLACED_LIMIT, PRESS
 from homebot.words.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
+from homebot.words.tokens import split_at
 
-_LASTING: Final = re.compile(r"(?P<state>.+?) for (?P<length>\d[^,]*)")
-_PLACED_LIMIT: Final = re.compile(r" (?:below|above|under|over|<=?|>=?) ?\S")
-_LIMIT: Final = re.compile(
-    r"(?P<what>\w++)(?: in\b)?(?P<area>.*?)(?: (?:is|drops|falls|rises))?"
-    r" (?P<word>below|above|under|over)(?: (?P<number>\d[\d.]*))?",
-    re.IGNORECASE,
-)
-_NO: Final = re.compile(r"(?:no|none of) (?P<state>.+)", re.IGNORECASE)
-_MOTION: Final = re.compile(r"(?:motion|presence|occupancy)\b", re.IGNORECASE)
-_INTERVAL: Final = re.compile(r"every (?P<length>\d+ ?[a-z]+)", re.IGNORECASE)
-_ALL: Final = re.compile(r"(?:all|every|each)\s", re.IGNORECASE)
+_MAX_INTERVAL_BLANKS: Final = 2  # half an hour
 _STATES: Final = dict.fromkeys(
     ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
 )
@@ -39,18 +29,8 @@ _EXAMPLES: Final = {
     "time": "write a time like '22:00 on weekdays'",
     "sun": "write a moment like 'sunset - 30m'",
 }
-_PRESS: Final = re.compile(
-    r"(?P<query>.+?)(?:(?<=\S)#(?P<part>[^#'\"]+?))? (?:press|pressed|presses)"
-    r"(?: (?P<value>\w+|\"[^\"]+\"|'[^']+'))?",
-    re.IGNORECASE,
-)
 SUN: Final = {"sun is up": True, "sun is down": False, "it is dark": False, "it is light": True}
 """The texts of conditions about the sun, and whether it is up."""
-
-NOBODY: Final = re.compile(r"(?P<word>nobody|somebody) (?:is )?(?P<sleeps>sleeps )?in (?P<room>.+)", re.IGNORECASE)
-"""The text of conditions about people in a room."""
-
-_ARRIVAL: Final = re.compile(r"(?P<robot>\w+) (?P<word>arrives in|leaves) (?P<room>.+)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -144,7 +124,7 @@ def read_trigger(text: str) -> Trigger:
     with suppress(UsageError):  # `22:00 on sat and sun` is one time
         if (moment := DaysAndTime.read(plain)) is not None:
             return moment
-    if (interval := _INTERVAL.fullmatch(plain)) is not None:
+    if (interval := INTERVAL.match(plain)) is not None and interval["length"].count(" ") <= _MAX_INTERVAL_BLANKS:
         app = f"an app with `self.every('{interval['length']}', …)`"
         raise UsageError(f"{text!r}: a routine knows no interval; write its times, such as '8:00' and '8:30', or {app}")
     check_alone(plain, "or", "and")
@@ -165,22 +145,11 @@ def _read_other(plain: str) -> Trigger | None:
     person = read_move(plain) or read_person(plain)
     if person is not None:
         return PersonMoves(plain, *person)
-    if (found := _ARRIVAL.fullmatch(plain)) is not None:
+    if (found := ARRIVAL.match(plain)) is not None:
         return RobotArrival(
             found["robot"].casefold(), found["room"].strip('"'), leaves=found["word"].casefold() == "leaves"
         )
     return read_press(plain)
-
-
-def divided(text: str, word: str) -> list[str]:
-    """Return the parts of *text* between each *word* outside of brackets and quotation marks."""
-    parts, begin, depth = [], 0, 0
-    for token in tokens_of(text):
-        depth += (token.kind == "(") - (token.kind == ")")
-        if not depth and token.kind == "word" and token.text.casefold() == word:
-            parts.append(text[begin : token.at - 1].strip())
-            begin = token.at - 1 + len(word)
-    return [*parts, text[begin:].strip()]
 
 
 def is_no_state(text: str) -> bool:
@@ -190,7 +159,7 @@ def is_no_state(text: str) -> bool:
         UsageError: It is one with a mistake.
     """
     plain = text.casefold().removeprefix("not ")
-    if plain in SUN or NOBODY.fullmatch(plain) or read_span(plain) or _read_other(plain):
+    if plain in SUN or NOBODY.match(plain) or read_span(plain) or _read_other(plain):
         return True
     with suppress(UsageError):  # `on lamps` are no days
         return read_days_of_week(plain) is not None
@@ -204,7 +173,7 @@ def check_alone(text: str, *words: str) -> None:
         UsageError: It joins others.
     """
     for word in () if read_span(text) else words:
-        parts = divided(text, word)
+        parts = split_at(text, word)
         for part in filter(is_no_state, parts if len(parts) > 1 else ()):
             raise UsageError(f"{text!r}: `{word}` joins only states of devices here; write {part!r} for itself")
 
@@ -222,10 +191,13 @@ def read_press(text: str) -> Press | None:
     Raises:
         UsageError: Its device is not a query.
     """
-    if (pressed := _PRESS.fullmatch(text)) is None:
+    if (pressed := PRESS.match(text)) is None:
         return None
-    value = (pressed["value"] or "").strip("\"'").casefold()
-    return Press(text, parse_query(pressed["query"]), value, fold(pressed["part"] or ""), pressed["query"])
+    value = pressed["value"].strip("\"'").casefold()
+    query, _, part = pressed["query"].rpartition("#")
+    if not query or query.endswith(" ") or not part or not {"'", '"'}.isdisjoint(part):
+        query, part = pressed["query"], ""
+    return Press(text, parse_query(query), value, fold(part), query)
 
 
 def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:
@@ -239,22 +211,22 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
         UsageError: It is not a query, or contains no state.
     """
     check_alone(text, "or", "and")
-    lasting = _LASTING.fullmatch(text)
+    lasting = LASTING.match(text)
     state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:
         return Becomes(text, person.query, length)
-    if (none := _NO.fullmatch(state)) is not None:
+    if (none := NO.match(state)) is not None:
         state, is_none = none["state"], True
     what, _, placed = state.partition(" in ")
-    if (limit := _PLACED_LIMIT.search(placed)) is not None:  # a query has its room last
-        state = f"{what}{placed[limit.start() :]} in {placed[: limit.start()]}"
-    if _ALL.match(state):
+    if (limit := PLACED_LIMIT.match(placed)) is not None:  # a query has its room last
+        state = f"{what} {limit['sign']} {limit['limit']} in {limit['room']}"
+    if ALL.match(state):
         raise UsageError(
             f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'"
         )
     try:
         query = parse_query(state)
-        if is_none and _MOTION.match(state) and not any(isinstance(one, StateIs) for one in leaves(query)):
+        if is_none and MOTION.match(state) and not any(isinstance(one, StateIs) for one in leaves(query)):
             state = f"{state} occupied"
             query = parse_query(state)
     except UsageError as exc:
@@ -271,9 +243,10 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
 
 def _limit_hint(text: str) -> str:
     """Return how a limit is written if *text* seems to be one; else empty."""
-    found = _LIMIT.fullmatch(text)
+    found = LIMIT.match(text)
     can = CAPABILITIES.get(CAPABILITY_WORDS.get(fold(found["what"]), "")) if found else None
-    if found is None or can is None or can.kind != "number":
+    if found is None or can is None or can.kind != "number" or " " in found["number"]:
         return ""
-    area = f" in{found['area']}" if found["area"] else ""
-    return f"write it like '{found['what']}{area} {found['word']} {found['number'] or 18} {can.unit}'"
+    area = f" in {found['area']}" if found["area"] else ""
+    sign = found["sign"].removeprefix("is ")
+    return f"write it like '{found['what']}{area} {sign} {found['number'] or 18} {can.unit}'"

@@ -25,8 +25,8 @@ from homebot.devices.query.terms import (
     StateIs,
     type_is,
 )
-from homebot.devices.query.tokens import quoted
 from homebot.errors import UsageError
+from homebot.words.tokens import quoted
 
 LIGHT = frozenset({"light"})
 ON_LIGHT = StateIs("on_off", "=", True, LIGHT)

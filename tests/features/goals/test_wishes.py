@@ -109,7 +109,7 @@ def test_wishes_are_joined_and_the_last_subject_counts_on() -> None:
         ("wait 5s", "names no state that lasts"),
         ("rosie in hall and rosie in kitchen", "rosie cannot be in Hall and in Kitchen at once"),
         ("on", "names no device or no state"),
-        (" , and", "names no device or no state"),
+        (" , and", "the goal is empty"),
         ("", "the goal is empty"),
     ],
 )

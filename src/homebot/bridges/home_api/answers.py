@@ -16,7 +16,6 @@ from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.outcomes import OUTCOMES, Evidence
-from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.journal_words import (
     chain_lines,
     chains_of,
@@ -31,6 +30,7 @@ from homebot.devices.wording.time_format import iso
 from homebot.devices.wording.values import main_parts, span, state_text
 from homebot.support.folding import fold
 from homebot.support.printable import printable
+from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
     from homebot.devices import Device

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple, cast
 
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.devices.names import CHANGE_ROUTINE, QUERY_DEVICES
-from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError, UsageError
 from homebot.routines.text import routine_text
 from homebot.routines.triggers import button_names, read_press
 from homebot.support.folding import fold
 from homebot.support.printable import printable
+from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
     from homebot.devices import DevicePart

@@ -12,11 +12,11 @@ from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, find_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_table
-from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.time_format import ago
 from homebot.devices.wording.values import is_topic, life, main_parts, state_text, types
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
+from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
     from homebot.devices import Device

@@ -11,10 +11,10 @@ from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, print_note, unapproved, why_none
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
-from homebot.devices.query.tokens import MAX_QUERY, quoted
 from homebot.devices.wording.values import life, state_text, types
 from homebot.errors import PeerError
 from homebot.support.printable import printable
+from homebot.words.tokens import MAX_QUERY, quoted
 
 if TYPE_CHECKING:
     from homebot.devices.services import QueryDevicesResponse

@@ -15,11 +15,11 @@ from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_comman
 from homebot.cli.terminal import is_terminal
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, JOURNAL_ENTRIES
-from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.journal_words import clock_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import iso
 from homebot.support.output import CleanText, wants_colour
+from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
     from homebot.devices import Device, DeviceChange, StateChange

@@ -1,6 +1,5 @@
 """Comparisons in a text query: ``level>50``, ``temperature < 18 °C``, ``gateway=mqtt``, ``model="E27 bulb"``. Pure."""
 
-import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import get_args
@@ -24,27 +23,18 @@ from homebot.devices.query.terms import (
     TypeIs,
     type_is,
 )
-from homebot.devices.query.tokens import Token
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, FIELDS, TYPE_WORDS
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean, similar_to
-
-_SYMBOLS = (
-    *("%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz", "dB", "dBm"),
-    *("lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "m/s", "km/h", "kg"),
-)
-_NAMES = {"percent": "%", "degrees": "°C", "celsius": "°C", "fahrenheit": "°F", "watt": "W", "watts": "W", "volt": "V"}
-UNITS = {one: one for one in _SYMBOLS} | _NAMES
-"""Units that may follow a number, also by name. A capability has one, and any other is refused rather than ignored."""
+from homebot.words.tokens import Token, read_amount
 
 _ALIKE = 0.6
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 _FRESHNESS = ("fresh", "unconfirmed", "stale")
 _CATEGORIES = ("config", "diagnostic")
 _REACHABLE = {"yes": "yes", "true": "yes", "no": "no", "false": "no", "unknown": "unknown"}
-_NUMBER = re.compile(r"([+-]?\d{1,15}(?:\.\d{1,15})?)(\D*)")
 _CONTACT = {"open": True, "closed": False}
 
 
@@ -106,11 +96,11 @@ def _flag(capability: CapabilityType, value: Token) -> bool:
 
 
 def _number(capability: CapabilityType, value: Token) -> float:
-    number = _NUMBER.fullmatch(value.text)
-    if number is None or number[2] not in {"", capability.unit, capability.unit.removeprefix("°")}:
+    number = read_amount(value.text)
+    if number is None or number.unit not in {"", capability.unit, capability.unit.removeprefix("°")}:
         unit = f" in {capability.unit}" if capability.unit else ""
         raise UsageError(f"{capability.name} is a number{unit}, not {value.text!r}")
-    return float(number[1])
+    return float(number.number)
 
 
 def _option(capability: CapabilityType, value: Token) -> str:

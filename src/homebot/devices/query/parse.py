@@ -30,7 +30,7 @@ from typing import TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query.comparison import UNITS, comparison
+from homebot.devices.query.comparison import comparison
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -53,7 +53,6 @@ from homebot.devices.query.terms import (
     leaves,
     split_near,
 )
-from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
     ADJECTIVES,
     CAPABILITY_WORDS,
@@ -69,6 +68,7 @@ from homebot.devices.query.vocabulary import (
 from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
+from homebot.words.tokens import UNITS, Token, tokens_of
 
 __all__ = ["parse_query"]
 

@@ -1,6 +1,5 @@
 """The wishes of a goal in words. Pure."""
 
-import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Final, TypeAlias
@@ -13,31 +12,17 @@ from homebot.routines.people import AT_HOME
 from homebot.routines.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
+from homebot.words.phrases import AT_VALUE, DOCKED, IN_ROOM, IS, LIT, NUMBERED, ROOM, SCENE_WISH, STATE_WISH, THE
+from homebot.words.tokens import has_code, split_at
 
 DOCK: Final = "dock"
 """The room of a wish for a robot in its dock."""
 
-_JOINT: Final = re.compile(r'"[^"]*"|\([^()]*\)| and |,', re.IGNORECASE)
-"""What joins wishes, or a text in which nothing joins them."""
-_THE: Final = re.compile(r"^the ", re.IGNORECASE)
-_IS: Final = r" (?:(?:is|are) )?(?P<no>not )?"
-_LIT: Final = re.compile(rf"(?P<room>.+?){_IS}(?P<word>lit|dark)", re.IGNORECASE)
-_IN: Final = re.compile(rf"(?P<robot>[\w-]+){_IS}in (?:the )?(?P<room>.+)", re.IGNORECASE)
-_DOCKED: Final = re.compile(
-    r"(?P<robot>[\w-]+) (?:is )?(?P<way>docked|charging|(?:back )?(?:at|in|on) (?:the |its )?"
-    r"(?:dock|docking station|charging station|charger))",
-    re.IGNORECASE,
-)
-_SCENE: Final = re.compile(r"(?:scene (?P<name>.+)|(?P<named>.+) scene)", re.IGNORECASE)
-_STATE: Final = re.compile(rf"(?P<what>.+?){_IS}(?P<state>\w+)(?P<where> in .+)?", re.IGNORECASE | re.DOTALL)
-_AT: Final = re.compile(r" (?:(?:is|are) )?(?:at|set to) (?=[\d+-])", re.IGNORECASE)
-
-_CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
+_AT_DOCK: Final = frozenset({"at", "in", "on"})
 _OPPOSITES: Final = {"on": "off", "open": "closed", "locked": "unlocked", "lit": "dark"}
 _OPPOSITE: Final = _OPPOSITES | {other: one for one, other in _OPPOSITES.items()}
 _EVERYWHERE: Final = frozenset({"house", "home", "whole house", "everything"})
 _COMMANDS: Final = {"closed": "close", "docked": "dock"}
-_NUMBERED: Final = re.compile(r"(?P<rest>[^\d]+?) (?P<number>\d.*)")
 _ONCE: Final = frozenset({"toggle", "apply", "push", "press"})
 _TYPO: Final = 0.7
 _EXAMPLES: Final = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
@@ -105,7 +90,7 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     Raises:
         UsageError: A wish is not understood, or names no room or scene; the message suggests one.
     """
-    if _CODE.search(text):
+    if has_code(text):
         raise UsageError("a goal has no code, as it is journaled; give it before: homebot do LOCK unlock --ask-code")
     found = [_wish(one, known) for one in _phrases(" ".join(text.split()))]
     if not found:
@@ -122,9 +107,8 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
 def _phrases(text: str) -> Iterator[str]:
     """Yield the wishes in *text*; a state alone is of the subject before it, as in ``front door closed and locked``."""
     subject = ""
-    joints = [one.span() for one in _JOINT.finditer(text) if one[0][0] not in '"(']
-    for begin, end in zip((0, *(end for _, end in joints)), (*(begin for begin, _ in joints), None), strict=True):
-        if phrase := text[begin:end].strip().removesuffix("."):
+    for part in split_at(text, "and", ","):
+        if phrase := part.removesuffix("."):
             if fold(phrase) in ADJECTIVES and subject:
                 phrase = f"{subject} {phrase}"
             subject = phrase.rpartition(" ")[0]
@@ -132,11 +116,11 @@ def _phrases(text: str) -> Iterator[str]:
 
 
 def _wish(text: str, known: KnownNames) -> Wish:
-    plain = _THE.sub("", text)
+    plain = _without_the(text)
     first, _, rest = plain.partition(" ")
     is_not = fold(first) in {"no", "not"} and bool(rest)
-    plain = _THE.sub("", rest) if is_not else plain
-    if (lit := _LIT.fullmatch(plain)) is not None:
+    plain = _without_the(rest) if is_not else plain
+    if (lit := LIT.match(plain)) is not None:
         is_lit = (fold(lit["word"]) == "lit") ^ is_not ^ bool(lit["no"])
         area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
         return RoomWish(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
@@ -146,23 +130,25 @@ def _wish(text: str, known: KnownNames) -> Wish:
 
 
 def _of_robot(text: str, plain: str, known: KnownNames, *, is_not: bool) -> RobotWish | None:
-    docked = _DOCKED.fullmatch(plain)
-    if docked is not None and not is_not and (" " in docked["way"] or _named(docked["robot"], known.robots)):
+    docked = DOCKED.match(plain)
+    if docked is not None and not is_not and (docked["way"] in _AT_DOCK or _named(docked["robot"], known.robots)):
         return RobotWish(text, docked["robot"], DOCK)
-    placed = _IN.fullmatch(plain)
+    placed = IN_ROOM.match(plain)
     if placed is None or (not _named(placed["room"], known.rooms) and _ends_with_state(plain)):
         return None
     return RobotWish(text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed["no"]))
 
 
 def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
-    found = _STATE.fullmatch(plain)
+    found = STATE_WISH.match(plain)
     if found is not None and (state := fold(found["state"])) in ADJECTIVES:
         if is_not ^ bool(found["no"]):
             state = _OPPOSITE.get(state, "")
         if state:
-            return _of_parts(text, f"{found['what']}{found['where'] or ''}", state, known)
-    words = _AT.sub(" ", plain)
+            return _of_parts(
+                text, f"{found['what']} in {found['where']}" if "where" in found else found["what"], state, known
+            )
+    words = _without_at(plain)
     if is_not or " not " in fold(words):
         raise UsageError(f"{text!r}: what should be so instead is unclear; say that")
     try:
@@ -182,9 +168,9 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
 
 
 def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateWish:
-    target = re.sub(r" (?:is|are)$", "", target, flags=re.IGNORECASE)
+    target = being["what"] if (being := IS.match(target)) else target
     area = _named(target, known.areas)
-    if area and (named := _NUMBERED.fullmatch(command)) is not None:  # living heat 19
+    if area and (named := NUMBERED.match(command)) is not None:  # living heat 19
         area, target, command = "", f"{target} {named['rest']}", named["number"]
     if area and command in {"on", "off"}:
         raise UsageError(f"{text!r} would mean everything in it; say '{area} lit', or 'lights in {area} {command}'")
@@ -196,8 +182,8 @@ def _scene(text: str, scenes: Collection[str]) -> str:
     """Return the scene that *text* names; empty for none."""
     if found := _named(text, scenes):
         return found
-    named = _SCENE.fullmatch(text)
-    name = "" if named is None else (named["name"] or named["named"]).strip('"')
+    named = SCENE_WISH.match(text)
+    name = "" if named is None else named["name"].strip('"')
     if not name or (found := _named(name, scenes)):
         return found if name else ""
     raise UsageError(f"there is no scene {name!r}; {did_you_mean(name, scenes, '`homebot scene list` shows all')}")
@@ -205,7 +191,7 @@ def _scene(text: str, scenes: Collection[str]) -> str:
 
 def _area(name: str, areas: Collection[str]) -> str:
     name = name.strip('"')
-    if found := _named(name, areas) or _named(re.sub(r" room$", "", name, flags=re.IGNORECASE), areas):
+    if found := _named(name, areas) or _named(room["name"] if (room := ROOM.match(name)) else name, areas):
         return found
     hint = did_you_mean(name, areas, f"rooms are {', '.join(areas) or 'none'}")
     raise UsageError(f"there is no room {name!r}; {hint}")
@@ -215,9 +201,20 @@ def _named(name: str, names: Collection[str]) -> str:
     return next((one for one in names if fold(one) == fold(name)), "")
 
 
+def _without_the(text: str) -> str:
+    found = THE.match(text)
+    return found["what"] if found else text
+
+
+def _without_at(text: str) -> str:
+    """Return *text* without the words before a value, as in ``heater is set to 21``."""
+    found = AT_VALUE.match(text)
+    return f"{found['what']} {found['value']}" if found else text
+
+
 def _ends_with_state(text: str) -> bool:
     try:
-        read_step(_AT.sub(" ", text))
+        read_step(_without_at(text))
     except UsageError:
         return False
     return True

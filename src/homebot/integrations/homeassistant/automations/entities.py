@@ -10,11 +10,11 @@ from typing import Final, NamedTuple, TypeVar, final
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.tokens import quoted
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.folding import fold
 from homebot.support.located import Located
+from homebot.words.tokens import quoted
 
 _ID: Final = re.compile(r"[a-z_]+\.[a-z0-9_]+")
 _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\))?")

@@ -1,0 +1,77 @@
+"""What a stranger writes costs as much as it is long."""
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Callable, Iterator
+from re import _constants as codes  # type: ignore[attr-defined]
+from re import _parser as parser  # type: ignore[attr-defined]
+from typing import Any
+
+import pytest
+from tests.call_counts import calls
+
+import homebot.words
+from homebot.control.policies.command_pattern import read_pattern
+from homebot.devices.query.parse import parse_query
+from homebot.errors import UsageError
+from homebot.features.goals.wishes import KnownNames, read_wishes
+from homebot.routines.conditions import read_condition
+from homebot.routines.steps import read_step
+from homebot.routines.triggers import read_trigger
+from homebot.words.tokens import MAX_QUERY, Phrase
+
+READERS: tuple[tuple[Callable[[str], object], str], ...] = (
+    (parse_query, "(not "),
+    (parse_query, "is is below "),
+    (read_trigger, "no temperature in "),
+    (read_trigger, "x press for 1 "),
+    (read_condition, "nobody is sleeps in or "),
+    (read_step, "wait until x, at most "),
+    (read_step, "and then a on, 1, "),
+    (lambda text: read_wishes(text, KnownNames()), "is at the dock and "),
+    (read_pattern, "turn on not "),
+)
+
+
+@pytest.mark.parametrize(("read", "piece"), READERS)
+def test_a_text_that_is_too_long_is_refused_at_once(read: Callable[[str], object], piece: str) -> None:
+    def work() -> None:
+        with pytest.raises(UsageError):
+            read(piece * (20_000 // len(piece)))
+
+    assert calls(work) < 20 * MAX_QUERY
+
+
+def test_a_form_costs_as_much_as_its_text_is_long() -> None:
+    form = Phrase("{first} for {second} for {third} for {fourth} for [x] end")
+
+    def count(length: int) -> int:
+        return calls(lambda: form.match("for " * length))
+
+    assert count(200) < 2.2 * count(100)
+
+
+def test_no_expression_repeats_what_repeats() -> None:
+    expressions = [value for module in _modules() for value in vars(module).values() if isinstance(value, re.Pattern)]
+    assert expressions
+    for expression in expressions:
+        assert not _is_nested(parser.parse(expression.pattern, expression.flags), is_inside=False), expression.pattern
+
+
+def _modules() -> Iterator[Any]:
+    for module in pkgutil.iter_modules(homebot.words.__path__):
+        yield importlib.import_module(f"homebot.words.{module.name}")
+
+
+def _is_nested(items: Any, *, is_inside: bool) -> bool:
+    """Return whether an unbounded repetition is in another one."""
+    for code, argument in items:
+        is_loop = code in {codes.MAX_REPEAT, codes.MIN_REPEAT} and argument[1] == codes.MAXREPEAT
+        if is_loop and is_inside:
+            return True
+        inner = argument if isinstance(argument, tuple | list) else ()
+        for part in (*inner, *(choice for choices in inner if isinstance(choices, list) for choice in choices)):
+            if isinstance(part, parser.SubPattern) and _is_nested(part, is_inside=is_inside or is_loop):
+                return True
+    return False
