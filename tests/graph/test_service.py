@@ -389,3 +389,15 @@ async def test_another_type_on_a_service_name_is_refused(node: Node, client: Tri
         node.create_client(SetBool, "s")
     client.close()
     assert graph.get_service_type("/s") is None
+
+
+async def test_the_types_of_services_are_listed_although_the_first_call_of_one_withdraws_another(graph: Graph) -> None:
+    async with Node(graph, "late") as node:
+
+        def start() -> None:
+            node.create_service(Trigger, "/one", lambda _: answer())
+            graph.get_service_type("/two")  # starts that as well
+
+        node.offer_service("std_srvs/srv/Trigger", "/one", start)
+        node.offer_service("std_srvs/srv/Empty", "/two", lambda: None)
+        assert Trigger in graph.get_service_types()

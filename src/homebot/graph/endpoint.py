@@ -1,6 +1,6 @@
 """Entities of the graph: their descriptions, and the index that finds them. Pure."""
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple, TypeAlias, final
@@ -147,9 +147,9 @@ class EndpointIndex:
         """Return how many entities one *node* has."""
         return len(self._by_node.get(node, {}))
 
-    def first_of_each_type(self, kind: EntityKind) -> Iterator[EndpointInfo]:
-        """Yield the oldest entity of one *kind* for each ROS type."""
-        return (next(iter(entities.values())) for entities in tuple(self._by_type[kind].values()))
+    def first_of_each_type(self, kind: EntityKind) -> tuple[EndpointInfo, ...]:
+        """Return the oldest entity of one *kind* for each ROS type."""
+        return tuple([next(iter(entities.values())) for entities in self._by_type[kind].values()])
 
     def of_type(self, kind: EntityKind, ros_type: str) -> tuple[EndpointInfo, ...]:
         """Return the entities of one *kind* with the full ROS type *ros_type*."""
