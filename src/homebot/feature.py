@@ -30,7 +30,7 @@ class Verb(NamedTuple):
     Attributes:
         purpose: Its use, in a line.
         add_arguments: The function that adds its arguments to a parser, as ``module:name``.
-        after: The command of the core that it follows in the help; by default it is one of the last.
+        after: The command that it follows in the help; by default it is one of the last.
     """
 
     purpose: str
@@ -89,6 +89,8 @@ class Feature:
             the node and a :class:`~homebot.feature_context.FeatureContext` when one is first used.
         services: Its services and actions.
         stores: Names of stores of work to finish after a restart: with anything in one, *server* is called at once.
+        keeps_apps: A word such as ``routine`` for the apps that its server, an
+            :class:`~homebot.feature_context.AppKeeper`, keeps beside those of the configuration; empty for none.
         runs: An async function that runs all the time, from two seconds after the start; called with the context.
         is_wanted: Returns whether *runs* is to run, and its modules to be loaded.
         files: Its data files beside that of the directory, which backups have, with their schemas as ``module:name``.
@@ -105,6 +107,7 @@ class Feature:
     server: str = ""
     services: tuple[OfferedService, ...] = ()
     stores: tuple[str, ...] = ()
+    keeps_apps: str = ""
     runs: str = ""
     is_wanted: Callable[[RunFacts], bool] = lambda _: True
     files: Mapping[str, str] = field(default_factory=dict)

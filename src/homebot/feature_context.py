@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 __all__ = ["FeatureContext"]
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, MutableMapping
+    from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, MutableMapping, Sequence
     from datetime import tzinfo
     from pathlib import Path
 
     from pydantic import BaseModel
 
     from homebot.apps import App
-    from homebot.config import HomeSettings
+    from homebot.config import Config, HomeSettings
     from homebot.control import Control
     from homebot.discovery import Directory
     from homebot.graph import Graph
@@ -26,6 +26,54 @@ class FeatureServer(Protocol):
 
     def serve(self, name: str) -> None:
         """Create the service or action *name*, which is used for the first time."""
+
+
+class AppKeeper(Protocol):
+    """The server of a feature that keeps apps beside those of the configuration.
+
+    Attributes:
+        problems: Why apps that it keeps do not run, by name.
+    """
+
+    problems: dict[str, str]
+
+    def kept_apps(self) -> Iterable[str]:
+        """Return the names of the apps to start."""
+
+    def added_to(self, config: Config) -> Config:
+        """Return *config* with the tables of these apps but the wrong ones; called in a thread."""
+
+    def grant_all(self) -> None:
+        """Bring the rights of these apps in line with their tables."""
+
+    async def hints(self, names: Collection[str] = ()) -> Mapping[str, Sequence[str]]:
+        """Return the faults of all in the house as it is now, or of those *names* for people, by name."""
+
+
+class HouseApps(Protocol):
+    """The apps of the house.
+
+    Attributes:
+        running_apps: Those that run, by name.
+        grants: The scope of each that may not command everything, by the full name of its node.
+        tables: The table of each in words, likewise.
+    """
+
+    running_apps: Mapping[str, App]
+    grants: dict[str, tuple[str, ...]]
+    tables: dict[str, str]
+
+    def wrong_apps(self, table: str) -> Mapping[str, str]:
+        """Return why apps of an array of tables do not run, by name."""
+
+    async def load(self, *names: str) -> str:
+        """Start apps, all or none."""
+
+    async def unload(self, name: str) -> str:
+        """Stop an app."""
+
+    async def reload(self, name: str) -> str:
+        """Restart an app with its current settings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +87,7 @@ class FeatureContext:
         home: The table ``[home]``, such as the language of texts for people, and the place.
         zone: The time zone of the home; None for the computer's.
         file: Returns the path of a data file; None if the run keeps nothing in files.
+        apps: The apps of the house, which a feature may start, stop and limit.
         run_app: Runs an app with its settings in a node of that name, until cancelled.
         control: Returns the control layer; None before it runs.
         directory: Returns the directory; None before it runs.
@@ -53,6 +102,7 @@ class FeatureContext:
     home: HomeSettings
     zone: tzinfo | None
     file: Callable[[str], Path | None]
+    apps: HouseApps
     run_app: Callable[[str, type[App[Any]], BaseModel], Awaitable[None]]
     control: Callable[[], Control | None]
     directory: Callable[[], Directory | None]

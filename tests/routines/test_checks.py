@@ -48,7 +48,8 @@ async def hints(*routines: Mapping[str, object]) -> Mapping[str, Sequence[str]]:
         await house.run_for("1m")
         answer = await owner.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
         for one in answer.routines:  # the same, asked for one alone
-            alone = await house.runtime.app_host.routine_problems([one.name])
+            ((_, keeper),) = house.runtime.app_host.keepers()
+            alone = await keeper.hints([one.name])
             assert sorted(alone.get(one.name, ())) == sorted(one.hints)
         troubles = (await owner.create_client(GetHealth, RUNTIME_HEALTH).call(HealthRequest())).troubles
     found = {one.name: one.hints for one in answer.routines if one.hints}

@@ -6,7 +6,6 @@ import shlex
 
 import pytest
 
-from homebot.cli.commands import routine
 from homebot.devices.app_messages import (
     ChangeRoutine,
     ChangeRoutineRequest,
@@ -16,6 +15,7 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
 )
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
+from homebot.features.routines import command
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.devices import SimulatedDoorLock
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.virtual_time
 
 TEXT = '[[routines]]\nname = "Let in"\nwhen = ["7:00"]\ndo = ["front door unlock"]\nact = {act}\n'
 PARSER = argparse.ArgumentParser()
-routine.add_arguments(PARSER)
+command.add_arguments(PARSER)
 
 
 class Owner:

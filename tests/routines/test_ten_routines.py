@@ -12,9 +12,9 @@ import pytest
 from tests.routines.week import ROUTINES, Week, week
 
 from homebot.config import Config, Table, load_config
+from homebot.features.routines.trial import trial_config
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay, replay_config
-from homebot.replay.routine_trial import trial_config
 from homebot.routines.export import app_text, class_name
 from homebot.routines.text import read_routines, read_settings
 from homebot.testing import VirtualTimeLoop

@@ -10,8 +10,8 @@ from tests.apps.houses import hall
 from tests.replay.recorded_days import MemorySink
 
 from homebot.cli.main import main
-from homebot.cli.routine_trial import trial_lines
 from homebot.config import parse_config
+from homebot.features.routines.command_trial import trial_lines
 from homebot.recording.recording import load_recording
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 

@@ -17,11 +17,11 @@ from homebot.apps.notifier import Notification
 from homebot.config import load_config, parse_settings
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.features.routines.trial import routines_of
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.recording.recording import Recording
-from homebot.replay.routine_trial import routines_of
 from homebot.routines.checks import asked_about
 from homebot.routines.settings import RoutineSettings
 from homebot.support.virtual_time import VirtualTimeLoop

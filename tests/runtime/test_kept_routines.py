@@ -29,9 +29,10 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
 )
 from homebot.devices.health import GetHealth, HealthRequest
-from homebot.devices.names import CHANGE_ROUTINE, HOME_PLACE, LIST_ROUTINES, PROPOSE_ROUTINE, RELOAD, RUNTIME_HEALTH
+from homebot.devices.names import CHANGE_ROUTINE, HOME_PLACE, LIST_ROUTINES, RELOAD, RUNTIME_HEALTH
 from homebot.devices.own_services import right_to_call
 from homebot.errors import ConfigError
+from homebot.features.routines import PROPOSE_ROUTINE
 from homebot.graph import Node
 from homebot.rights import Right
 from homebot.runtime import Runtime
@@ -50,7 +51,7 @@ class Owner:
 
     def __init__(self, node: Node) -> None:
         self._change = node.create_client(ChangeRoutine, CHANGE_ROUTINE)
-        self._propose = node.create_client(ProposeRoutine, PROPOSE_ROUTINE)
+        self._propose = node.create_client(ProposeRoutine, PROPOSE_ROUTINE.name)
         self._list = node.create_client(ListRoutines, LIST_ROUTINES)
         self._health = node.create_client(GetHealth, RUNTIME_HEALTH)
         self._reload = node.create_client(Reload, RELOAD)
@@ -444,11 +445,6 @@ async def test_proposals_are_limited_and_come_one_at_a_time(tmp_path: Path) -> N
             assert (await owner.propose(ProposeRoutineRequest(text=text))).success
         answer = await owner.propose(ProposeRoutineRequest(text=EVENING))
         assert answer.message == "20 proposals wait for the owner, which is the limit"
-
-
-def test_a_client_may_propose_with_the_right_to_act_and_write_with_that_to_manage() -> None:
-    rights = [right_to_call(name) for name in (LIST_ROUTINES, PROPOSE_ROUTINE, CHANGE_ROUTINE)]
-    assert rights == [Right.READ, Right.ACT, Right.MANAGE]
 
 
 async def test_where_the_home_is_hears_no_client_that_may_only_read(tmp_path: Path) -> None:

@@ -28,8 +28,6 @@ COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "new": "create a folder with an app, or a package for devices or with a feature, with tests",
     "app": "list, load, unload and reload apps of a running homebot",
-    "bind": "let a button do something",
-    "routine": "list and show routines, start them, switch them on and off",
     "group": "list groups of devices, with their members",
     "config": "check the configuration",
     "devices": "list the devices in the house",
@@ -163,10 +161,12 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 def all_commands() -> dict[str, str]:
     """Return the purpose of each command, of the core and of features."""
-    order = {name: place for place, name in enumerate(COMMANDS)}
-    purposes = {name: verb.purpose for name, verb in _verbs().items()} | COMMANDS
-    places = {name: order.get(verb.after, len(order)) + 0.5 for name, verb in _verbs().items()} | order
-    return dict(sorted(purposes.items(), key=lambda item: places[item[0]]))
+    order, verbs = list(COMMANDS), _verbs()
+    waiting = sorted(verbs, key=lambda name: verbs[name].after in verbs)  # last those that follow another of these
+    for name in waiting:
+        after = verbs[name].after
+        order.insert(order.index(after) + 1 if after in order else len(order), name)
+    return {name: verbs[name].purpose if name in verbs else COMMANDS[name] for name in order}
 
 
 def _verbs() -> "dict[str, Verb]":

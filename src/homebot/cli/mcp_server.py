@@ -16,7 +16,6 @@ from typing import Annotated, Any, Final, TypeAlias
 from urllib.parse import quote, unquote, urlencode
 
 import httpx2
-from anyio import to_thread
 from mcp.server.elicitation import AcceptedElicitation, ElicitationResult
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
@@ -31,14 +30,12 @@ from homebot.bridges.home_api.shapes import (
     DeviceList,
     HomeAnswer,
     OutcomeAnswer,
-    ProposalAnswer,
     WhyAnswer,
 )
 from homebot.cli.door_address import DoorAddress
 from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.services import MOST_LISTED
-from homebot.errors import HomebotError
 from homebot.feature import all_features, load
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
@@ -61,7 +58,6 @@ _MOST: Final = 4 * 1024 * 1024
 _NO_RIGHT: Final = "the right "
 """The beginning of a refusal of a goal because of a missing right."""
 
-_MOST_LINES: Final = 40
 """The newest lines of a trial that an agent gets."""
 
 _MOST_AT_ONCE: Final = 32
@@ -89,12 +85,6 @@ class _Unasked(Sure):
     """This client cannot ask its person, so homebot asks those in the house."""
 
     confirm: bool = True
-
-
-class _TriedProposal(ProposalAnswer):
-    """The result of a proposal, and the newest lines of its trial."""
-
-    trial: list[str]
 
 
 class _CandidateLine(BaseModel):
@@ -223,7 +213,7 @@ class _HouseServer(MCPServer):
 def house_server(api: ApiClient) -> MCPServer:
     """Return a server with tools that use *api*."""
     server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
-    for add in (_add_questions, _add_command, _add_identification, _add_routines):
+    for add in (_add_questions, _add_command, _add_identification):
         add(server, api)
     for feature in all_features():
         if feature.tools:
@@ -299,38 +289,12 @@ def _add_identification(server: MCPServer, api: ApiClient) -> None:
     server.add_tool(identify, annotations=ACTS)
 
 
-def _add_routines(server: MCPServer, api: ApiClient) -> None:
-    async def propose_routine(
-        text: Annotated[str, Field(max_length=20_000, description="TOML")],
-        days: Annotated[float, Field(gt=0.0, le=366.0, description="of the trial")] = 7.0,
-    ) -> Annotated[CallToolResult, _TriedProposal]:
-        """Propose a rule to the owner, who enables it or not; returns what it would have done in the last days.
-
-        TOML: `name="Hall"`, `when=["hall motion occupied", "22:00"]`, `if=["sun is down"]`,
-        `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
-        """
-        answer = json.loads(await api.post("/api/routines", {"text": text}))
-        trial = await to_thread.run_sync(_trial, api.address, text, days)
-        return tool_answer(json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False))
-
-    server.add_tool(propose_routine, annotations=ACTS)
-
-
 def tool_answer(text: str) -> CallToolResult:
     """Return *text*, which is JSON, for the agent as it is and for programs by the schema of the tool."""
     try:
         return CallToolResult(content=[TextContent(type="text", text=text)], structured_content=json.loads(text))
     except ValueError as exc:
         raise _MistakeError(_refusal(text)) from exc
-
-
-def _trial(address: DoorAddress, text: str, days: float) -> list[str]:
-    from homebot.cli.routine_trial import text_trial  # noqa: PLC0415 - a replay needs the whole runtime
-
-    try:
-        return text_trial(address, text, days * 86_400.0)
-    except HomebotError as exc:
-        return [f"no trial: {exc}"]
 
 
 def _targets(details: list[Any], named: str | list[str]) -> list[str]:

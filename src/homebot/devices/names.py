@@ -61,7 +61,6 @@ RELOAD_APP = "/apps/reload"
 HOME_PLACE = "/homebot/place"
 LIST_ROUTINES = "/routines/list"
 CHANGE_ROUTINE = "/routines/change"
-PROPOSE_ROUTINE = "/routines/propose"
 LIST_SCENES = "/scenes/list"
 CHANGE_SCENE = "/scenes/change"
 APPLY_SCENE = "/scenes/apply"
@@ -87,7 +86,6 @@ OWN_NAMESPACES = frozenset(
         "parameter_events",
         "robots",
         "rosapi",
-        "routines",
         "rosbridge_websocket",
         "rosout",
         "subscribe_to_mqtt_topic",

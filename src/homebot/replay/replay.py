@@ -138,7 +138,11 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
             doings = ReplayPeople(node, recording, feed)
             people.start_soon(doings.run)
             await feed.play(doings.ask_directory)
-            hints = await runtime.app_host.routine_problems()
+            hints = {
+                name: found
+                for _, keeper in runtime.app_host.keepers()
+                for name, found in (await keeper.hints()).items()
+            }
             people.cancel_scope.cancel()
             devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections import deque
-from contextlib import suppress
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, final
 
@@ -14,13 +12,11 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.apps.created_tasks import APP_NODE
-from homebot.apps.grants import queries_of
 from homebot.clock import Clock, LoopClock
-from homebot.config import Config, Urgency
-from homebot.devices.client_rights import EDIT_ROUTINE
+from homebot.config import Urgency
 from homebot.devices.health import Count
 from homebot.devices.house_view import HouseView
-from homebot.errors import ConfigError
+from homebot.feature import plugin_tables
 from homebot.graph import Graph, Node
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.counters import Severity
@@ -29,24 +25,17 @@ from homebot.support.production_loop import is_ours_or_the_users
 
 if TYPE_CHECKING:
     import asyncio
-    from collections.abc import AsyncIterator, Callable, Collection, Iterator, Mapping, MutableMapping
+    from collections.abc import AsyncIterator, Callable, Iterable, Iterator, MutableMapping
     from types import FrameType
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
-    from homebot.control import Control
-    from homebot.routines.checks import HouseChecks
-    from homebot.routines.effects import Effect
-    from homebot.routines.routine import Routine
-    from homebot.runtime.kept_routines import KeptRoutines
+    from homebot.feature_context import AppKeeper
 
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 
 _MOST_REHEARSED = 10_000
-_ROUTINES = "routines."
-_ROUTINE_MODULE = "homebot.routines.routine"
-_KEPT_ROUTINES = "routines"
 IDENTIFY_VALUES = "identify/values"
 """The names of stores that no app can have."""
 
@@ -65,6 +54,11 @@ class RehearsedAct(NamedTuple):
     text: str
 
 
+def table_of(kind: type[object]) -> str:
+    """Return the key of the array of tables that configures apps of the class *kind*; empty for ``[apps.NAME]``."""
+    return plugin_tables().get(f"{kind.__module__}:{kind.__qualname__}", "")
+
+
 @final
 class AppHost:
     """The surroundings of apps: nodes, context and stores.
@@ -72,6 +66,7 @@ class AppHost:
     Args:
         plan: Contains the zone and the location of the home, and the settings of notifications.
         file: The file of the app stores; None for none.
+        keepers: Returns the features that keep apps, each with the word for these.
         rehearses: Whether robots are not sent, as in a replay or dry run.
 
     Attributes:
@@ -86,16 +81,16 @@ class AppHost:
         plan: Plan,
         file: Path | None,
         clock: Clock,
-        control: Callable[[], Control | None],
+        keepers: Callable[[], Iterable[tuple[str, AppKeeper]]],
         *,
         rehearses: bool = False,
     ) -> None:
         self._graph = graph
-        self._control = control
+        self.keepers = keepers
         self._file = file
         self._clock = clock
         self.began_at = clock.now()
-        self._grants, self._tables = plan.grants, plan.tables
+        self.grants, self.tables = plan.grants, plan.tables
         self._notify_settings = plan.notify
         self._notifier: Notifier | None = None
         self._main: Node
@@ -125,34 +120,11 @@ class AppHost:
             self._notifier = Notifier(self._main, self._notify_settings)
         return self._notifier
 
-    @property
-    def wrong_routines(self) -> dict[str, str]:
-        """The problems of the routines of the configuration that do not run, by the names of their apps."""
-        wrong = {
-            key.removeprefix(_ROUTINES): str(one) for key, one in self.left_out.items() if key.startswith(_ROUTINES)
-        }
-        return {app: problem for app, problem in wrong.items() if app not in self.running}
-
-    @property
-    def routines(self) -> dict[str, Routine]:
-        """The running routines, by the name of the app."""
-        if _ROUTINE_MODULE not in sys.modules:
-            return {}
-        from homebot.routines.routine import Routine  # noqa: PLC0415 - there are some
-
-        return {name: one for name, one in tuple(self.running.items()) if isinstance(one, Routine)}
-
-    @cached_property
-    def kept_routines(self) -> KeptRoutines:
-        """The routines that the owner wrote by a command."""
-        from homebot.runtime.kept_routines import KeptRoutines  # noqa: PLC0415 - many homes have none
-
-        return KeptRoutines(self._app_stores().of(_KEPT_ROUTINES), self._grant)
-
-    @property
-    def has_kept_routines(self) -> bool:
-        """True if there are any."""
-        return self._stores is not None and bool(self._stores.of(_KEPT_ROUTINES))
+    def wrong_apps(self, table: str = "") -> dict[str, str]:
+        """Return why apps of the array *table* of a feature do not run, by name; of all arrays by default."""
+        arrays = {table} if table else {*plugin_tables().values()}
+        keys = ((key.partition("."), str(mistake)) for key, mistake in self.left_out.items())
+        return {app: text for (array, _, app), text in keys if array in arrays and app not in self.running}
 
     def store(self, name: str) -> MutableMapping[str, Any]:
         """Return the store of that name, which no app can have."""
@@ -168,71 +140,6 @@ class AppHost:
             return ""
         await self._stores.flush()
         return self._stores.trouble
-
-    def with_kept_routines(self, config: Config) -> Config:
-        """Return *config* with the kept routines, if there are any."""
-        return self.kept_routines.added_to(config) if self.has_kept_routines else config
-
-    def grant_kept_routines(self) -> None:
-        """Add the rights of the kept routines to those of the configuration."""
-        for app in self.kept_routines if self.has_kept_routines else ():
-            self._grant(app)
-
-    def _grant(self, app: str) -> None:
-        """Bring the rights of a kept routine in line with its text; an app of the configuration keeps its own."""
-        node = f"/{app}"
-        if not self._tables.get(node, EDIT_ROUTINE).startswith(EDIT_ROUTINE):
-            return
-        self._grants.pop(node, None)
-        self._tables.pop(node, None)
-        with suppress(ConfigError):  # a routine with a mistake does not run
-            if app in self.kept_routines:
-                self._tables[node], scope = self.kept_routines.grants(app)
-                self._grants |= {} if scope is None else {node: scope}
-        if (control := self._control()) is not None:
-            control.forget_rights()
-
-    def queries_granted(self, app: str) -> tuple[str, ...] | None:
-        """Return the queries of the key ``act`` of a routine; None if it has none."""
-        scope = self._grants.get(f"/{app}")
-        return None if scope is None else queries_of(scope)
-
-    async def routines_commanding(self, device: str) -> frozenset[str]:
-        """Return the names of the routines that command a device."""
-        return await self._checks.commanding((one.settings for one in self.routines.values()), device)
-
-    @cached_property
-    def _checks(self) -> HouseChecks:
-        from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - many homes have none
-
-        return HouseChecks(self._main, self._refusal, with_robots=self.context.rehearse is None)
-
-    def _refusal(self, app: str, effect: Effect) -> tuple[str, str]:
-        """Return why *effect* of *app* is refused for lack of a right or an approval, and that right, as a query."""
-        from homebot.control.policies.rights import APPROVAL, OF_RIGHTS  # noqa: PLC0415 - many homes have no routine
-
-        control, part = self._control(), effect.device.part(effect.part)
-        if control is None or part is None or effect.may_be:
-            return "", ""
-        refused = control.preview(effect.request(app), effect.device, part)
-        if refused is None or refused.policy not in OF_RIGHTS | {APPROVAL}:
-            return "", ""
-        return refused.reason, f'id="{effect.device.id}"' if refused.policy in OF_RIGHTS else ""
-
-    async def why_asked(self, routine: Routine) -> Mapping[str, str]:
-        """Return why a person must agree to the steps of *routine*, by the names of the parts."""
-        from homebot.command_words.suitable_parts import part_name  # noqa: PLC0415 - many homes have no routine
-
-        control, reasons = self._control(), dict[str, str]()
-        for effect in await self._checks.effects(routine.settings):
-            if control is not None and (part := effect.device.part(effect.part)) is not None:
-                reason = await control.why_asked(effect.request(routine.node.name), effect.device, part)
-                reasons |= {part_name(effect.device, part): reason} if reason else {}
-        return reasons
-
-    async def meant_by(self, query: str) -> str:
-        """Return the names of the devices that *query* finds; *query* itself if these are many, or none."""
-        return await self._checks.named(query)
 
     async def read_stores(self, main: Node) -> None:
         """Read the stores of earlier runs; *main* runs the task that writes them."""
@@ -281,35 +188,26 @@ class AppHost:
             yield f"the last notification was not sent: {self._notifier.trouble}"
         if self._stores is not None and self._stores.trouble:
             yield self._stores.trouble
-        wrong = dict(self.wrong_routines)
-        if self.has_kept_routines:
-            wrong |= self.kept_routines.problems
-        yield from (f"the routine {app} does not run: {problem}" for app, problem in wrong.items())
-        yield from (f"left out: {one}" for key, one in self.left_out.items() if not key.startswith(_ROUTINES))
+        for word, keeper in self.keepers():
+            yield from (f"the {word} {app} does not run: {problem}" for app, problem in keeper.problems.items())
+        arrays = {*plugin_tables().values()}
+        for key, mistake in self.left_out.items():
+            array, _, app = key.partition(".")
+            if array not in arrays:
+                yield f"left out: {mistake}"
+            elif app not in self.running:
+                yield f"the {array.removesuffix('s')} {app} does not run: {mistake}"
 
     async def unknown_names(self) -> AsyncIterator[str]:
         """Yield the queries of apps whose names nothing in the house has."""
-        for name, problems in (await self.routine_problems()).items():
-            for problem in problems:
-                yield f"the routine {name}: {problem}"
+        for word, keeper in self.keepers():
+            for name, hints in (await keeper.hints()).items():
+                for hint in hints:
+                    yield f"the {word} {name}: {hint}"
         for app in tuple(self.running.values()):
-            if app.node.name not in self.routines:
+            if not table_of(type(app)):
                 for problem in await HouseView.of(app.node).names.problems():
                     yield f"{app.node.name}: {problem}"
-
-    async def routine_problems(
-        self, names: Collection[str] = (), lacking: dict[str, list[str]] | None = None
-    ) -> Mapping[str, list[str]]:
-        """Return what in each routine, or those *names*, cannot work in the house as it is now, by its name.
-
-        Args:
-            lacking: Filled with the rights that each lacks, as queries.
-        """
-        routines = self.routines
-        if not routines:
-            return {}
-        settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
-        return await self._checks.problems(settings, names, lacking)
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job and handler that was given up."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import gc
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import partial
 from importlib import import_module
 from itertools import count, islice
 from typing import TYPE_CHECKING, TypeAlias, final
@@ -26,29 +26,18 @@ from homebot.devices.app_messages import (
     AppsResponse,
     ChangeAppRequest,
     ChangeAppResponse,
-    ChangeRoutine,
-    ChangeRoutineRequest,
-    ChangeRoutineResponse,
     GetHomePlace,
     HomePlaceRequest,
     HomePlaceResponse,
     ListApps,
-    ListRoutines,
     LoadApp,
-    ProposeRoutine,
-    ProposeRoutineRequest,
     ReloadApp,
-    RoutinesRequest,
-    RoutinesResponse,
     UnloadApp,
 )
 from homebot.devices.names import (
-    CHANGE_ROUTINE,
     HOME_PLACE,
     LIST_APPS,
-    LIST_ROUTINES,
     LOAD_APP,
-    PROPOSE_ROUTINE,
     RELOAD_APP,
     UNLOAD_APP,
 )
@@ -56,7 +45,7 @@ from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
 from homebot.plugins import plugin_names
-from homebot.runtime.app_host import AppHost
+from homebot.runtime.app_host import AppHost, table_of
 from homebot.runtime.plan import APPS, PlannedComponent
 from homebot.runtime.supervisor import ComponentCrashes, Supervisor
 from homebot.support.isolation import error_text
@@ -66,7 +55,6 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
     from homebot.runtime.app_loading import AppPlanner, FreshCode
-    from homebot.runtime.routine_services import RoutineServices
 
 LEFT_OUT = "app.left_out"
 LOADED = "app.loaded"
@@ -85,8 +73,8 @@ _ENDS_WITHIN = 5.0
 
 _CLOSED_WITHIN = 1.0
 
-_ROUTINE_TRIAL = 0.02
-"""The same for a routine, which has no code of its own: it has begun then."""
+_DATA_TRIAL = 0.02
+"""The same for an app of a table of a feature, which has no code of its own: it has begun then."""
 
 _COLLECT_EVERY = 100
 """Reloads after which old code is freed: classes are cycles, and a process that serves collects all objects too seldom.
@@ -127,6 +115,9 @@ class AppManager:
         self._turn = anyio.Lock()
         self._tasks: TaskGroup | None = None
         self._reloads = count(1)
+        self.running_apps: Mapping[str, App] = host.running
+        self.grants, self.tables = host.grants, host.tables
+        self.wrong_apps = host.wrong_apps
         self.trial = _TRIAL
         self.ends_within = _ENDS_WITHIN
 
@@ -151,8 +142,8 @@ class AppManager:
                 for one in planned:
                     if not is_cut():
                         await self._start(one)
-                if not is_cut() and self._host.has_kept_routines:
-                    await self._start_kept_routines()
+                if not is_cut():
+                    await self._start_kept()
                 for problem in self._host.problems():
                     _log.warning(LEFT_OUT, message=problem)
             except UsageError as exc:
@@ -259,15 +250,6 @@ class AppManager:
         node.create_service(ReloadApp, RELOAD_APP, partial(_answer, self.reload))
         node.create_service(ListApps, LIST_APPS, self._list)
         node.create_service(GetHomePlace, HOME_PLACE, self._place)
-        node.create_service(ListRoutines, LIST_ROUTINES, self._list_routines)
-        node.create_service(ChangeRoutine, CHANGE_ROUTINE, self._change_routine)
-        node.create_service(ProposeRoutine, PROPOSE_ROUTINE, self._propose_routine)
-
-    @cached_property
-    def _routines(self) -> RoutineServices:
-        from homebot.runtime.routine_services import RoutineServices  # noqa: PLC0415 - many homes have none
-
-        return RoutineServices(self._host, self._host.kept_routines, self)
 
     def _list(self, _: AppsRequest) -> AppsResponse:
         running, crashes = self._host.running, self._supervisor.crashes
@@ -278,25 +260,16 @@ class AppManager:
         place = self._host.context.latitude, self._host.context.longitude
         return HomePlaceResponse(place=tuple(round(one, 1) for one in place if one is not None))
 
-    async def _list_routines(self, request: RoutinesRequest) -> RoutinesResponse:
-        return await self._routines.list(request)
-
-    async def _change_routine(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
-        return await self._routines.change(request)
-
-    async def _propose_routine(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
-        return await self._routines.propose(request)
-
-    async def _start_kept_routines(self) -> None:
-        """Start the routines that the owner wrote by a command; a wrong one stays out."""
-        kept = self._host.kept_routines
-        for app in kept:
-            try:
-                planned, _ = await self._plan(app, is_new=True)
-                kept.check(app)
-                await self._start(planned)
-            except HomebotError as exc:
-                kept.problems.setdefault(app, str(exc))
+    async def _start_kept(self) -> None:
+        """Start the apps that features keep; a wrong one stays out."""
+        for _, keeper in self._host.keepers():
+            for app in keeper.kept_apps():
+                try:
+                    planned, _ = await self._plan(app, is_new=True)
+                    if app not in keeper.problems:
+                        await self._start(planned)
+                except HomebotError as exc:
+                    keeper.problems.setdefault(app, str(exc))
 
     async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
         self._planner = self._planner or self._make_planner()
@@ -305,8 +278,8 @@ class AppManager:
     def _find(self, name: str) -> _RunningApp:
         if (found := self._apps.get(name)) is not None:
             return found
-        if name in self._host.wrong_routines:
-            raise UsageError(f"the routine {name} does not run; once it is mended: homebot app load {name}")
+        if name in self._host.wrong_apps():
+            raise UsageError(f"{name} does not run; once it is mended: homebot app load {name}")
         hint = did_you_mean(name, self._apps, f"running are {', '.join(self._apps) or 'none'}")
         raise UsageError(f"no app {name!r} runs; {hint}")
 
@@ -326,8 +299,8 @@ class AppManager:
 
     async def _first_crash(self, names: Sequence[str]) -> tuple[str, str]:
         """Wait until all have proved to run; return the first that has not, with its crash, both empty for none."""
-        is_code = any(one not in self._host.routines for one in names)
-        with anyio.move_on_after(self.trial if is_code else _ROUTINE_TRIAL):
+        is_code = any(not table_of(self._apps[one].planned.kind) for one in names)
+        with anyio.move_on_after(self.trial if is_code else _DATA_TRIAL):
             for name in names:
                 await self._apps[name].has_crashed.wait()
         return next(((one, self._apps[one].crash) for one in names if self._apps[one].crash), ("", ""))

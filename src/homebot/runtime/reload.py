@@ -63,13 +63,13 @@ class RunningParts(NamedTuple):
         door: Returns the door; None before it listens.
         control: None before it runs.
         directory: None before it runs.
-        grant_kept_routines: Adds the rights of the kept routines to those of the configuration.
+        grant_kept: Adds the rights of the apps that features keep to those of the configuration.
     """
 
     door: Callable[[], Door | None]
     control: Control | None
     directory: Directory | None
-    grant_kept_routines: Callable[[], None]
+    grant_kept: Callable[[], None]
 
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
@@ -175,7 +175,7 @@ async def _apply(new: Plan, plan: Plan, parts: RunningParts, rooms: HouseRooms |
     plan.grants.update(new.grants)
     plan.tables.clear()
     plan.tables.update(new.tables)
-    parts.grant_kept_routines()
+    parts.grant_kept()
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
     if parts.directory is not None and rooms is not None:
         parts.directory.index.postings.needs_approval = needs_approval

@@ -14,7 +14,7 @@ from http import HTTPStatus
 from pathlib import Path
 from random import Random
 from types import TracebackType
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar, cast
 
 import anyio
 from anyio import to_thread
@@ -45,7 +45,7 @@ from homebot.feature import Feature, all_features, load
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
 from homebot.places import HousePlan
-from homebot.runtime.app_host import IDENTIFY_VALUES, STORE_FILE, AppHost
+from homebot.runtime.app_host import IDENTIFY_VALUES, STORE_FILE, AppHost, table_of
 from homebot.runtime.app_loading import AppPlanner
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 
     from homebot.control.open_command import Rehearsal
     from homebot.devices.services import IndexRow
-    from homebot.feature_context import FeatureContext, FeatureServer
+    from homebot.feature_context import AppKeeper, FeatureContext, FeatureServer
     from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
@@ -196,6 +196,7 @@ class Runtime:
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = self._gateway_context()
         self._owner: OwnerFacts
+        self._servers: dict[str, Callable[[], FeatureServer]] = {}
         self._controller: Control | None = None
         self._index: Directory | None = None
         self._stack = AsyncExitStack()
@@ -206,7 +207,7 @@ class Runtime:
             self._plan,
             self._beside_index(STORE_FILE),
             self._clock,
-            lambda: self._controller,
+            self._keepers,
             rehearses=self.rehearsal is not None,
         )
         if self._plan.interfaces is not None:
@@ -239,7 +240,23 @@ class Runtime:
         return HouseOfRun(world, self.config.gateways, self.robot, self.house_broker)
 
     def _planner(self) -> AppPlanner:
-        return AppPlanner(lambda: self.app_host.with_kept_routines(self._read()), self._plan.grants, self.apps)
+        return AppPlanner(self._read_with_kept, self._plan.grants, self.apps)
+
+    def _read_with_kept(self) -> Config:
+        config = self._read()
+        for _, keeper in self._keepers():
+            config = keeper.added_to(config)
+        return config
+
+    def _keepers(self) -> Iterator[tuple[str, AppKeeper]]:
+        """Yield the features that keep apps and have any, each with the word for these."""
+        for feature in all_features():
+            if feature.keeps_apps and feature.name in self._servers:
+                apps = self.app_host.running.values()
+                if any(map(self.app_host.has_kept, feature.stores)) or any(
+                    table_of(type(app)) in feature.tables for app in apps
+                ):
+                    yield feature.keeps_apps, cast("AppKeeper", self._servers[feature.name]())
 
     def _make_plan(self, config: Config) -> Plan:
         if self._house is not None:
@@ -280,7 +297,7 @@ class Runtime:
         """Apply the configuration that *read* returns, called in a thread, unless it has a mistake or lacks limits."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        parts = RunningParts(lambda: self.door, self._controller, self._index, self.app_host.grant_kept_routines)
+        parts = RunningParts(lambda: self.door, self._controller, self._index, self._grant_kept)
         async with self._reloading:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
@@ -289,6 +306,10 @@ class Runtime:
             if self._link is not None:
                 self._link.reload()
             return self._reloaded
+
+    def _grant_kept(self) -> None:
+        for _, keeper in self._keepers():
+            keeper.grant_all()
 
     def cut_start_short(self) -> None:
         """Abort the start: entering returns at once, and nothing more is started."""
@@ -326,7 +347,6 @@ class Runtime:
         zone = await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
         home_time.set(lambda: datetime.fromtimestamp(self._clock.now(), zone))
         await self.app_host.read_stores(main)
-        self.app_host.grant_kept_routines()
         stack.push_async_callback(self.app_host.close_stores)
         for component in self._components(gateways):
             if self._start_is_cut:
@@ -453,6 +473,7 @@ class Runtime:
             for service in feature.services:
                 offer = node.offer_action if "/action/" in service.ros_type else node.offer_service
                 offer(service.ros_type, service.name, partial(lambda name: server().serve(name), service.name))
+            self._servers[feature.name] = server
             task_status.started()  # before anything of it is loaded, as its mistakes stop nothing else
             if any(map(self.app_host.has_kept, feature.stores)):
                 server()
@@ -469,6 +490,7 @@ class Runtime:
             home=self.config.home,
             zone=self.app_host.context.zone,
             file=self._beside_index,
+            apps=self.app_manager,
             run_app=self._run_app,
             control=lambda: self._controller,
             directory=lambda: self._index,

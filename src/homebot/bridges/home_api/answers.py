@@ -148,12 +148,6 @@ def outcome_of(
     )
 
 
-async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> shapes.ProposalAnswer:
-    """Propose a routine to the owner, who enables it or not, and return what in it cannot work in the house now."""
-    answer = await call_or_fail(home, names.PROPOSE_ROUTINE, {"text": asked.text})
-    return shapes.ProposalAnswer(text=str(answer.message))
-
-
 async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
     """Return why a device is as it is, or why it is not in a state."""
     device, _ = await meant_device(home, asked.id)

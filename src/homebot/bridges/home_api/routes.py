@@ -40,7 +40,6 @@ _CORE_ROUTES: Final = (
     ApiRoute("GET", "/api/devices", shapes.ListQuestion, shapes.DeviceList, answers.find_devices),
     ApiRoute("GET", "/api/devices/{id}", shapes.DeviceQuestion, shapes.DeviceDetails, answers.device_details),
     ApiRoute("POST", "/api/command", shapes.CommandQuestion, shapes.OutcomeAnswer, answers.command),
-    ApiRoute("POST", "/api/routines", shapes.RoutineQuestion, shapes.ProposalAnswer, answers.propose_routine),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),
 )
 

@@ -99,12 +99,6 @@ class CommandQuestion(Question):
     ask: bool = False
 
 
-class RoutineQuestion(Question):
-    """A routine to propose: its table `[[routines]]` in TOML."""
-
-    text: Annotated[str, Field(max_length=20_000)]
-
-
 class DeviceLine(Answer):
     """A device and its values, by capability: `on`, `level`, `temperature`; with several parts by `PART.CAPABILITY`."""
 
@@ -160,12 +154,6 @@ class OutcomeAnswer(Answer):
     command_id: str = ""
     parts: dict[str, PrintableText] = {}
     devices: "tuple[OutcomeAnswer, ...]" = ()
-
-
-class ProposalAnswer(Answer):
-    """The result of a proposal; the routine does not start until the owner enables it."""
-
-    text: PrintableText
 
 
 class WhyAnswer(Answer):

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.commands.routine import show as show_routine
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -84,7 +83,7 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
     try:
         device = named_device(door, options.device)
     except PeerError:
-        explainers = (show_routine, *(load(feature.explains) for feature in all_features() if feature.explains))
+        explainers = (load(feature.explains) for feature in all_features() if feature.explains)
         for show in () if options.json else explainers:
             with suppress(PeerError, UsageError):
                 return int(show(door, named))

@@ -2,10 +2,22 @@
 
 from typing import Final
 
-from homebot.feature import Feature, FeatureTable
+from homebot.feature import Feature, FeatureTable, Verb
+from homebot.rights import OfferedService, Right
+
+LIST_ROUTINES: Final = OfferedService("/routines/list", Right.READ, "homebot/srv/ListRoutines")
+CHANGE_ROUTINE: Final = OfferedService("/routines/change", Right.MANAGE, "homebot/srv/ChangeRoutine")
+PROPOSE_ROUTINE: Final = OfferedService("/routines/propose", Right.ACT, "homebot/srv/ProposeRoutine")
+
+KEPT_ROUTINES: Final = "routines"
+"""The store of the routines that the owner wrote by a command."""
 
 FEATURE: Final = Feature(
     name="routines",
+    server="homebot.features.routines.routine_services:start",
+    services=(LIST_ROUTINES, CHANGE_ROUTINE, PROPOSE_ROUTINE),
+    stores=(KEPT_ROUTINES,),
+    keeps_apps="routine",
     tables={
         "routines": FeatureTable(
             "homebot.routines.tables:apps_of_routines",
@@ -15,4 +27,17 @@ FEATURE: Final = Feature(
             check="homebot.routines.tables:check_routine",
         )
     },
+    verbs={
+        "bind": Verb(
+            "let a button do something", "homebot.features.routines.command_binding:add_arguments", after="app"
+        ),
+        "routine": Verb(
+            "list and show routines, start them, switch them on and off",
+            "homebot.features.routines.command:add_arguments",
+            after="bind",
+        ),
+    },
+    routes="homebot.features.routines.http:ROUTES",
+    tools="homebot.features.routines.agent_tools:add_tools",
+    explains="homebot.features.routines.command:show",
 )

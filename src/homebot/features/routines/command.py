@@ -110,7 +110,7 @@ def _add_act(command: argparse.ArgumentParser) -> None:
 
 
 def _try(options: argparse.Namespace) -> int:
-    from homebot.cli.routine_trial import try_routines  # noqa: PLC0415 - a replay needs the whole runtime
+    from homebot.features.routines.command_trial import try_routines  # noqa: PLC0415 - a replay needs the whole runtime
 
     return try_routines(options)
 
@@ -207,7 +207,7 @@ def _print_hints(routine: RoutineInfo) -> None:
 
 
 def _import(door: DoorClient, options: argparse.Namespace) -> int:
-    from homebot.cli.routine_import import import_routines  # noqa: PLC0415 - reads YAML
+    from homebot.features.routines.command_import import import_routines  # noqa: PLC0415 - reads YAML
 
     return import_routines(door, options.file)
 
@@ -239,7 +239,7 @@ def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:
 
 def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
     """Print a summary of a trial of a routine in the last week, if a history is kept."""
-    from homebot.cli.routine_trial import LAST, given_of, history_lines  # noqa: PLC0415 - a replay needs the runtime
+    from homebot.features.routines.command_trial import LAST, given_of, history_lines  # noqa: PLC0415 - a replay needs the runtime
 
     try:
         lines = history_lines(door, given_of(routine.text, routine.name), LAST["last-week"], "the last week")

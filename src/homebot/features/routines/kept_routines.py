@@ -23,15 +23,15 @@ class KeptRoutines:
         store: By the name of its app, the text of each, the client that proposed it (empty for an approved one), and
             whether it is of a habit.
         on_change: Called with the name of the app of each routine that was put, or removed.
-
-    Attributes:
         problems: Why a routine does not run, by the name of its app.
     """
 
-    def __init__(self, store: MutableMapping[str, Any], on_change: Callable[[str], None]) -> None:
+    def __init__(
+        self, store: MutableMapping[str, Any], on_change: Callable[[str], None], problems: dict[str, str]
+    ) -> None:
         self._store = store
         self._on_change = on_change
-        self.problems: dict[str, str] = {}
+        self.problems = problems
 
     def __iter__(self) -> Iterator[str]:
         return iter(tuple(self._store))
@@ -87,15 +87,6 @@ class KeptRoutines:
         """Make a proposal the owner's."""
         if self.proposed_by(app):
             self._store[app] = {"text": self.text(app), "by": ""}
-
-    def check(self, app: str) -> None:
-        """Refuse a routine with a problem.
-
-        Raises:
-            UsageError: It has one.
-        """
-        if app in self.problems:
-            raise UsageError(self.problems[app])
 
     def remove(self, app: str) -> None:
         """Remove a routine."""

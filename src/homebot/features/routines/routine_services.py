@@ -1,62 +1,155 @@
 """Services for clients about the routines: those that run, and those that the owner keeps by a command."""
 
-from collections.abc import Awaitable, Iterator, Sequence
-from contextlib import ExitStack, suppress
-from typing import Final, Protocol, final
+from __future__ import annotations
 
-from homebot.apps.grants import ACT
+from collections.abc import Awaitable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, final
+
+from homebot.apps.grants import ACT, queries_of
 from homebot.clock import zone_name
+from homebot.command_words.suitable_parts import part_name
+from homebot.config import Config
+from homebot.control.policies.rights import APPROVAL, OF_RIGHTS
 from homebot.devices.app_messages import (
+    ChangeRoutine,
     ChangeRoutineRequest,
     ChangeRoutineResponse,
+    ListRoutines,
+    ProposeRoutine,
     ProposeRoutineRequest,
     RoutineInfo,
     RoutinesRequest,
     RoutinesResponse,
 )
-from homebot.devices.client_rights import HARMLESS, ORDINARY
+from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
 from homebot.devices.device import KeyValue
 from homebot.errors import ConfigError, HomebotError, UsageError
+from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES
+from homebot.features.routines.kept_routines import KeptRoutines
+from homebot.graph import Node
+from homebot.routines.routine import Routine
 from homebot.routines.text import WrittenRoutine, acts_on, read_routines, with_act
-from homebot.runtime.app_host import AppHost
-from homebot.runtime.kept_routines import KeptRoutines
 from homebot.support.folding import fold
 from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean
 from homebot.support.toml_text import toml_value
 
+if TYPE_CHECKING:
+    from homebot.feature_context import FeatureContext
+    from homebot.routines.checks import HouseChecks
+    from homebot.routines.effects import Effect
+
 CHANGED: Final = "routine.changed"
 
 _SOURCE: Final = "the text"
-_log = get_logger(node="/homebot")
-
-
-class _Apps(Protocol):
-    """The starts and stops of apps."""
-
-    async def load(self, *names: str) -> str:
-        """Start apps, all or none."""
-
-    async def unload(self, name: str) -> str:
-        """Stop an app."""
-
-    async def reload(self, name: str) -> str:
-        """Restart an app with its current settings."""
+_log = get_logger(node="/routines")
 
 
 @final
 class RoutineServices:
-    """Lists and changes the routines of *host*."""
+    """Lists and changes the routines of *house*."""
 
-    def __init__(self, host: AppHost, kept: KeptRoutines, apps: _Apps) -> None:
-        self._host = host
-        self._kept = kept
-        self._apps = apps
+    def __init__(self, node: Node, house: FeatureContext) -> None:
+        self._node = node
+        self._house = house
+        self._apps = house.apps
+        self.problems: dict[str, str] = {}
+
+    def serve(self, name: str) -> None:
+        """Create the service with this name."""
+        if name == LIST_ROUTINES.name:
+            self._node.create_service(ListRoutines, name, self.list)
+        elif name == CHANGE_ROUTINE.name:
+            self._node.create_service(ChangeRoutine, name, self.change)
+        else:
+            self._node.create_service(ProposeRoutine, name, self.propose)
+
+    @cached_property
+    def _kept(self) -> KeptRoutines:
+        return KeptRoutines(self._house.store(KEPT_ROUTINES), self._grant, self.problems)
+
+    @cached_property
+    def _checks(self) -> HouseChecks:
+        from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - with the first question
+
+        return HouseChecks(self._node, self._refusal, with_robots=not self._house.is_rehearsal)
+
+    def kept_apps(self) -> Iterable[str]:
+        """Return the names of the apps of the kept routines."""
+        return self._kept
+
+    def added_to(self, config: Config) -> Config:
+        """Return *config* with the kept routines but the wrong ones."""
+        return self._kept.added_to(config)
+
+    def grant_all(self) -> None:
+        """Add the rights of the kept routines to those of the configuration."""
+        for app in self._kept:
+            self._grant(app)
+
+    async def hints(
+        self, names: Collection[str] = (), lacking: dict[str, list[str]] | None = None
+    ) -> Mapping[str, Sequence[str]]:
+        """Return the faults of each routine, or those *names*, in the house as it is now, by its name.
+
+        Args:
+            lacking: Filled with the rights that each lacks, as queries.
+        """
+        routines = self._running
+        if not routines:
+            return {}
+        settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
+        return await self._checks.problems(settings, names, lacking)
+
+    @property
+    def _running(self) -> dict[str, Routine]:
+        """The running routines, by the name of the app."""
+        return {name: one for name, one in tuple(self._apps.running_apps.items()) if isinstance(one, Routine)}
+
+    def _grant(self, app: str) -> None:
+        """Bring the rights of a kept routine in line with its text; an app of the configuration keeps its own."""
+        node, tables, grants = f"/{app}", self._apps.tables, self._apps.grants
+        if not tables.get(node, EDIT_ROUTINE).startswith(EDIT_ROUTINE):
+            return
+        grants.pop(node, None)
+        tables.pop(node, None)
+        with suppress(ConfigError):  # a routine with a mistake does not run
+            if app in self._kept:
+                tables[node], scope = self._kept.grants(app)
+                grants.update({} if scope is None else {node: scope})
+        if (control := self._house.control()) is not None:
+            control.forget_rights()
+
+    def _queries_granted(self, app: str) -> tuple[str, ...] | None:
+        """Return the queries of the key ``act`` of a routine; None if it has none."""
+        scope = self._apps.grants.get(f"/{app}")
+        return None if scope is None else queries_of(scope)
+
+    def _refusal(self, app: str, effect: Effect) -> tuple[str, str]:
+        """Return why *effect* of *app* is refused for lack of a right or an approval, and that right, as a query."""
+        control, part = self._house.control(), effect.device.part(effect.part)
+        if control is None or part is None or effect.may_be:
+            return "", ""
+        refused = control.preview(effect.request(app), effect.device, part)
+        if refused is None or refused.policy not in OF_RIGHTS | {APPROVAL}:
+            return "", ""
+        return refused.reason, f'id="{effect.device.id}"' if refused.policy in OF_RIGHTS else ""
+
+    async def _why_asked(self, routine: Routine) -> Mapping[str, str]:
+        """Return why a person must agree to the steps of *routine*, by the names of the parts."""
+        control, reasons = self._house.control(), dict[str, str]()
+        for effect in await self._checks.effects(routine.settings):
+            if control is not None and (part := effect.device.part(effect.part)) is not None:
+                reason = await control.why_asked(effect.request(routine.node.name), effect.device, part)
+                reasons |= {part_name(effect.device, part): reason} if reason else {}
+        return reasons
 
     async def list(self, request: RoutinesRequest) -> RoutinesResponse:
         """Return all routines."""
         lacking: dict[str, list[str]] = {}
-        hints = await self._host.routine_problems((), lacking) if request.check else {}
+        hints = await self.hints((), lacking) if request.check else {}
         infos = tuple(
             one.model_copy(
                 update={"hints": tuple(hints.get(one.name, ())), "lacks": (*dict.fromkeys(lacking.get(one.name, ())),)}
@@ -64,9 +157,13 @@ class RoutineServices:
             for one in self._infos()
         )
         if request.device:
-            meant = await self._host.routines_commanding(request.device) if infos else frozenset()
+            meant = (
+                await self._checks.commanding((one.settings for one in self._running.values()), request.device)
+                if infos
+                else frozenset()
+            )
             infos = tuple(one for one in infos if one.name in meant)
-        return RoutinesResponse(routines=infos, zone=zone_name(self._host.context.zone_name))
+        return RoutinesResponse(routines=infos, zone=zone_name(self._house.home.zone))
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""
@@ -82,8 +179,8 @@ class RoutineServices:
     async def _asks(self, request: ChangeRoutineRequest) -> tuple[KeyValue, ...]:
         """Return the parts of a run that always ask, or the devices to which a text gives a right."""
         if request.change == "run":
-            running = self._host.routines.get(self._named(request.name).app)
-            reasons = {} if running is None else await self._host.why_asked(running)
+            running = self._running.get(self._named(request.name).app)
+            reasons = {} if running is None else await self._why_asked(running)
             return tuple(KeyValue(key=name, value=reason) for name, reason in reasons.items())
         if request.change not in {"new", "edit"}:
             return ()
@@ -92,7 +189,7 @@ class RoutineServices:
             before = read_routines(self._named(request.name).text, _SOURCE) if request.change == "edit" else ()
             known |= {query for routine in before for query in acts_on(routine.table)}
         queries = [query for routine in self._read(request) for query in acts_on(routine.table) if query not in known]
-        return tuple([KeyValue(key=await self._host.meant_by(query), value="") for query in dict.fromkeys(queries)])
+        return tuple([KeyValue(key=await self._checks.named(query), value="") for query in dict.fromkeys(queries)])
 
     async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
         """Keep a routine, which waits for the owner to enable it."""
@@ -105,7 +202,7 @@ class RoutineServices:
         except HomebotError as exc:
             return _failure(exc)
         _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
-        if problem := await self._host.write_stores():
+        if problem := await self._house.write_stores():
             message += f"\na restart would lose this, as it was not written: {problem}"
         return ChangeRoutineResponse(message=message)
 
@@ -136,14 +233,14 @@ class RoutineServices:
                 return f"removed {meant.name}"
             case "enable":
                 self._kept.approve(meant.app)
-        running = self._host.routines.get(meant.app)
+        running = self._running.get(meant.app)
         if running is None:
             raise UsageError(f"{meant.name} does not run: {meant.problem or 'it was unloaded'}")
         return running.change(request.change)
 
     async def _add(self, routines: Sequence[WrittenRoutine], proposed_by: str = "", *, of_habit: bool = False) -> None:
         for one in routines:
-            if one.app in self._host.running or one.app in self._kept:
+            if one.app in self._apps.running_apps or one.app in self._kept:
                 raise UsageError(f"a routine or app {one.app} is there already; choose another name, or edit that one")
         with ExitStack() as kept:
             for one in routines:
@@ -153,7 +250,7 @@ class RoutineServices:
 
     async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
         """Return *text* and the problems of *routines* in the house as it is now, each on its line."""
-        hints = await self._host.routine_problems([one.name for one in routines])
+        hints = await self.hints([one.name for one in routines])
         return "\n".join((text, *(f"{one.name}: {hint}" for one in routines for hint in hints.get(one.name, ()))))
 
     def _read(self, request: ChangeRoutineRequest) -> tuple[WrittenRoutine, ...]:
@@ -177,15 +274,15 @@ class RoutineServices:
             return f"renamed {meant.name} to {routines[0].name}"
         with self._kept.restored_on_error(meant.app):
             self._kept.put(routines[0], meant.proposed_by)
-            await (self._apps.reload if meant.app in self._host.running else self._apps.load)(meant.app)
+            await (self._apps.reload if meant.app in self._apps.running_apps else self._apps.load)(meant.app)
         return await self._with_hints(f"changed {routines[0].name}", *routines)
 
     async def _remove(self, meant: RoutineInfo) -> None:
         self._check_kept(meant)
-        if meant.app in self._host.running:
+        if meant.app in self._apps.running_apps:
             await self._apps.unload(meant.app)
         self._kept.remove(meant.app)
-        self._host.context.store_of(meant.app).clear()
+        self._house.store(meant.app).clear()
 
     def _check_kept(self, meant: RoutineInfo) -> None:
         if not meant.is_kept:
@@ -207,23 +304,30 @@ class RoutineServices:
         return meant[0]
 
     def _infos(self) -> Iterator[RoutineInfo]:
-        running = self._host.routines
+        running = self._running
         for app, routine in running.items():
             more: dict[str, object] = {"proposed_by": self._kept.proposed_by(app)}
             info = routine.info()
-            if (act := self._host.queries_granted(app)) is not None:
+            if (act := self._queries_granted(app)) is not None:
                 more |= {"act": act, "text": f"{info.text}{ACT} = {toml_value(act)}\n"}
             if app in self._kept:
                 more |= {"is_kept": True, "text": self._kept.text(app), "of_habit": self._kept.is_of_habit(app)}
             yield info.model_copy(update=more)
-        for app, problem in self._host.wrong_routines.items():
+        for app, problem in self._apps.wrong_apps("routines").items():
             yield RoutineInfo(name=app, app=app, problem=problem)
         for app in self._kept:
             if app not in running:
-                problem = self._kept.problems.get(app, "it does not run; `homebot app list` says why")
+                problem = self.problems.get(app, "it does not run; `homebot app list` says why")
                 yield RoutineInfo(name=app, app=app, is_kept=True, text=self._kept.text(app), problem=problem)
 
 
 def _failure(error: HomebotError) -> ChangeRoutineResponse:
     others = error.others if isinstance(error, ConfigError) else ()
     return ChangeRoutineResponse(success=False, message="\n".join(map(str, (error, *others))))
+
+
+def start(node: Node, house: FeatureContext) -> RoutineServices:
+    """Return the server, with the rights of the kept routines in force."""
+    services = RoutineServices(node, house)
+    services.grant_all()
+    return services
