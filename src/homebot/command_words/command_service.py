@@ -1,6 +1,5 @@
 """The service ``/devices/command``: commands in words, with an id, name or query."""
 
-import re
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import closing
 from typing import Final, Protocol, final
@@ -27,12 +26,12 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.units import parse_duration
+from homebot.words.phrases import OVER, SCENE_TARGET
+from homebot.words.tokens import MAX_QUERY
 
 UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
 
-_SCENE: Final = re.compile(r"scene\s+(?P<name>.+)", re.IGNORECASE | re.DOTALL)
-_OVER: Final = re.compile(r"(?P<command>.+), ?over (?P<length>\d.*)", re.IGNORECASE | re.DOTALL)
 _SCENE_WORDS: Final[Mapping[str, bool]] = {
     "apply": False,
     "activate": False,
@@ -80,9 +79,10 @@ class CommandService:
         try:
             if (applied := await self._scene(request)) is not None:
                 return applied
-            if (over := _OVER.fullmatch(request.command)) is not None:
+            words, comma, last = request.command.rpartition(",")
+            if comma and len(last) < MAX_QUERY and (over := OVER.match(last)) is not None:
                 transition = parse_duration(over["length"], "over", most=MAX_TRANSITION_S)
-                request = request.model_copy(update={"command": over["command"], "transition": transition})
+                request = request.model_copy(update={"command": words, "transition": transition})
             targets, request = await self._found(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
@@ -118,7 +118,7 @@ class CommandService:
 
     async def _scene(self, request: CommandDevicesRequest) -> CommandDevicesResponse | None:
         """Apply, or undo, the scene that *request* names as ``scene NAME``; None if it names none, or a device."""
-        named, is_undo = _SCENE.fullmatch(request.target.strip()), _SCENE_WORDS.get(request.command.strip().casefold())
+        named, is_undo = SCENE_TARGET.match(request.target), _SCENE_WORDS.get(request.command.strip().casefold())
         if named is None or is_undo is None or request.values or await self._lookup.called(request.target.strip()):
             return None
         from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest  # noqa: PLC0415 - many homes have none

@@ -1,7 +1,6 @@
 """Settings from the words of a command, such as ``on`` with ``level`` 40, for one part. Pure."""
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from types import MappingProxyType
@@ -17,6 +16,7 @@ from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
+from homebot.words.amounts import read_amount, read_change, split_commands
 from homebot.words.tokens import has_code
 
 SET: Final = "set"
@@ -41,13 +41,6 @@ STATE_WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
 )
-_NUMBER: Final = re.compile(r"([+-]?[\d.]+)\s*(\S*)")
-_KELVIN: Final = re.compile(r"([\d.]+)\s*k")
-_CHANGE: Final = re.compile(r"(?P<before>.* )?(?P<sign>[+-]) ?(?P<amount>[\d.]++ ?\S*)")
-_BRIGHTER: Final = re.compile(r"(?P<word>brighter|darker)(?: by)?(?: (?P<amount>\d.*))?", re.IGNORECASE)
-_USUAL_CHANGE: Final = "20 %"
-_COMMA: Final = re.compile(r",(?! ?[\d.]+ ?(?:,|$))")
-"""Not that between the hue and the saturation of a colour."""
 
 
 def parse_command_words(
@@ -95,7 +88,7 @@ def parse_command_words(
 
 def is_relative(command: str) -> bool:
     """Return whether *command* changes a value, so that it does more when it is given twice."""
-    return bool(_BRIGHTER.fullmatch(command) or _CHANGE.fullmatch(command))
+    return read_change(command) is not None
 
 
 def _changed(given: str, part: Part, target: str, known: Mapping[str, PlainValue]) -> tuple[str, PlainValue] | None:
@@ -103,23 +96,21 @@ def _changed(given: str, part: Part, target: str, known: Mapping[str, PlainValue
 
     A minus is part of the number for what may be below zero. No lamp is turned off by getting darker.
     """
-    if (word := _BRIGHTER.fullmatch(given)) is not None:
-        given = f"{'+' if word['word'].casefold() == 'brighter' else '-'}{word['amount'] or _USUAL_CHANGE}"
-    if (change := _CHANGE.fullmatch(given)) is None:
+    if (change := read_change(given)) is None:
         return None
-    name, amount = _decoded(f"{change['before'] or ''}{change['amount']}", part, target)
+    name, amount = _decoded(f"{change.before}{change.amount}", part, target)
     own = next((one.bounds for one in part.capabilities if one.name == name), ())
     low, high = own or CAPABILITIES.get(name, OWN).bounds or (-math.inf, math.inf)
-    if change["sign"] == "-" and (low < 0 or not isinstance(amount, float)):
+    if change.sign == "-" and (low < 0 or not isinstance(amount, float)):
         return None
     if not isinstance(amount, float):
         raise RefusedError(f"{given} of {target}", f"it takes {accepted_values(part, name) or name}, and no change")
     is_off = name == "level" and known.get("on_off") is False
     before = 0.0 if is_off else known.get(name)
     if not isinstance(before, float):
-        problem = f"by {change['amount']}? Its {name} is unknown; give a value, such as {change['amount']}"
+        problem = f"by {change.amount}? Its {name} is unknown; give a value, such as {change.amount}"
         raise RefusedError(f"{given} of {target}", problem)
-    if change["sign"] == "-":
+    if change.sign == "-":
         return name, 0.0 if is_off else max(1.0 if name == "level" else low, before - amount)
     return name, min(high, before + amount)
 
@@ -138,8 +129,7 @@ def _several(command: str, part: Part) -> list[str]:
     """Return the words of ``on, 40 %``; of a text of the part's own, with its commas, only that."""
     if "," not in command or any(command in one.options for one in part.capabilities):
         return [_SAME_WORDS.get(command.casefold(), command)]
-    words = [one.strip() for one in _COMMA.split(command)]
-    return [_SAME_WORDS.get(word.casefold(), word) for word in words]
+    return [_SAME_WORDS.get(word.casefold(), word) for word in split_commands(command)]
 
 
 def _command_text(command: str, values: Sequence[KeyValue]) -> str:
@@ -229,9 +219,12 @@ def _named_value(text: str, part: Part, target: str, least: int = 1) -> tuple[st
 
 def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
     """Return the setting for another spelling of a word: in lower case, ``2700k`` or ``40 %``."""
-    kelvin = _KELVIN.fullmatch(word)
-    percentage = to_number(word.removesuffix("%").strip()) if word.endswith("%") else None
-    spelling = f"{kelvin[1]} K" if kelvin else word if percentage is None else f"{percentage / 100:g}"
+    amount, percentage, spelling = read_amount(word), None, word
+    if amount is not None and amount.unit.casefold() == "k":
+        spelling = f"{amount.number} K"
+    elif amount is not None and amount.unit == "%":
+        percentage = float(amount.number)
+        spelling = f"{percentage / 100:g}"
     try:
         capability, value = decode_command(spelling, part)
     except RefusedError:
@@ -242,15 +235,15 @@ def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
 
 def _with_unit(word: str, part: Part) -> tuple[str, PlainValue] | None:
     """Return the setting for a number with its unit, such as ``21 °C``, if a bare number sets it on *part*."""
-    match = _NUMBER.fullmatch(word)
-    if match is None or not match[2]:
+    amount = read_amount(word)
+    if amount is None or not amount.unit:
         return None
     try:
-        capability, value = decode_command(match[1], part)
+        capability, value = decode_command(amount.number, part)
     except RefusedError:
         return None
     is_whole = not is_share(capability) and capability != "on_off"
-    return (capability, value) if is_whole and _is_unit(match[2], _unit(capability, part.capabilities)) else None
+    return (capability, value) if is_whole and _is_unit(amount.unit, _unit(capability, part.capabilities)) else None
 
 
 def _is_unit(text: str, unit: str) -> bool:
@@ -288,20 +281,19 @@ def _color(text: str) -> PlainValue:
     """Return the hue and the saturation, or *text* if it is not a colour, which :func:`check_setting` refuses."""
     if (named := COLORS.get(text.casefold().replace("_", " "))) is not None:
         return named
-    match [to_number(one) for one in re.split(r"[\s,]+", text)]:
+    match [to_number(one) for one in text.replace(",", " ").split()]:
         case [float() as hue, float() as saturation]:
             return hue, saturation
     return text
 
 
 def _number(name: str, text: str, part: Part, target: str) -> float:
-    match = _NUMBER.fullmatch(text)
-    number = None if match is None else to_number(match[1])
-    unit = _unit(name, part.capabilities)
-    if match is None or number is None or (match[2] and not _is_unit(match[2], unit)):
+    amount, unit = read_amount(text), _unit(name, part.capabilities)
+    if amount is None or (amount.unit and not _is_unit(amount.unit, unit)):
         accepted = f"it takes a number in {unit}" if unit else "it takes a number"
         raise RefusedError(f"{text[:40]!r} as {name} of {target}", accepted)
-    if not match[2]:
+    number = float(amount.number)
+    if not amount.unit:
         check_no_share(target, name, number, f"{name} {text} %")
     return number
 

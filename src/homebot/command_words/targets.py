@@ -1,7 +1,6 @@
 """Targets of a command in words: devices and their parts."""
 
 import math
-import re
 from collections.abc import Awaitable, Callable, Collection
 from itertools import chain
 from typing import Final, NamedTuple, TypeAlias, final
@@ -23,6 +22,8 @@ from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean
+from homebot.words.phrases import ARTICLE, EVERYTHING
+from homebot.words.tokens import split_at
 
 MOST_DEVICES: Final = 1000
 """Devices that one command may be for."""
@@ -97,7 +98,7 @@ class CommandTargets:
             for part, parsed in settings_by_part(request, device, parts)
             if not isinstance(parsed, RefusedError)
         }
-        if len(set(taken.values())) <= 1 and not (taken and _EVERYTHING.match(request.target)):
+        if len(set(taken.values())) <= 1 and not (taken and EVERYTHING.match(request.target)):
             return found
         kept = [(device, tuple(one for one in parts if taken.get((device.id, one.id)))) for device, parts in found]
         return [one for one in kept if one[1]]
@@ -109,8 +110,9 @@ class CommandTargets:
         if found := _clear(named) or await self._read(request, target):
             return found
         names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
-        joined = "join devices with 'or'" if _JOINED.search(target) else "`homebot find` shows what does"
-        hint = did_you_mean(_ARTICLE.sub(r"\1", target), names, joined, _TYPO)
+        joined = "join devices with 'or'" if len(split_at(target, "and", ",")) > 1 else "`homebot find` shows what does"
+        article = ARTICLE.match(target)
+        hint = did_you_mean(article["name"] if article else target, names, joined, _TYPO)
         raise NoTargetError(f"no device fits {target!r}; {hint}")
 
     async def _read(self, request: CommandDevicesRequest, target: str) -> list[Target]:
@@ -148,8 +150,8 @@ class CommandTargets:
 
     async def _called(self, phrase: _TargetPhrase) -> _Matches:
         """Find the device, or its part, that has the id or name, perhaps quoted or with an article."""
-        spelled = _ARTICLE.fullmatch(phrase.text) or _QUOTED.fullmatch(phrase.text)
-        for text in (phrase.text, *(spelled.groups() if spelled is not None else ())):
+        article = ARTICLE.match(phrase.text)
+        for text in dict.fromkeys((phrase.text, article["name"] if article else phrase.text.strip('"'))):
             if (found := await self._called_exactly(phrase.request, text)).targets:
                 return found
         return _Matches([])
@@ -234,11 +236,6 @@ class CommandTargets:
         return answer
 
 
-_JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
-_ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
-_QUOTED = re.compile(r'"([^"]+)"')
-_EVERYTHING = re.compile(r"\s*(?:everything|all)\b", re.IGNORECASE)
-_ONE = re.compile(r"an?\s", re.IGNORECASE)
 _MOST_NAMES = 8
 _MOST_SIMILAR = 3
 
@@ -270,7 +267,7 @@ def _question(target: str, readings: Readings, found: list[Target], others: list
         return f"no device fits {target!r}; join devices with 'or': {listed}"
     if unnamed and found and not (is_list or readings.distributed):
         return f"{unnamed[0]!r} in {target!r} is not the name of a device; give names, or {literal}"
-    is_several = len(_places(found)) > 1 and _ONE.match(target)
+    is_several = len(_places(found)) > 1 and target.casefold().startswith(("a ", "an "))
     return f"{target!r} could be {_names(found)}; give the name of one" if is_several else ""
 
 

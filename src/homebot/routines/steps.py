@@ -17,9 +17,10 @@ from homebot.routines.triggers import Becomes, Press, read_press, read_state
 from homebot.support.folding import fold
 from homebot.support.numbers import to_number
 from homebot.support.similar import did_you_mean
+from homebot.words.amounts import read_amount
 from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, WAIT, WAIT_UNTIL
 from homebot.words.times import read_duration
-from homebot.words.tokens import read_amount, split_steps
+from homebot.words.tokens import split_steps
 
 APPLY: Final = "apply"
 """The command to a scene."""

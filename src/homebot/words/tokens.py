@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.errors import UsageError
+from homebot.words.amounts import UNITS, read_amount
 
 MAX_QUERY = 1000
 """The limit of characters of a query, and of any other text."""
@@ -250,32 +251,6 @@ def split_at(text: str, *words: str) -> list[str]:
             parts.append(text[begin : token.at - 1].strip())
             begin = token.end
     return [*parts, text[begin:].strip()]
-
-
-class Amount(NamedTuple):
-    """A number as text, with a unit that is perhaps empty."""
-
-    number: str
-    unit: str
-
-
-_AMOUNT: Final = re.compile(r"([+-]?\d{1,15}(?:\.\d{1,15})?)\s*(\D*)", re.ASCII)
-_SYMBOLS: Final = (
-    *("%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz", "dB", "dBm"),
-    *("lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "m/s", "km/h", "kg"),
-)
-_UNIT_NAMES: Final = {"percent": "%", "degrees": "°C", "celsius": "°C", "fahrenheit": "°F", "volt": "V"}
-UNITS: Final = {one: one for one in _SYMBOLS} | _UNIT_NAMES | dict.fromkeys(("watt", "watts"), "W")
-"""Units that may follow a number, also by name. A capability has one, and any other is refused rather than ignored."""
-
-
-def read_amount(text: str) -> Amount | None:
-    """Return the number *text*, such as ``21``, ``-0.5`` or ``21 °C``; None if it is none."""
-    found = _AMOUNT.fullmatch(text)
-    if found is None:
-        return None
-    unit = found[2]
-    return Amount(found[1], UNITS.get(unit) or UNITS.get(unit.casefold(), unit))
 
 
 _STEP_JOINT: Final = re.compile(r" ?[;,] ?(?:(?:and|then) )*| (?:(?:and|then) )+", re.IGNORECASE)

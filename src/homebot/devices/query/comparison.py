@@ -28,7 +28,8 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean, similar_to
-from homebot.words.tokens import Token, read_amount
+from homebot.words.amounts import read_amount
+from homebot.words.tokens import Token
 
 _ALIKE = 0.6
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}

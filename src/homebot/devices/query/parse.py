@@ -68,7 +68,8 @@ from homebot.devices.query.vocabulary import (
 from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
-from homebot.words.tokens import UNITS, Token, tokens_of
+from homebot.words.amounts import UNITS
+from homebot.words.tokens import Token, tokens_of
 
 __all__ = ["parse_query"]
 
