@@ -10,12 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.control.timeline.simulated_parts import Kind, Report, Result, SimulatedPart
 
-from homebot.control.timeline.facts import Cause
+from homebot.control.timeline.facts import Cause, Transmission
 from homebot.control.timeline.goal import Motion, WantedValue
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.transmission import Transmission
 from homebot.devices.value import PlainValue
 
 ON_OFF: tuple[PlainValue, ...] = (False, True)

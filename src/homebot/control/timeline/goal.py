@@ -2,23 +2,14 @@
 
 import math
 from collections.abc import Mapping
-from enum import Enum
 from typing import Final, Literal, final
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.facts import NOTHING, Nothing, Order, Reported, ReportRole
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_same, related
 from homebot.devices.value import PlainValue
 
-
-class Nothing(Enum):
-    """The absence of a value, since None is a value."""
-
-    NOTHING = "nothing"
-
-
-NOTHING: Final = Nothing.NOTHING
 _RUNS: Final = frozenset({"opening", "closing"})
 _OPENINGS: Final = frozenset({"movement", "valve"})
 STEP: Final = 0.5

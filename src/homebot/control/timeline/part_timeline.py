@@ -8,6 +8,7 @@ from typing import Final, NamedTuple, final
 
 from homebot.control import durations
 from homebot.control.timeline.cause import NOWHERE, HeldValue, Nearby, Roles, judge, rests_where_sent
+from homebot.control.timeline.evidence import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.facts import (
     Attribution,
     Cause,
@@ -20,9 +21,7 @@ from homebot.control.timeline.facts import (
     SendingEnded,
     Sent,
 )
-from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
-from homebot.control.timeline.profile import ENOUGH, DeviceProfile
-from homebot.control.timeline.programs import ProgramWatch
+from homebot.control.timeline.profile import ENOUGH, DeviceProfile, ProgramWatch
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.obedience import changes, fits, related

@@ -13,6 +13,7 @@ from typing import Final, NamedTuple, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import (
+    NOTHING,
     CommandFact,
     Decided,
     Order,
@@ -21,10 +22,10 @@ from homebot.control.timeline.facts import (
     ReportRole,
     SendingEnded,
     Sent,
+    Transmission,
 )
-from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
+from homebot.control.timeline.goal import Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.timeline.transmission import Transmission
 from homebot.devices.obedience import STOPPED, changes, is_intermediate, is_same, related
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
