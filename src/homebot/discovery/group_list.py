@@ -13,7 +13,7 @@ from homebot.discovery.groups import group_name
 from homebot.discovery.index import DeviceIndex
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.words.names import no_such
 
 
 class GroupList:
@@ -38,8 +38,8 @@ class GroupList:
         if not wanted:
             return ListGroupsResponse(success=True, groups=groups)
         found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
-        known = did_you_mean(request.name, [one.name for one in groups], "`homebot group list` shows all")
-        problem = "" if found else f"there is no group {request.name!r}; {known}"
+        names = [one.name for one in groups]
+        problem = "" if found else no_such("group", request.name, names, "`homebot group list` shows all")
         return ListGroupsResponse(success=not problem, message=problem, groups=found)
 
 

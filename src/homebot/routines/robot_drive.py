@@ -20,8 +20,7 @@ from homebot.messages.std_msgs import Header
 from homebot.places.polygon import Polygon
 from homebot.routines.steps import SendRobot
 from homebot.routines.triggers import RobotArrival
-from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.words.names import resolve_name
 
 _LONGEST: Final = 900.0
 """Seconds after which a robot that is still on its way is called off."""
@@ -102,12 +101,8 @@ async def _pose_in(node: Node, room: str) -> PoseStamped:
     """
     with closing(node.create_client(GetPlaces, GET_PLACES)) as places:
         rooms = (await places.call(GetPlaces.Request())).rooms
-    found = next((one for one in rooms if fold(one.name) == fold(room)), None)
-    if found is None:
-        known = [one.name for one in rooms]
-        hint = did_you_mean(room, known, f"rooms are {', '.join(known) or 'none'}")
-        raise UsageError(f"there is no room {room!r}; {hint}")
-    if (area := _area_of(found)) is None:
+    by_name = {one.name: one for one in rooms}
+    if (area := _area_of(by_name[resolve_name("room", room, by_name)])) is None:
         raise UsageError(f"where {room} lies is unknown; import a floor plan: homebot places import FILE")
     x, y = area.nearest_inside(*area.centroid())
     header = Header(stamp=Time.from_seconds(node.graph.clock.now()), frame_id="map")

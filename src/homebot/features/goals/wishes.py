@@ -12,6 +12,7 @@ from homebot.routines.people import AT_HOME
 from homebot.routines.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
+from homebot.words.names import find_name, resolve_name
 from homebot.words.phrases import AT_VALUE, DOCKED, IN_ROOM, IS, LIT, NUMBERED, ROOM, SCENE_WISH, STATE_WISH, THE
 from homebot.words.tokens import has_code, split_at
 
@@ -131,10 +132,10 @@ def _wish(text: str, known: KnownNames) -> Wish:
 
 def _of_robot(text: str, plain: str, known: KnownNames, *, is_not: bool) -> RobotWish | None:
     docked = DOCKED.match(plain)
-    if docked is not None and not is_not and (docked["way"] in _AT_DOCK or _named(docked["robot"], known.robots)):
+    if docked is not None and not is_not and (docked["way"] in _AT_DOCK or find_name(docked["robot"], known.robots)):
         return RobotWish(text, docked["robot"], DOCK)
     placed = IN_ROOM.match(plain)
-    if placed is None or (not _named(placed["room"], known.rooms) and _ends_with_state(plain)):
+    if placed is None or (not find_name(placed["room"], known.rooms) and _ends_with_state(plain)):
         return None
     return RobotWish(text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed["no"]))
 
@@ -169,7 +170,7 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
 
 def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateWish:
     target = being["what"] if (being := IS.match(target)) else target
-    area = _named(target, known.areas)
+    area = find_name(target, known.areas)
     if area and (named := NUMBERED.match(command)) is not None:  # living heat 19
         area, target, command = "", f"{target} {named['rest']}", named["number"]
     if area and command in {"on", "off"}:
@@ -180,25 +181,16 @@ def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateW
 
 def _scene(text: str, scenes: Collection[str]) -> str:
     """Return the scene that *text* names; empty for none."""
-    if found := _named(text, scenes):
+    if (found := find_name(text, scenes)) or (named := SCENE_WISH.match(text)) is None:
         return found
-    named = SCENE_WISH.match(text)
-    name = "" if named is None else named["name"].strip('"')
-    if not name or (found := _named(name, scenes)):
-        return found if name else ""
-    raise UsageError(f"there is no scene {name!r}; {did_you_mean(name, scenes, '`homebot scene list` shows all')}")
+    return resolve_name("scene", named["name"].strip('"'), scenes, "`homebot scene list` shows all")
 
 
 def _area(name: str, areas: Collection[str]) -> str:
     name = name.strip('"')
-    if found := _named(name, areas) or _named(room["name"] if (room := ROOM.match(name)) else name, areas):
+    if (room := ROOM.match(name)) and (found := find_name(room["name"], areas)) and not find_name(name, areas):
         return found
-    hint = did_you_mean(name, areas, f"rooms are {', '.join(areas) or 'none'}")
-    raise UsageError(f"there is no room {name!r}; {hint}")
-
-
-def _named(name: str, names: Collection[str]) -> str:
-    return next((one for one in names if fold(one) == fold(name)), "")
+    return resolve_name("room", name, areas)
 
 
 def _without_the(text: str) -> str:

@@ -19,10 +19,9 @@ from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import ago
 from homebot.errors import HomebotError, PeerError, UsageError
-from homebot.support.folding import fold
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
 from homebot.support.toml_text import toml_value
+from homebot.words.names import resolve_name
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import RoutineInfo, RoutinesResponse
@@ -145,12 +144,10 @@ def _state(routine: RoutineInfo) -> str:
 
 
 def _named(door: DoorClient, name: str) -> RoutineInfo:
-    routines = {one.name: one for one in _routines(door).routines}
-    found = next((one for one in routines.values() if fold(name) in {fold(one.name), fold(one.app)}), None)
-    if found is None:
-        hint = did_you_mean(name, routines, f"routines are {', '.join(routines) or 'none'}")
-        raise UsageError(f"there is no routine {name!r}; {hint}")
-    return found
+    infos = [*_routines(door).routines]
+    named = {spelled: info for info in infos for spelled in (info.app, info.name)}
+    known = ", ".join(info.name for info in infos) or "none"
+    return named[resolve_name("routine", name, named, f"routines are {known}")]
 
 
 def show(door: DoorClient, options: argparse.Namespace) -> int:

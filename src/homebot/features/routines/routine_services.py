@@ -31,10 +31,9 @@ from homebot.features.routines.kept_routines import KeptRoutines
 from homebot.graph import Node
 from homebot.routines.routine import Routine
 from homebot.routines.text import WrittenRoutine, acts_on, read_routines, with_act
-from homebot.support.folding import fold
 from homebot.support.logger import get_logger
-from homebot.support.similar import did_you_mean
 from homebot.support.toml_text import toml_value
+from homebot.words.names import resolve_name
 
 if TYPE_CHECKING:
     from homebot.feature_context import FeatureContext
@@ -296,12 +295,10 @@ class RoutineServices:
         Raises:
             UsageError: There is none.
         """
-        known = {one.name: one for one in self._infos()}
-        meant = [one for one in known.values() if fold(name) in {fold(one.name), fold(one.app)}]
-        if not meant:
-            hint = did_you_mean(name, known, f"routines are {', '.join(known) or 'none'}")
-            raise UsageError(f"there is no routine {name!r}; {hint}")
-        return meant[0]
+        infos = [*self._infos()]
+        named = {spelled: info for info in infos for spelled in (info.app, info.name)}
+        known = ", ".join(info.name for info in infos) or "none"
+        return named[resolve_name("routine", name, named, f"routines are {known}")]
 
     def _infos(self) -> Iterator[RoutineInfo]:
         running = self._running

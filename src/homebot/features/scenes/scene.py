@@ -20,7 +20,7 @@ from homebot.features.scenes.scene_book import KeptScene, SceneBook
 from homebot.features.scenes.scene_words import values_text
 from homebot.messages import Time
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.words.names import no_such
 
 Place: TypeAlias = tuple[str, str]
 """The ids of a device and of its part."""
@@ -130,8 +130,7 @@ class HouseScenes:
                 *map(_NAME, self.configured.values()),
                 *map(_NAME, native),
             ]
-            hint = did_you_mean(name, known, "`homebot scene list` shows them")
-            raise UsageError(f"there is no scene {name!r}; {hint}")
+            raise UsageError(no_such("scene", name, known, "`homebot scene list` shows them"))
         return found[0]
 
     def check_hides_none(self, name: str) -> None:

@@ -21,7 +21,7 @@ from homebot.features.scenes.scene_words import present_values, read_values
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.words.names import no_such
 
 _MOST_NAMED: Final = 5
 _NOW: Final = "now"
@@ -161,8 +161,7 @@ def _no_scene(name: str, house: HouseScenes, book: SceneBook) -> UsageError:
     if (one := house.configured.get(fold(name))) is not None:
         return UsageError(f"the scene {one.name} is in the configuration; change it there, and `homebot reload`")
     named = [one.name for one in book.scenes.values()]
-    hint = did_you_mean(name, named, "`homebot scene list` shows them; `save` makes one")
-    return UsageError(f"there is no scene {name!r} of the owner; {hint}")
+    return UsageError(no_such("scene", name, named, "`homebot scene list` shows them; `save` makes one"))
 
 
 def _values_of(words: str, device: Device, part: DevicePart) -> dict[str, PlainValue]:
