@@ -64,6 +64,7 @@ class FeatureTable(NamedTuple):
         is_array: Whether it is ``[[KEY]]``, of which a wrong element is left out, and not ``[KEY]``.
         is_live: Whether a reload applies changes, and a replay has it too; otherwise they wait for a restart.
         plugin: The class that it configures, as ``module:Class``; empty for none.
+        was: The class in recordings of earlier versions; empty for the same.
         section: The tables that those of the plug-in join: ``gateways`` or ``apps``.
         check: Checks each app of the plug-in beside its settings; called with its name, its table and the
             :class:`~homebot.config.Config`.
@@ -74,6 +75,7 @@ class FeatureTable(NamedTuple):
     is_array: bool = False
     is_live: bool = False
     plugin: str = ""
+    was: str = ""
     section: str = ""
     check: str = ""
     implied_by: str = ""
@@ -96,6 +98,7 @@ class Feature:
         files: Its data files beside that of the directory, which backups have, with their schemas as ``module:name``.
         tables: Its tables of the configuration, by key.
         verbs: Its commands of the command line, by name.
+        app_names: Names that apps import from :mod:`homebot.apps`, as ``module:name``.
         messages: Modules with its messages, for clients.
         routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
         tools: A function that adds its tools to the server for agents, with the client of the HTTP API.
@@ -113,6 +116,7 @@ class Feature:
     files: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, FeatureTable] = field(default_factory=dict)
     verbs: Mapping[str, Verb] = field(default_factory=dict)
+    app_names: Mapping[str, str] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
     routes: str = ""
     tools: str = ""

@@ -16,10 +16,10 @@ from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, WireError
+from homebot.features.routines.watches import begun
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
-from homebot.routines.triggers import read_state
-from homebot.routines.watches import begun
+from homebot.rule_words.triggers import read_state
 from homebot.testing import FakeGateway
 
 pytestmark = pytest.mark.virtual_time

@@ -6,7 +6,7 @@ from homebot.command_words.settings import parse_command_words
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import StateIs
-from homebot.routines.steps import Do, read_step
+from homebot.rule_words.steps import Do, read_step
 
 ABLE = tuple(Capability(name=name, settable=True) for name in ("level", "heating_setpoint", "color_temperature"))
 

@@ -16,9 +16,9 @@ from homebot.control.policies.command_pattern import read_pattern
 from homebot.devices.query.parse import parse_query
 from homebot.errors import UsageError
 from homebot.features.goals.wishes import KnownNames, read_wishes
-from homebot.routines.conditions import read_condition
-from homebot.routines.steps import read_step
-from homebot.routines.triggers import read_trigger
+from homebot.rule_words.conditions import read_condition
+from homebot.rule_words.steps import read_step
+from homebot.rule_words.triggers import read_trigger
 from homebot.words.tokens import MAX_QUERY, Phrase
 
 READERS: tuple[tuple[Callable[[str], object], str], ...] = (

@@ -4,9 +4,9 @@ from datetime import time
 
 import pytest
 
-from homebot.routines.conditions import OnDays, read_condition
-from homebot.routines.steps import Wait, read_step
-from homebot.routines.triggers import Becomes, read_trigger
+from homebot.rule_words.conditions import OnDays, read_condition
+from homebot.rule_words.steps import Wait, read_step
+from homebot.rule_words.triggers import Becomes, read_trigger
 from homebot.units import parse_duration
 from homebot.words.times import TimeSpan, read_days
 

@@ -7,7 +7,7 @@ from typing import Final
 from homebot.apps import App
 from homebot.config import Table
 from homebot.errors import UsageError
-from homebot.feature import plugin_tables
+from homebot.feature import feature_tables, plugin_tables
 from homebot.names import snake_case
 from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
@@ -30,7 +30,8 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
     Raises:
         UsageError: An app cannot be found, or the recording is damaged.
     """
-    known = tuple(recorded)
+    moved = {row.was: row.plugin for row in feature_tables().values() if row.was}
+    known = tuple([one.model_copy(update={"kind": moved.get(one.kind, one.kind)}) for one in recorded])
     if wanted:
         tables = _tables_of(wanted, known)
     else:

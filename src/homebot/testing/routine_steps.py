@@ -1,11 +1,17 @@
 """The steps that an exported routine takes, for its test."""
 
 from collections.abc import Collection
+from typing import Protocol
 
-from homebot.routines.routine_app import RoutineApp
+
+class ExportedRoutine(Protocol):
+    """An app that a routine was exported as."""
+
+    async def perform(self) -> None:
+        """Take the steps."""
 
 
-async def steps_of(kind: type[RoutineApp], holds: Collection[str] = ()) -> list[str]:
+async def steps_of(kind: type[ExportedRoutine], holds: Collection[str] = ()) -> list[str]:
     """Return the steps that an app takes in one run, without a house.
 
     Args:

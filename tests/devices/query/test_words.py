@@ -21,8 +21,8 @@ from homebot.discovery.search.postings import Postings
 from homebot.discovery.search.unknown_words import note_on
 from homebot.messages.builtin_interfaces import Time
 from homebot.places import HousePlan
-from homebot.routines.conditions import Matches, read_condition
-from homebot.routines.triggers import Becomes, read_trigger
+from homebot.rule_words.conditions import Matches, read_condition
+from homebot.rule_words.triggers import Becomes, read_trigger
 from homebot.support.folding import fold
 
 NOW = Time(sec=1, nanosec=0)

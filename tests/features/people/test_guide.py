@@ -7,8 +7,8 @@ import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
-from homebot.routines.conditions import read_condition
-from homebot.routines.triggers import read_trigger
+from homebot.rule_words.conditions import read_condition
+from homebot.rule_words.triggers import read_trigger
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("espresense", "owntracks")]
 

@@ -19,8 +19,8 @@ from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.features.goals.operators import PlanStep
 from homebot.features.goals.wishes import KnownNames
 from homebot.graph import EntityKind, Node
-from homebot.routines.robot_drive import check_move
-from homebot.routines.steps import SendRobot
+from homebot.robots.drive import check_move
+from homebot.rule_words.steps import SendRobot
 from homebot.support.folding import fold
 
 Assumed = MutableMapping[tuple[str, str], dict[str, PlainValue]]

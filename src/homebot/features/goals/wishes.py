@@ -8,8 +8,8 @@ from homebot.command_words.settings import is_relative
 from homebot.devices.query.terms import StateIs
 from homebot.devices.query.vocabulary import ADJECTIVES
 from homebot.errors import UsageError
-from homebot.routines.people import AT_HOME
-from homebot.routines.steps import Do, SendRobot, read_step
+from homebot.rule_words.people import AT_HOME
+from homebot.rule_words.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 from homebot.words.names import find_name, resolve_name

@@ -11,7 +11,7 @@ from homebot.features.habits.habit import FoundHabit
 from homebot.features.habits.messages import HabitOccasion, HabitProposal
 from homebot.features.habits.recorded import is_persons
 from homebot.messages.builtin_interfaces import Time
-from homebot.routines.text import routine_text
+from homebot.rule_words.routine_text import routine_text
 from homebot.words.times import DaysAndTime, SunMoment
 
 _QUOTED: Final = re.compile(r'name="([^"]+)"')

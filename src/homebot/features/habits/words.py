@@ -18,9 +18,9 @@ from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.values import value_text
 from homebot.errors import UsageError
 from homebot.messages.builtin_interfaces import Time
-from homebot.routines.conditions import Matches, read_condition
-from homebot.routines.steps import Do, read_step
-from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
+from homebot.rule_words.conditions import Matches, read_condition
+from homebot.rule_words.steps import Do, read_step
+from homebot.rule_words.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
 
 _LONGEST: Final = 80

@@ -20,13 +20,15 @@ FEATURE: Final = Feature(
     keeps_apps="routine",
     tables={
         "routines": FeatureTable(
-            "homebot.routines.tables:apps_of_routines",
+            "homebot.features.routines.tables:apps_of_routines",
             is_array=True,
             section="apps",
-            plugin="homebot.routines.routine:Routine",
-            check="homebot.routines.tables:check_routine",
+            plugin="homebot.features.routines.routine:Routine",
+            was="homebot.routines.routine:Routine",
+            check="homebot.features.routines.tables:check_routine",
         )
     },
+    app_names={"RoutineApp": "homebot.features.routines.routine_app:RoutineApp"},
     verbs={
         "bind": Verb(
             "let a button do something", "homebot.features.routines.command_binding:add_arguments", after="app"

@@ -211,8 +211,8 @@ def _import(door: DoorClient, options: argparse.Namespace) -> int:
 
 def _export(door: DoorClient, options: argparse.Namespace) -> int:
     from homebot.apps.grants import ACT  # noqa: PLC0415 - as below
-    from homebot.routines.export import app_files  # noqa: PLC0415 - reads routines
-    from homebot.routines.text import read_routines  # noqa: PLC0415 - as above
+    from homebot.features.routines.export import app_files  # noqa: PLC0415 - reads routines
+    from homebot.features.routines.text import read_routines  # noqa: PLC0415 - as above
 
     found = _named(door, options.name)
     files, app = app_files(found.text, found.name, found.app)

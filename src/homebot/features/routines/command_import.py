@@ -6,8 +6,9 @@ from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient
 from homebot.cli.text_editor import read_text
 from homebot.errors import UsageError, WireError
+from homebot.features.routines.text import read_routines
 from homebot.plugins import check_extra, load_plugin, plugin_names
-from homebot.routines.imports import IMPORTERS, AutomationReader
+from homebot.rule_words.automations import IMPORTERS, AutomationReader
 from homebot.support.printable import printable
 
 
@@ -27,7 +28,9 @@ def import_routines(door: DoorClient, file: str) -> int:
     except WireError as exc:
         raise UsageError(f"{file} cannot be read: {exc}") from exc
     reader: AutomationReader = load_plugin(IMPORTERS, names[0])()
-    found = reader.read(document, file, all_devices(door, lambda one: one))
+    found = reader.read(
+        document, file, all_devices(door, lambda one: one), lambda text, origin: read_routines(text, origin)[0]
+    )
     for line in "\n".join(found.texts).splitlines():
         print("".join(one if one.isprintable() else f"\\U{ord(one):08x}" for one in line))  # as in texts of TOML
     for one in sorted(found.refused):

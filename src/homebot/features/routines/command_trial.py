@@ -22,14 +22,14 @@ from homebot.devices.names import HOME_PLACE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age_text
 from homebot.errors import ConfigError, PeerError, UsageError
+from homebot.features.routines.checks import asked_about
+from homebot.features.routines.settings import RoutineSettings
+from homebot.features.routines.text import read_routines
 from homebot.features.routines.trial import TriedCommand, routines_of, trial_config, tried
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
 from homebot.replay.replay import Replayed, replay
-from homebot.routines.checks import asked_about
-from homebot.routines.settings import RoutineSettings
-from homebot.routines.text import read_routines
-from homebot.routines.triggers import RobotArrival
+from homebot.rule_words.triggers import RobotArrival
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import LONGEST_WAIT, parse_duration

@@ -9,7 +9,7 @@ from homebot.apps.grants import scope_of
 from homebot.config import Config
 from homebot.devices.client_rights import EDIT_ROUTINE
 from homebot.errors import ConfigError, UsageError
-from homebot.routines.text import WrittenRoutine, read_routines
+from homebot.features.routines.text import WrittenRoutine, read_routines
 
 _MOST: Final = 300
 _MOST_PROPOSED: Final = 20

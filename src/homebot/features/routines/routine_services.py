@@ -28,17 +28,17 @@ from homebot.devices.device import KeyValue
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES
 from homebot.features.routines.kept_routines import KeptRoutines
+from homebot.features.routines.routine import Routine
+from homebot.features.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.graph import Node
-from homebot.routines.routine import Routine
-from homebot.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.support.logger import get_logger
 from homebot.support.toml_text import toml_value
 from homebot.words.names import resolve_name
 
 if TYPE_CHECKING:
     from homebot.feature_context import FeatureContext
-    from homebot.routines.checks import HouseChecks
-    from homebot.routines.effects import Effect
+    from homebot.features.routines.checks import HouseChecks
+    from homebot.features.routines.effects import Effect
 
 CHANGED: Final = "routine.changed"
 
@@ -71,7 +71,7 @@ class RoutineServices:
 
     @cached_property
     def _checks(self) -> HouseChecks:
-        from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - with the first question
+        from homebot.features.routines.checks import HouseChecks  # noqa: PLC0415 - with the first question
 
         return HouseChecks(self._node, self._refusal, with_robots=not self._house.is_rehearsal)
 

@@ -18,12 +18,12 @@ from homebot.devices.device import Device, DevicePart, Endpoint, Fact
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.terms import NameIs, leaves
 from homebot.errors import UsageError
+from homebot.features.routines.text import read_routines
 from homebot.integrations.homeassistant.automations import HomeAssistantAutomations
 from homebot.messages import Time
-from homebot.routines.conditions import Matches, read_condition
-from homebot.routines.imports import ImportedRoutines
-from homebot.routines.steps import Do, read_step
-from homebot.routines.text import read_routines
+from homebot.rule_words.automations import ImportedRoutines
+from homebot.rule_words.conditions import Matches, read_condition
+from homebot.rule_words.steps import Do, read_step
 from homebot.support.folding import fold
 
 HERE = Path(__file__).parent
@@ -89,7 +89,9 @@ HOUSE = (
 
 
 def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
-    return HomeAssistantAutomations().read(load_located(text), SOURCE, tuple(devices))
+    return HomeAssistantAutomations().read(
+        load_located(text), SOURCE, tuple(devices), lambda text, origin: read_routines(text, origin)[0]
+    )
 
 
 @pytest.fixture(scope="module", params=["automations", "forum"])

@@ -8,6 +8,7 @@ from tests.apps.houses import hall, is_on
 from homebot.cli.yaml_loader import load_located
 from homebot.clock import read_zone
 from homebot.devices import Devices
+from homebot.features.routines.text import read_routines
 from homebot.graph import Node
 from homebot.house import World
 from homebot.integrations.homeassistant.automations import HomeAssistantAutomations
@@ -56,7 +57,9 @@ async def imported(world: World, text: str) -> dict[str, object]:
         await house.run_for("10s")
         async with Node(house.runtime.graph, "test") as node:
             devices = tuple(await Devices(node).find())
-    found = HomeAssistantAutomations().read(load_located(text), "a.yaml", devices)
+    found = HomeAssistantAutomations().read(
+        load_located(text), "a.yaml", devices, lambda text, origin: read_routines(text, origin)[0]
+    )
     assert not found.refused
     return {**tomllib.loads("\n".join(found.texts)), "home": {"zone": "UTC"}}
 

@@ -14,8 +14,8 @@ from homebot.devices.device import State
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.value import Value
-from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs, read_condition
-from homebot.routines.text import read_routines
+from homebot.features.routines.text import read_routines
+from homebot.rule_words.conditions import AnyOf, Condition, Matches, OnDays, SunIs, read_condition
 from homebot.words.times import SunSpan, TimeSpan
 
 LAMP, PLUG = (next(one for one in HOUSE if one.name == name) for name in ("Hall lamp", "Kitchen plug"))

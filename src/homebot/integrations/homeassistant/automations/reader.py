@@ -18,10 +18,9 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.integrations.homeassistant.automations.services import steps_of_service
 from homebot.integrations.homeassistant.automations.states import state_of_template
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
-from homebot.routines.imports import ImportedRoutines, Refusal
-from homebot.routines.program import MOST
-from homebot.routines.steps import Do, Notify, read_step
-from homebot.routines.text import read_routines, routine_text
+from homebot.rule_words.automations import ImportedRoutines, Refusal, RoutineCheck
+from homebot.rule_words.routine_text import routine_text
+from homebot.rule_words.steps import MOST, Do, Notify, read_step
 from homebot.support.located import Located
 
 Step = str | dict[str, object]
@@ -215,8 +214,8 @@ _MAX_RUNS: Final = 10.0
 class HomeAssistantAutomations:
     """Reader of ``automations.yaml``, and of packages and configurations with a key ``automation``."""
 
-    def read(self, document: Located, source: str, devices: Sequence[Device]) -> ImportedRoutines:
-        """Return the routines of *document*; see :class:`homebot.routines.imports.AutomationReader`."""
+    def read(self, document: Located, source: str, devices: Sequence[Device], check: RoutineCheck) -> ImportedRoutines:
+        """Return the routines of *document*; see :class:`homebot.rule_words.automations.AutomationReader`."""
         nodes = [*_automations(document)]
         if not nodes:
             raise UsageError(f"{source} has no automations")
@@ -232,7 +231,9 @@ class HomeAssistantAutomations:
             whole = Automation(entities, [])
             with whole.in_line(node.line):
                 tables = [*_tables(whole, UnreadFields(node, "automation"), name)]
-                written = [] if whole.problems else _written(tables, names, f"{source}, line {node.line}", entities)
+                written = (
+                    [] if whole.problems else _written(tables, names, f"{source}, line {node.line}", entities, check)
+                )
                 texts += written
             refused += dict.fromkeys(Refusal(problem.line, name, str(problem)) for problem in whole.problems)
         return ImportedRoutines(tuple(texts), tuple(refused), len(nodes))
@@ -305,7 +306,9 @@ def _in_unit(entity: KnownEntity) -> str:
     return f", in {unit}" if unit else ""
 
 
-def _written(tables: Sequence[Mapping[str, object]], names: set[str], origin: str, entities: Entities) -> list[str]:
+def _written(
+    tables: Sequence[Mapping[str, object]], names: set[str], origin: str, entities: Entities, check: RoutineCheck
+) -> list[str]:
     """Return the texts of *tables*, which homebot accepts, with their origin and the meaning of their entities."""
     known = "".join(
         f"# {entity.id}: {' '.join(entity.device.name.split())}{_in_unit(entity)}\n"
@@ -313,7 +316,7 @@ def _written(tables: Sequence[Mapping[str, object]], names: set[str], origin: st
     )
     texts = [routine_text(table) for table in tables]
     try:
-        routines = [read_routines(text, origin)[0] for text in texts]
+        routines = [check(text, origin) for text in texts]
     except ConfigError as exc:
         raise NotCarriedError(f"{exc.key.rpartition('.')[2]}: {exc.reason}") from exc
     if not routines:

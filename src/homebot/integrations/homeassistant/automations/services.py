@@ -9,7 +9,7 @@ from homebot.devices.text.colors import COLORS
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.routines.steps import Do, Notify, read_step
+from homebot.rule_words.steps import Do, Notify, read_step
 
 _ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
 _WORDS: Final = {

@@ -17,7 +17,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.routines.triggers import read_state
+from homebot.rule_words.triggers import read_state
 from homebot.support.folding import fold
 
 _IS_STATE: Final = re.compile(

@@ -1,0 +1,221 @@
+"""One run of a routine: its steps, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import closing
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
+
+import anyio
+
+from homebot.apps import AppContext
+from homebot.command_words.earlier_values import EarlierValues, known_states
+from homebot.command_words.settings import SET
+from homebot.devices import Devices, KeyValue
+from homebot.devices.batch import perform_all
+from homebot.devices.command_messages import (
+    CommandDevicesRequest,
+    CommandDevicesResponse,
+    CommandRequest,
+    PerformCommand,
+)
+from homebot.devices.current_trigger import current_trigger
+from homebot.devices.device import target_of
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.outcomes import NoAnswer, Outcome
+from homebot.errors import HomebotError, ServiceError
+from homebot.features.routines.program import Branch, Line, Skip
+from homebot.features.routines.watches import begun
+from homebot.graph import Client, Node
+from homebot.rule_words.conditions import Condition
+from homebot.rule_words.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, WaitUntil
+
+if TYPE_CHECKING:
+    from homebot.features.routines.checks import HouseChecks
+
+_LONGEST: Final = 900.0
+"""Seconds after which the control layer has answered: it limits its own waiting."""
+
+
+class RoutineOwner(Protocol):
+    """The routine of a run."""
+
+    node: Node
+    context: AppContext
+    devices: Devices
+    commands: Client[CommandDevicesRequest, CommandDevicesResponse]
+
+    async def keep(self, run: RoutineRun, place: RunPlace, before: dict[str, list[Any]]) -> None:
+        """Store how far *run* is, for a restart."""
+
+    async def notify(self, message: str, *, title: str = "") -> bool:
+        """Send people a message."""
+
+    async def unmet(self, conditions: Sequence[tuple[str, Condition]]) -> str:
+        """Return the first condition that does not hold; empty if all do."""
+
+    def log_done(self, step: str) -> None:
+        """Log that a step that no device's journal knows was done."""
+
+    def log_failure(self, step: str, problem: str) -> None:
+        """Log that a step failed."""
+
+
+class RunPlace(NamedTuple):
+    """The step that a run takes.
+
+    Attributes:
+        line: The line of the program.
+        until: The end of a wait, in seconds since the Unix epoch; else 0.
+        may_repeat: Whether to take the step again after a restart is known to change nothing more.
+    """
+
+    line: int
+    until: float
+    may_repeat: bool
+
+
+@final
+class RoutineRun:
+    """A run.
+
+    Args:
+        program: All steps of the routine; without it, an app calls :meth:`take`.
+        before: The values before the earlier steps, as :class:`EarlierValues` has them; it is updated.
+    """
+
+    def __init__(
+        self, owner: RoutineOwner, program: tuple[Line, ...] = (), before: dict[str, list[Any]] | None = None
+    ) -> None:
+        self._owner = owner
+        self._program = program
+        self._clock = owner.node.graph.clock
+        self._before = EarlierValues(before)
+        self._is_undone = not program or any(isinstance(one.step, Undo) for one in program)
+
+    async def perform(self, first: int = 0, until: float = 0.0) -> None:
+        """Perform the program from line *first* on; its wait ends at *until*, in seconds since the Unix epoch."""
+        place = first
+        while place < len(self._program):
+            step = self._program[place].step
+            match step:
+                case Branch():
+                    place += step.over if await self._owner.unmet(step.conditions) else 0
+                case Skip():
+                    place += step.over
+                case _:
+                    await self.take(step, place, until)
+            place, until = place + 1, 0.0
+
+    async def take(self, step: Step, place: int = 0, until: float = 0.0) -> None:
+        """Take one *step*; a wait ends at *until*, in seconds since the Unix epoch, if that is given."""
+        match step:
+            case Do() if self._program:
+                may_repeat = await self._checks.may_repeat(step)
+            case Wait(seconds=length) | WaitUntil(most=length):
+                may_repeat, until = True, until or self._clock.now() + length
+            case _:
+                may_repeat = isinstance(step, Undo)
+        await self._owner.keep(self, RunPlace(place, until, may_repeat), self._before.entries)
+        match step:
+            case Do():
+                await self._do(step)
+            case Dim():
+                await self._dim(step)
+            case SendRobot():
+                await self._drive(step)
+            case Notify():
+                is_told = await self._owner.notify(step.text) or self._owner.context.rehearse is not None
+                if not is_told:
+                    self._owner.log_failure(f"notify {step.text}", "nobody was told; [notify] and the log say why")
+            case Wait():
+                await anyio.sleep(self._left(step.seconds, until))
+            case WaitUntil():
+                with anyio.move_on_after(self._left(step.most, until)):
+                    await anext(begun(self._owner.node, step.state))
+            case Undo():
+                await self._undo()
+
+    @cached_property
+    def _checks(self) -> HouseChecks:
+        from homebot.features.routines.checks import HouseChecks  # noqa: PLC0415 - it reads routines
+
+        return HouseChecks(self._owner.node, lambda *_: ("", ""))
+
+    async def _do(self, step: Do) -> bool:
+        node, devices = self._owner.node, self._owner.devices
+        states = await known_states(node, await devices.find()) if self._is_undone else {}
+        answer = await self._give(step)
+        self._before.add(states, answer.results)
+        return answer.success
+
+    async def _dim(self, step: Dim) -> None:
+        from homebot.features.routines.dimming import dim  # noqa: PLC0415 - few routines dim
+
+        async def set_level(level: float) -> bool:
+            return await self._do(Do(step.text, step.target, SET, (("level", f"{level:.0f}"),)))
+
+        await dim(self._owner.node, step, await self._owner.devices.find(), set_level)
+
+    async def _give(self, step: Do) -> CommandDevicesResponse:
+        request = CommandDevicesRequest(
+            target=step.target,
+            command=step.command,
+            values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
+            issuer=self._owner.node.full_name,
+            transition=step.transition,
+            trigger=current_trigger(),
+        )
+        try:
+            answer = await self._owner.commands.call(request, timeout=_LONGEST)
+        except ServiceError as exc:
+            answer = CommandDevicesResponse(success=False, message=str(exc))
+        if not answer.success:
+            self._owner.log_failure(step.text, answer.message)
+        return answer
+
+    async def _drive(self, step: SendRobot) -> None:
+        from homebot.robots.drive import drive  # noqa: PLC0415 - few homes have a robot
+
+        if (rehearse := self._owner.context.rehearse) is not None:
+            rehearse(self._owner.node.name, step.text)
+            self._owner.log_done(f"{step.text} (only recorded)")
+            return
+        try:
+            await drive(self._owner.node, step)
+        except HomebotError as exc:
+            self._owner.log_failure(step.text, str(exc))
+        else:
+            self._owner.log_done(step.text)
+
+    def _left(self, seconds: float, until: float) -> float:
+        """Return how long a wait of *seconds* still lasts; the clock may have been set back since it began."""
+        return min(seconds, max(0.0, until - self._clock.now()))
+
+    async def _undo(self) -> None:
+        """Bring back the values from before, of each part at once, where nothing else has changed them since."""
+        devices = [device for device in await self._owner.devices.find() if device.id in self._before.devices]
+        due = self._before.due(await known_states(self._owner.node, devices, from_journal=True))
+        requests = [
+            CommandRequest(
+                device=device,
+                part=part,
+                settings=settings,
+                issuer=self._owner.node.full_name,
+                trigger=current_trigger(),
+            )
+            for (device, part), settings in due.items()
+        ]
+        with closing(self._owner.node.create_client(PerformCommand, PERFORM_COMMAND)) as client:
+            outcomes = await perform_all(partial(_outcome, client), requests)
+        for place, outcome in zip(due, outcomes, strict=True):
+            if not outcome.succeeded:
+                self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
+
+
+async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:
+    try:
+        return await client.call(request, timeout=_LONGEST)
+    except ServiceError as exc:
+        return NoAnswer(0.0, str(exc))

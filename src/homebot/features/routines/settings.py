@@ -1,0 +1,89 @@
+"""The tables ``[[routines]]``."""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
+
+from homebot.apps import AppSettings
+from homebot.apps.run_modes import RunMode
+from homebot.config import value_errors
+from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
+from homebot.rule_words.conditions import Condition, SunIs, check_possible, single_conditions
+from homebot.rule_words.steps import MOST, Dim, Do, Undo, WaitUntil
+from homebot.rule_words.triggers import Becomes, Trigger, read_trigger
+from homebot.support.folding import fold
+from homebot.words.times import SunMoment, SunSpan
+
+
+def _trigger(text: str) -> str:
+    with value_errors():
+        read_trigger(text)
+    return text
+
+
+def _line(text: str) -> str:
+    if len(text.splitlines()) != 1:
+        raise ValueError("a name is one line")
+    return text
+
+
+class RoutineSettings(AppSettings):
+    """One routine.
+
+    Attributes:
+        name: Its name for people.
+        when: Its triggers, each for itself; see :func:`homebot.rule_words.triggers.read_trigger`.
+        conditions: The key ``if``: its conditions, all of which must hold; see
+            :func:`homebot.rule_words.conditions.read_condition`.
+        do: Its steps, one after the other; see :func:`homebot.rule_words.steps.read_step`, or choices.
+        mode: The rule for a start while it runs; see :meth:`homebot.apps.App.on`.
+        enabled: Whether it may start.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
+
+    name: Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_line)]
+    when: Annotated[tuple[Annotated[Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=MOST)]
+    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MOST)] = ()
+    do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MOST)]
+    mode: RunMode = "single"
+    enabled: bool = True
+
+    def asked(self) -> Iterator[tuple[str, Trigger | Condition]]:
+        """Yield each trigger, condition, awaited state and held button, with its text."""
+        yield from ((text, read_trigger(text)) for text in self.when)
+        conditions = [*conditions_of(self.conditions)]
+        for line in program_of(self.do):
+            match line.step:
+                case Branch():
+                    conditions += line.step.conditions
+                case WaitUntil(state=state):
+                    yield line.text, state
+                case Dim(held=held):
+                    yield held.text, held
+        yield from ((text, one) for text, condition in conditions for one in single_conditions(condition))
+
+    def asking_the_sun(self) -> tuple[str, ...]:
+        """Return its texts for which the place of the home must be known."""
+        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs | SunSpan))
+
+    def written(self) -> dict[str, object]:
+        """Return its table as a person would write it: without default values."""
+        return self.model_dump(exclude_defaults=True)
+
+    @model_validator(mode="after")
+    def _check_together(self) -> "RoutineSettings":
+        steps = [one.step for one in program_of(self.do)]
+        if steps[0] == Undo():
+            raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
+        triggers = [read_trigger(one) for one in self.when]
+        if twice := [text for place, text in enumerate(self.when) if triggers[place] in triggers[:place]]:
+            raise ValueError(f"when: {twice[0]!r} is there twice")
+        with value_errors():
+            check_possible(self.conditions)
+        states = {fold(one.text) for one in triggers if isinstance(one, Becomes)}
+        for step in steps:
+            if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:
+                raise ValueError(f"do: {step.text!r} brings about what starts it, so it would start itself")
+        return self

@@ -1,0 +1,244 @@
+"""Watches for the triggers of routines: states, presses, and the arrival of robots."""
+
+import math
+from collections.abc import AsyncIterator, Callable, MutableMapping
+from dataclasses import replace
+from itertools import chain
+from typing import Any, Final, NamedTuple, TypeAlias, final
+
+import anyio
+
+from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.echoes import Echoes
+from homebot.devices.follow import Follow
+from homebot.devices.house_view import HouseView, HouseWatcher
+from homebot.devices.names import ROBOT_POSES
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.terms import Query, lasting
+from homebot.devices.query.words import WordsQuery
+from homebot.devices.robot_messages import RobotPose
+from homebot.graph import Node, qos_profile_latched
+from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.rule_words.triggers import Becomes, PersonMoves, Press, RobotArrival
+from homebot.support.bounded_map import BoundedMap
+from homebot.support.folding import fold
+from homebot.support.timer_queue import TimerQueue
+
+OnStart: TypeAlias = Callable[[object], None]
+"""Called with the cause."""
+
+_MOST_ROBOTS: Final = 100
+_MOST_PEOPLE: Final = 100
+
+
+class Begun(NamedTuple):
+    """A device that has matched for long enough, and the change with which it began to."""
+
+    device: Device
+    cause: object
+
+
+async def begun(
+    node: Node, state: Becomes, store: MutableMapping[str, Any] | None = None, *, is_new: bool = False
+) -> AsyncIterator[Begun]:
+    """Yield each device when it has matched *state* for as long as that says.
+
+    Args:
+        store: Keeps the waits for a restart: a device that waited then, and is found so, goes on.
+        is_new: Whether a device that did so earlier than this call is left out, and so one that is found so, or whose
+            first value matches: it may have been so before.
+    """
+    kept = {} if store is None else store
+    if state.is_none:
+        async for one in _none_left(node, state, kept, is_new=is_new):
+            yield one
+        return
+    clock, due = node.graph.clock, TimerQueue[str, Begun]()
+    began = clock.monotonic()
+    follow = Follow(node, query=state.words or state.query, text=state.text)
+    while True:
+        at = due.next()
+        wait = math.inf if at is None else at - clock.monotonic()
+        with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
+            change = await anext(follow, None)  # first, because a change reported meanwhile may end the wait
+            if change is None:
+                return
+            device = change.device
+            key = f"since {state.text} {device.id}"
+            if change.kind == "removed":
+                due.discard(device.id)
+                kept.pop(key, None)
+            elif change.kind == "appeared":
+                now = clock.now()
+                since = now - (clock.monotonic() - began) if is_new else -math.inf  # by the clock as it is set now
+                matched_at = _matched_at(device, replace(state, query=follow.query), now, since)
+                matched_at = kept.get(key, matched_at) if matched_at == -math.inf else matched_at
+                if matched_at > -math.inf:
+                    left = min(state.lasting, matched_at + state.lasting - now)  # the clock may have been set back
+                    due.set(device.id, clock.monotonic() + left, Begun(device, CURRENT_CAUSE.get()))
+                    if left > 0:
+                        kept[key] = matched_at
+        if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
+            kept.pop(f"since {state.text} {found[0]}", None)
+            yield found[1]
+
+
+async def _none_left(
+    node: Node, state: Becomes, kept: MutableMapping[str, Any], *, is_new: bool
+) -> AsyncIterator[Begun]:
+    """Yield the last device that matched *state* when none has for as long as that says, as :func:`begun` does."""
+    clock, key = node.graph.clock, f"since {state.text}"
+    view, watcher = HouseView.of(node), HouseWatcher()
+    view.add(watcher)
+    try:
+        await view.wait_until_complete()
+        devices = tuple(view.devices)
+        query = WordsQuery(state.words, devices).query
+        matching = {one.id for one in devices if fits(query, facets_of(one))}
+        able = [one for one in devices if fits(lasting(query), facets_of(one))]
+        at = max(
+            [one.since.to_seconds() for one in chain(*(one.states for one in able)) if one.live], default=clock.now()
+        )
+        waiting: tuple[float, Begun] | None = None
+        if able and not matching and (key in kept or not is_new):
+            left = min(state.lasting, kept.get(key, at) + state.lasting - clock.now())
+            waiting = clock.monotonic() + left, Begun(able[0], CURRENT_CAUSE.get())
+        follow = Follow(node, query=state.words, text=state.text)
+        while True:
+            wait = math.inf if waiting is None else waiting[0] - clock.monotonic()
+            with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
+                if (change := await anext(follow, None)) is None:
+                    return
+                if change.kind != "removed":
+                    matching.add(change.device.id)
+                    waiting = None
+                    kept.pop(key, None)
+                elif change.device.id in matching:
+                    matching.remove(change.device.id)
+                    if not matching:
+                        kept[key] = clock.now()
+                        waiting = clock.monotonic() + state.lasting, Begun(change.device, CURRENT_CAUSE.get())
+            if scope.cancelled_caught and waiting is not None:
+                kept.pop(key, None)
+                yield waiting[1]
+                waiting = None
+    finally:
+        view.remove(watcher)
+
+
+def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
+    """Return since when *device* has the values of *state*; -inf if its wait was over before the time *since*."""
+    cause, is_new = CURRENT_CAUSE.get(), since > -math.inf
+    if is_new and isinstance(cause, DeviceChange) and cause.kind == "appeared":  # it is found so
+        return -math.inf
+    values = [one for one in device.states if one.capability in state.capabilities and one.live]
+    if not values:
+        return -math.inf if is_new else now
+    newest = max(values, key=lambda one: one.since.to_seconds())
+    at = newest.since.to_seconds()
+    return -math.inf if is_new and (newest.is_first or at + state.lasting < since) else at
+
+
+def is_press(view: HouseView, press: Press, change: object, query: Query | None = None) -> bool:
+    """Return whether *change* is the event *press*.
+
+    Args:
+        query: The query for its device, if what its words mean in the house is known.
+    """
+    if not isinstance(change, StateChange) or not change.is_event:
+        return False
+    known, value = view.get(change.device), str(change.readings[0].value.plain()).casefold()
+    if known is None or not change.live or press.value not in {"", value}:
+        return False
+    device = known.current()
+    is_button = not press.part or any(one.id == change.readings[0].part and press.is_of(one) for one in device.parts)
+    return is_button and fits(
+        WordsQuery(press.words, view.devices).query if query is None else query, facets_of(device)
+    )
+
+
+@final
+class PressWatch(HouseWatcher):
+    """Calls a function with each event that fits a trigger, once for one that parts of several kinds tell.
+
+    Some bridges announce a press as an event and as the trigger of a device.
+    """
+
+    def __init__(self, node: Node, press: Press, on_start: OnStart) -> None:
+        self._press = press
+        self._words = WordsQuery(press.words)
+        self._on_start = on_start
+        self._echoes = Echoes()
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        self._view.names.add(press.query, press.text)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Record the names that the words of the trigger may be."""
+        self._words.record(change.device, is_gone=change.kind == "removed")
+
+    def on_event(self, change: StateChange) -> None:
+        """Start the routine if the device and the event are meant."""
+        known = self._view.get(change.device)
+        if known is None or not is_press(self._view, self._press, change, self._words.query):
+            return
+        event = change.readings[0]
+        kinds = [one.part.advertised for one in known.current().parts if one.id == event.part]
+        if self._echoes.is_new((change.device, event.capability), "".join(kinds), now=change.told_at.to_seconds()):
+            self._on_start(change)
+
+
+@final
+class PersonWatch(HouseWatcher):
+    """Calls a function when a person, or the household, moves: to be unknown in between is no move."""
+
+    def __init__(self, node: Node, move: PersonMoves, on_start: OnStart) -> None:
+        self._move = move
+        self._on_start = on_start
+        self._was_home: BoundedMap[str, bool] = BoundedMap(_MOST_PEOPLE)
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        self._view.names.add(move.query, move.text)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Record the place of a new person."""
+        self._record(change.device.id, change)
+
+    def on_values(self, change: StateChange) -> None:
+        """Start the routine if a person was elsewhere before."""
+        if any(one.capability == self._move.fact for one in change.readings):
+            self._record(change.device, change)
+
+    def _record(self, device_id: str, change: DeviceChange | StateChange) -> None:
+        known = self._view.get(device_id)
+        device = None if known is None else known.current()
+        if device is None or not fits(self._move.query, facets_of(device)):
+            return
+        states = [one for one in device.states if one.capability == self._move.fact and one.live]
+        if states and isinstance(is_home := states[0].value.plain(), bool):
+            before = self._was_home.get(device_id)
+            self._was_home[device_id] = is_home
+            if before is not None and before is not is_home and is_home is self._move.is_home:
+                self._on_start(change)
+
+
+@final
+class ArrivalWatch:
+    """Calls a function when a robot comes into a room, or goes out of it."""
+
+    def __init__(self, node: Node, arrival: RobotArrival, on_start: OnStart) -> None:
+        self._arrival = arrival
+        self._on_start = on_start
+        self._rooms: BoundedMap[str, str] = BoundedMap(_MOST_ROBOTS)
+        node.create_subscription(RobotPose, ROBOT_POSES, self._on_pose, qos_profile_latched)
+
+    def _on_pose(self, pose: RobotPose) -> None:
+        arrival, room = self._arrival, fold(pose.room) if pose.counts and not pose.is_nearest_room else ""
+        if arrival.robot not in {"robot", pose.robot.casefold()}:
+            return
+        before = self._rooms.get(pose.robot)
+        self._rooms[pose.robot] = room
+        wanted = fold(arrival.room)
+        if before is not None and room != before and wanted == (before if arrival.leaves else room):
+            self._on_start(CURRENT_CAUSE.get())

@@ -1,0 +1,179 @@
+"""Conditions of routines, as text. Pure."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import combinations
+from typing import Final, TypeAlias
+
+from homebot.devices.query.terms import Not
+from homebot.errors import UsageError
+from homebot.rule_words.people import check_known, read_person
+from homebot.rule_words.triggers import (
+    SUN,
+    Becomes,
+    Press,
+    check_alone,
+    is_no_state,
+    read_press,
+    read_state,
+)
+from homebot.words.phrases import NOBODY, NOT
+from homebot.words.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
+from homebot.words.tokens import split_at
+
+_PRESENCE: Final = "motion occupied in"
+_IN_BED: Final = "tag=bed occupied in"
+"""Sensors that the owner tagged as those of a bed, such as a Withings Sleep mat or a zone of an Aqara FP2."""
+_EXAMPLES: Final = {
+    "": "write it like 'front door open', 'no window open', 'nobody in study', 'Anna is home', 'sun is down', "
+    "'after 22:00' or 'on weekdays'",
+    "time": "write it like 'after 22:00' or 'between 22:00 and 6:30'",
+    "sun": "write it like 'sun is down' or 'after sunset - 30m'",
+}
+_ALL_DAYS: Final = frozenset(range(7))
+
+
+@dataclass(frozen=True, slots=True)
+class SunIs:
+    """The sun is above the horizon, or below it."""
+
+    is_up: bool
+
+
+@dataclass(frozen=True, slots=True)
+class OnDays:
+    """It is one of these days of the week; Monday is 0."""
+
+    days: frozenset[int]
+
+
+@dataclass(frozen=True, slots=True)
+class Matches:
+    """At least one device matches, or none does."""
+
+    state: Becomes
+    is_none: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class AnyOf:
+    """At least one of several conditions holds."""
+
+    conditions: tuple["Condition", ...]
+
+
+Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | AnyOf
+"""A press holds in the run that it started."""
+
+
+@lru_cache(maxsize=2000)  # read for each check of each routine
+def read_condition(text: str) -> Condition:
+    """Return the condition *text*.
+
+    Raises:
+        UsageError: It is none; the message shows how it could be written.
+    """
+    plain = " ".join(text.split())
+    parts = split_at(plain, "or")
+    if any(map(is_no_state, parts if len(parts) > 1 else ())) or _denies(parts):
+        return AnyOf(tuple(map(read_condition, parts)))
+    if (found := _of_time(plain)) is not None:
+        return found
+    check_alone(plain, "and")
+    if _denies(split_at(plain, "and")):
+        raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
+    if (press := read_press(plain)) is not None and NOT.match(plain):
+        raise UsageError(f"{text!r}: a press is not denied; write it without the `not`, and the steps into `else`")
+    return _of_people(plain) or press or _of_state(plain)
+
+
+def single_conditions(condition: Condition) -> Iterator[Condition]:
+    """Yield *condition*, or those of which one must hold."""
+    yield from condition.conditions if isinstance(condition, AnyOf) else (condition,)
+
+
+def exclude_each_other(one: Condition, other: Condition) -> bool:
+    """Return whether both conditions never hold at once."""
+    match one, other:
+        case SunIs(), SunIs():
+            return one != other
+        case OnDays(), OnDays():
+            return one.days.isdisjoint(other.days)
+        case ((TimeSpan() | SunSpan()), (TimeSpan() | SunSpan())):
+            return not longest(one).overlaps(longest(other))
+        case Matches(), Matches():
+            return one.state.query == other.state.query and one.is_none is not other.is_none
+        case _:
+            return False
+
+
+def check_possible(texts: Sequence[str]) -> None:
+    """Check that the conditions *texts*, all of which must hold, can hold together.
+
+    Raises:
+        UsageError: Two of them never do; the message has the span that was meant, if they are its ends.
+    """
+    for (text, one), (other_text, other) in combinations([(one, read_condition(one)) for one in texts], 2):
+        if exclude_each_other(one, other):
+            words = sorted((text, other_text), key=lambda end: end.casefold().startswith("before "))
+            ends = [end.split(" ", 1) for end in words if end.casefold().startswith(("after ", "before "))]
+            is_span = [end[0].casefold() for end in ends] == ["after", "before"]
+            hint = f"write 'between {ends[0][1]} and {ends[1][1]}'" if is_span else "leave out one of them"
+            raise UsageError(f"{text!r} and {other_text!r} never hold together; {hint}")
+
+
+def _denies(parts: Sequence[str]) -> bool:
+    """Return whether one of several *parts* denies a state; a first one without brackets denies all of them."""
+    first, *others = parts
+    if others and first.casefold().startswith("not ("):
+        return True
+    for one in filter(None, map(NOT.match, others)):
+        with suppress(UsageError):  # `not in hall` is no state
+            read_state(one["state"])
+            return True
+    return False
+
+
+def _of_time(text: str) -> Condition | None:
+    text = text.casefold()
+    if text.startswith("not "):
+        found = _of_time(text[len("not ") :])
+        return None if found is None else _denied(found)
+    if (is_up := SUN.get(text)) is not None:
+        return SunIs(is_up)
+    if (days := read_days_of_week(text)) is not None:
+        return OnDays(days)
+    return read_span(text)
+
+
+def _of_people(text: str) -> Matches | None:
+    if (found := NOBODY.match(text)) is None:
+        return None
+    seen = _IN_BED if found["sleeps"] else _PRESENCE
+    state = replace(read_state(f"{seen} {found['room']}"), words="")  # no device called Motion
+    return Matches(state, found["word"].casefold() == "nobody")
+
+
+def _of_state(text: str) -> Matches:
+    none = None if read_person(text) else NOT.match(text)
+    state = replace(read_state(none["state"] if none else text, _EXAMPLES, is_none=none is not None), is_none=False)
+    if none is not None:
+        check_known(text, Not(state.query))
+    if state.lasting:
+        raise UsageError(f"{text!r}: a condition holds now; only `when` and `wait until` can ask for how long")
+    return Matches(state, none is not None)
+
+
+def _denied(condition: Condition) -> Condition:
+    match condition:
+        case SunIs():
+            return SunIs(not condition.is_up)
+        case OnDays() if len(condition.days) < len(_ALL_DAYS):
+            return OnDays(_ALL_DAYS - condition.days)
+        case TimeSpan() if condition.begin != condition.end:
+            return TimeSpan(condition.end, condition.begin)
+        case SunSpan() if condition.begin != condition.end:
+            return SunSpan(condition.end, condition.begin)
+    raise UsageError("this would never hold; leave out the `not`")

@@ -1,0 +1,305 @@
+"""The steps of a routine, as text. Pure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+from typing import Final, TypeAlias
+
+from homebot.command_words.settings import STATE_WORDS, check_without_code, is_relative
+from homebot.devices.capabilities import CAPABILITIES, SETTABLE
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import Query
+from homebot.devices.text.colors import COLORS, WHITES
+from homebot.errors import UsageError
+from homebot.rule_words.triggers import Becomes, Press, read_press, read_state
+from homebot.support.folding import fold
+from homebot.support.numbers import to_number
+from homebot.support.similar import did_you_mean
+from homebot.words.amounts import read_amount
+from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, WAIT, WAIT_UNTIL
+from homebot.words.times import read_duration
+from homebot.words.tokens import split_steps
+
+MOST: Final = 50
+"""The limit of the steps, triggers and conditions of a routine, each."""
+
+APPLY: Final = "apply"
+"""The command to a scene."""
+
+_UNITS: Final = {"%": "level", "k": "color_temperature", **dict.fromkeys(("", "c", "f", "°c", "°f"), "")}
+"""The units of numbers, with the capabilities that they mean."""
+
+_WHAT: Final = "say what to do, such as on, off, open or 40 %; a device's own words follow a colon, as in 'washer: eco'"
+_HOW_LONG: Final = "write it like 'wait 5m' or 'wait until hall motion clear, at most 30m'"
+_HINTS: Final = {
+    **dict.fromkeys(("wait", "delay", "pause", "sleep"), _HOW_LONG),
+    **dict.fromkeys(("turn", "switch", "set"), "write the device first, like 'hall lamp on' or 'heater to 21 °C'"),
+    "notify": "write it like 'notify The door is open'",
+    "scene": "write it like 'scene Film'",
+}
+"""By the first word."""
+
+_ALIKE: Final = 0.7
+_WORDS: Final = frozenset(
+    chain(
+        ("toggle", "turn on", "turn off"),
+        STATE_WORDS,
+        COLORS,
+        WHITES,
+        *((*one.words, *(one.options or ())) for one in CAPABILITIES.values()),
+    )
+)
+_SETTABLE: Final = frozenset(
+    word for one in CAPABILITIES.values() for word in (one.name, one.name.replace("_", " "), one.spoken) if word
+) - frozenset(fold(word) for one in DEVICE_TYPES.values() for word in one.words)
+"""Names of capabilities, but not those that are also names of devices, as in ``robot vacuum dock``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Do:
+    """A command to all devices that *target* means.
+
+    Attributes:
+        values: Further values by capability, as text.
+        transition: Seconds that the change takes, if a device supports that.
+    """
+
+    text: str
+    target: str
+    command: str
+    values: tuple[tuple[str, str], ...] = ()
+    transition: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Dim:
+    """A change of the level while a button is held.
+
+    Attributes:
+        query: The query of *target*.
+        way: ``brighten``, ``darken``, or ``dim`` for away from the nearer end.
+        held: The event of the button while it is held; any other one ends the step.
+    """
+
+    text: str
+    target: str
+    query: Query
+    way: str
+    held: Press
+
+
+@dataclass(frozen=True, slots=True)
+class SendRobot:
+    """A drive of a robot to a room or into its dock; ``robot`` is the only robot."""
+
+    text: str
+    robot: str
+    room: str
+
+    @property
+    def is_to_dock(self) -> bool:
+        """True if it returns to its dock."""
+        return self.room == "dock"
+
+
+@dataclass(frozen=True, slots=True)
+class Notify:
+    """A message to people."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """A pause, in seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class WaitUntil:
+    """A wait until a device is in a state, at most so many seconds."""
+
+    state: Becomes
+    most: float
+
+
+@dataclass(frozen=True, slots=True)
+class Undo:
+    """The values from before the earlier steps, where they have not been changed since."""
+
+
+Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | Undo
+
+
+class _NoStepError(UsageError):
+    """A text that ends with no command."""
+
+
+@lru_cache(maxsize=2000)  # read for each check of each routine
+def read_step(text: str) -> Step:
+    """Return the step *text*.
+
+    Raises:
+        UsageError: It is none; the message shows how it could be written.
+    """
+    plain = " ".join(text.split())
+    try:
+        return _read(plain)
+    except _NoStepError as exc:
+        if advice := _several(plain) or _meant(plain):
+            raise UsageError(f"{text!r}: {advice}") from exc
+        raise
+
+
+def _read(plain: str) -> Step:
+    if plain.casefold() == "undo":
+        return Undo()
+    if (found := NOTIFY.match(plain)) is not None:
+        return Notify(found["text"])
+    if (until := WAIT_UNTIL.match(plain)) is not None:
+        return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain))
+    if plain.casefold().startswith("wait until"):
+        raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
+    if (pause := WAIT.match(plain)) is not None:
+        return Wait(read_duration(pause["length"], plain, "s"))
+    if (driven := DRIVE.match(plain)) is not None:
+        return SendRobot(plain, driven["robot"].casefold(), driven["room"].strip('"'))
+    if (held := DIM.match(plain)) is not None:
+        target, way, button, event = held.values()
+        if (press := read_press(f"{button} press {event}")) is not None:
+            return Dim(plain, target, parse_query(target), way.casefold(), press)
+    if (scene := SCENE.match(plain)) is not None:
+        length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
+        return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
+    return _read_do(plain)
+
+
+def _read_do(text: str) -> Do:
+    """Return the command *text*: words for devices, and then words that devices take, such as ``hall lamp on, 20 %``.
+
+    A colon divides them where the words of the command are a device's own: ``washing machine: eco 40``.
+    """
+    check_without_code(text)
+    target, colon, command = text.partition(": ")
+    if colon:
+        return Do(text, target.strip(), command.strip())
+    words = text.split(" ")
+    for place in range(1, len(words)):
+        commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
+        is_read = _is_command(commands[0]) and all(_is_command(one) or OVER.match(one) for one in commands)
+        target = " ".join(words[:place])
+        begun = (f"{target} {words[place]}", f"{target} {commands[0]}")
+        if is_read and not any(map(_is_no_target, begun)):
+            if len(split_steps(target)) > 1 and _several(text):
+                break
+            is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
+            if is_after and words[place - 1].casefold() in {"on", "off"}:
+                rest = " ".join(words[place:])
+                raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like '{target}, {rest}'")
+            return _combined(text, target, commands)
+    hint = _HINTS.get(words[0].casefold()) or did_you_mean(words[-1].casefold(), sorted(_WORDS), _WHAT, _ALIKE)
+    raise _NoStepError(f"{text!r} is no step: it ends with no command; {hint}")
+
+
+def _several(text: str) -> str:
+    """Return the advice to divide *text* if it is several steps; else empty."""
+    first, *others = split_steps(text)
+    if not others:
+        return ""
+    try:
+        device = _read_do(first).target
+        parse_query(device)
+        steps = [first, *(f"{device} {one}" if _is_command(one) else one for one in others)]
+        for one in steps:
+            _read(one)
+    except UsageError:
+        return ""
+    return "" if device.endswith((" are", " is")) else f"write each as a step: {_listed(steps)}"
+
+
+def _meant(text: str) -> str:
+    """Return the advice of the first row of known mistakes that *text* is; empty if it is none.
+
+    Raises:
+        UsageError: The steps would have another mistake.
+    """
+    for form, advice, steps in MEANT_STEPS:
+        if (found := form.match(text)) is not None:
+            length = found.get("length", "")
+            words = {**found, "length": f"{length}s" if length[-1:].isdigit() else length}
+            written = [one.format(**words) for one in steps]
+            for one in written:
+                _read(one)
+            return f"{advice} {_listed(written)}"
+    return ""
+
+
+def _listed(steps: Sequence[str]) -> str:
+    *first, last = map(repr, steps)
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def _is_no_target(text: str) -> bool:
+    """Return whether a target and a word after it are not meant so, as in ``turn …`` or ``… for 5m``."""
+    words = text.casefold().split(" ")
+    is_verb = words[0] == "turn" or (words[0] == "set" and "to" in words[2:])
+    return is_verb or words[-2] in {"and", "at", "for", "over", "then", "with"}
+
+
+def _is_command(text: str) -> bool:
+    word = text.casefold()
+    if word in _WORDS or word.replace(" ", "_") in _WORDS or _hue_of(word):
+        return True
+    if _is_number(word) or (word.startswith(("brighter", "darker")) and is_relative(word)):
+        return True
+    words = word.removeprefix("set ").split(" ")
+    for place in range(1, len(words)):
+        name, value = " ".join(words[:place]), " ".join(words[place:])
+        is_set = name.replace(" ", "_") in SETTABLE  # not heat, as in ``kitchen heat to 16 °C``
+        number = value.removeprefix("to ") if is_set else ""
+        if name in _SETTABLE and (" " not in value or value in _WORDS or _is_number(number)):
+            return True
+    return False
+
+
+def _combined(text: str, target: str, commands: list[str]) -> Do:
+    """Return one command for several words: ``on, 20 %, 2700 K``."""
+    first, *others = commands
+    values: list[tuple[str, str]] = []
+    over = OVER.match(others[-1]) if others else None
+    transition = read_duration(over["length"], text, "s") if over is not None else 0.0
+    others = others[:-1] if over is not None else others
+    for one in others:
+        if hue := _hue_of(one):
+            values.append(("color", hue))
+            continue
+        number = read_amount(one)
+        capability = _UNITS.get(number.unit.casefold(), "") if number else _color_of(one)
+        if OVER.match(one):
+            raise UsageError(f"{text!r}: write {one!r} last")
+        if not capability:
+            raise UsageError(f"{text!r}: {one!r} cannot follow {first!r}; write it as a step of its own")
+        values.append((capability, one))
+    return Do(text, target, first, tuple(values), transition)
+
+
+def _is_number(text: str) -> bool:
+    number = read_amount(text)
+    return number is not None and number.unit.casefold() in _UNITS
+
+
+def _hue_of(text: str) -> str:
+    """Return the hue in degrees and the saturation in per cent of the colour *text*; empty for none."""
+    hue = HUE.match(text)
+    return (
+        hue["value"]
+        if hue and [number is not None for number in map(to_number, hue["value"].split())] == [True, True]
+        else ""
+    )
+
+
+def _color_of(word: str) -> str:
+    return "color_temperature" if word in WHITES else "color" if word in COLORS else ""

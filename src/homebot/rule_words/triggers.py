@@ -1,0 +1,252 @@
+"""Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Final, TypeAlias
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device import DevicePart
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import Query, StateIs, leaves, split_near
+from homebot.devices.query.vocabulary import CAPABILITY_WORDS
+from homebot.errors import UsageError
+from homebot.rule_words.people import HOME_FACTS, check_known, may_begin, read_move, read_person
+from homebot.support.folding import fold
+from homebot.words.phrases import ALL, ARRIVAL, INTERVAL, LASTING, LIMIT, MOTION, NO, NOBODY, PLACED_LIMIT, PRESS
+from homebot.words.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
+from homebot.words.tokens import split_at
+
+_MAX_INTERVAL_BLANKS: Final = 2  # half an hour
+_STATES: Final = dict.fromkeys(
+    ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
+)
+_EXAMPLES: Final = {
+    "": "write it like 'hall motion occupied', 'front door open for 5m', 'Anna arrives', "
+    "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'",
+    "time": "write a time like '22:00 on weekdays'",
+    "sun": "write a moment like 'sunset - 30m'",
+}
+SUN: Final = {"sun is up": True, "sun is down": False, "it is dark": False, "it is light": True}
+"""The texts of conditions about the sun, and whether it is up."""
+
+
+@dataclass(frozen=True)
+class Becomes:
+    """A device begins to match a query with a state, such as ``hall motion occupied``.
+
+    Attributes:
+        lasting: Seconds for which it must match first.
+        words: The query as text, in which names of devices count; empty if *query* is all that is meant.
+        is_none: Whether it begins when the last device no longer matches, as in ``no motion in hall for 5m``.
+    """
+
+    text: str
+    query: Query
+    lasting: float = 0.0
+    words: str = ""
+    is_none: bool = False
+
+    @cached_property  # as the next ones: each routine is compared with all others
+    def states(self) -> tuple[StateIs, ...]:
+        """The values that decide."""
+        return tuple(term for term in leaves(self.query) if isinstance(term, StateIs))
+
+    @cached_property
+    def capabilities(self) -> frozenset[str]:
+        """The capabilities with these values."""
+        return frozenset(state.capability for state in self.states)
+
+    @cached_property
+    def scope(self) -> frozenset[str]:
+        """The other terms, as texts: which devices it is about."""
+        return frozenset(repr(term) for term in leaves(self.query) if not isinstance(term, StateIs))
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """A device that matches a query reports an event, such as the press of a button.
+
+    Attributes:
+        value: The event, such as ``double``; empty for any.
+        part: The id or name of the button, if the device has several: ``Remote#2``; empty for any.
+        words: The query as text, in which names of devices count.
+    """
+
+    text: str
+    query: Query
+    value: str = ""
+    part: str = ""
+    words: str = ""
+
+    def is_of(self, part: DevicePart) -> bool:
+        """Return whether *part* of a device is the button."""
+        return not self.part or self.part in map(fold, (part.id, part.part.name, part.part.tag))
+
+
+@dataclass(frozen=True, slots=True)
+class RobotArrival:
+    """A robot comes into a room, or goes out of it; ``robot`` is any robot."""
+
+    robot: str
+    room: str
+    leaves: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PersonMoves:
+    """The arrival or leave of a person, or of the first or last of a household, from a known other place.
+
+    Attributes:
+        is_home: The value that *fact* begins to have.
+        fact: The capability.
+    """
+
+    text: str
+    query: Query
+    is_home: bool
+    fact: str
+
+
+Trigger: TypeAlias = Becomes | Press | RobotArrival | PersonMoves | DaysAndTime | SunMoment
+
+
+@lru_cache(maxsize=2000)  # read for each check of each routine
+def read_trigger(text: str) -> Trigger:
+    """Return the trigger *text*.
+
+    Raises:
+        UsageError: It is none; the message shows how it could be written.
+    """
+    plain = " ".join(text.split())
+    with suppress(UsageError):  # `22:00 on sat and sun` is one time
+        if (moment := DaysAndTime.read(plain)) is not None:
+            return moment
+    if (interval := INTERVAL.match(plain)) is not None and interval["length"].count(" ") <= _MAX_INTERVAL_BLANKS:
+        app = f"an app with `self.every('{interval['length']}', …)`"
+        raise UsageError(f"{text!r}: a routine knows no interval; write its times, such as '8:00' and '8:30', or {app}")
+    check_alone(plain, "or", "and")
+    if (found := _read_other(plain)) is not None:
+        return found
+    state = read_state(plain, _EXAMPLES)
+    if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and may_begin(state.query)):
+        words = "'Anna arrives', 'everybody has left' or 'nobody is home'"
+        raise UsageError(f"{text!r} may only have been unknown before; start by {words}")
+    return state
+
+
+def _read_other(plain: str) -> Trigger | None:
+    """Return the trigger *plain* if it is no state of devices."""
+    moment = DaysAndTime.read(plain) or SunMoment.read(plain)
+    if moment is not None:
+        return moment
+    person = read_move(plain) or read_person(plain)
+    if person is not None:
+        return PersonMoves(plain, *person)
+    if (found := ARRIVAL.match(plain)) is not None:
+        return RobotArrival(
+            found["robot"].casefold(), found["room"].strip('"'), leaves=found["word"].casefold() == "leaves"
+        )
+    return read_press(plain)
+
+
+def is_no_state(text: str) -> bool:
+    """Return whether *text* is a condition or trigger, and not the state of devices.
+
+    Raises:
+        UsageError: It is one with a mistake.
+    """
+    plain = text.casefold().removeprefix("not ")
+    if plain in SUN or NOBODY.match(plain) or read_span(plain) or _read_other(plain):
+        return True
+    with suppress(UsageError):  # `on lamps` are no days
+        return read_days_of_week(plain) is not None
+    return False
+
+
+def check_alone(text: str, *words: str) -> None:
+    """Check that *text* joins by *words* only states of devices: a query would take others for words of a name.
+
+    Raises:
+        UsageError: It joins others.
+    """
+    for word in () if read_span(text) else words:
+        parts = split_at(text, word)
+        for part in filter(is_no_state, parts if len(parts) > 1 else ()):
+            raise UsageError(f"{text!r}: `{word}` joins only states of devices here; write {part!r} for itself")
+
+
+def button_names(parts: Iterable[DevicePart]) -> list[str]:
+    """Return what :class:`Press` may call each of *parts*, all buttons of a device: its id if others have its name."""
+    names = [(part.id, part.part.name or part.part.tag or part.id) for part in parts]
+    counts = Counter(fold(name) for _, name in names)
+    return [name if counts[fold(name)] == 1 else part_id for part_id, name in names]
+
+
+def read_press(text: str) -> Press | None:
+    """Return the event *text*, such as ``hall button press double``; None if it is none.
+
+    Raises:
+        UsageError: Its device is not a query.
+    """
+    if (pressed := PRESS.match(text)) is None:
+        return None
+    value = pressed["value"].strip("\"'").casefold()
+    query, _, part = pressed["query"].rpartition("#")
+    if not query or query.endswith(" ") or not part or not {"'", '"'}.isdisjoint(part):
+        query, part = pressed["query"], ""
+    return Press(text, parse_query(query), value, fold(part), query)
+
+
+def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:
+    """Return the state *text*, such as ``front door open for 5m`` or ``no motion in hall for 5m``.
+
+    Args:
+        examples: The hints if it is none, by what it seems to be: see :func:`homebot.words.times.time_kind`.
+        is_none: Whether it is the rest of a text that begins with ``no``.
+
+    Raises:
+        UsageError: It is not a query, or contains no state.
+    """
+    check_alone(text, "or", "and")
+    lasting = LASTING.match(text)
+    state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
+    if (person := read_person(state)) is not None:
+        return Becomes(text, person.query, length)
+    if (none := NO.match(state)) is not None:
+        state, is_none = none["state"], True
+    what, _, placed = state.partition(" in ")
+    if (limit := PLACED_LIMIT.match(placed)) is not None:  # a query has its room last
+        state = f"{what} {limit['sign']} {limit['limit']} in {limit['room']}"
+    if ALL.match(state):
+        raise UsageError(
+            f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'"
+        )
+    try:
+        query = parse_query(state)
+        if is_none and MOTION.match(state) and not any(isinstance(one, StateIs) for one in leaves(query)):
+            state = f"{state} occupied"
+            query = parse_query(state)
+    except UsageError as exc:
+        hint = examples[kind] if (kind := time_kind(text)) else _limit_hint(text) or exc
+        raise UsageError(f"{text!r}: {hint}") from exc
+    check_known(text, query)
+    if split_near(query)[0] is not None:
+        raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
+    found = Becomes(text, query, length, state, is_none)
+    if not found.capabilities:
+        raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
+    return found
+
+
+def _limit_hint(text: str) -> str:
+    """Return how a limit is written if *text* seems to be one; else empty."""
+    found = LIMIT.match(text)
+    can = CAPABILITIES.get(CAPABILITY_WORDS.get(fold(found["what"]), "")) if found else None
+    if found is None or can is None or can.kind != "number" or " " in found["number"]:
+        return ""
+    area = f" in {found['area']}" if found["area"] else ""
+    sign = found["sign"].removeprefix("is ")
+    return f"write it like '{found['what']}{area} {sign} {found['number'] or 18} {can.unit}'"
