@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 from ipaddress import ip_address
 from pathlib import Path
 from textwrap import fill
-from typing import Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 from urllib.parse import urlsplit
 
 from homebot.errors import ConfigError, UsageError
@@ -18,6 +18,15 @@ DEFAULT_CONFIG = Path("homebot.toml")
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = ("127.0.0.1", 9090)
+
+
+class DoorHost(NamedTuple):
+    """The address of a rosbridge server."""
+
+    host: str
+    port: int
+    has_tls: bool = False
+
 
 Command: TypeAlias = "Callable[[argparse.Namespace], int]"
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - argparse has no other way
@@ -144,26 +153,24 @@ def address(text: str, example: int = 9090) -> tuple[str, int]:
     return bare, int(port)
 
 
-def door_address(text: str) -> tuple[str, int]:
-    """Return the host and port of a rosbridge server, given as ``PORT``, ``HOST:PORT`` or ``ws://HOST:PORT``.
+def door_address(text: str) -> DoorHost:
+    """Return the address of a rosbridge server, given as ``PORT``, ``HOST:PORT`` or ``ws://HOST:PORT``, or ``wss:``.
 
     Raises:
         argparse.ArgumentTypeError: It is not such an address.
     """
     if text.isascii() and text.isdigit():
-        return address(f"{DEFAULT_DOOR[0]}:{text}")
+        return DoorHost(*address(f"{DEFAULT_DOOR[0]}:{text}"))
     scheme, separator, rest = text.partition("://")
     if not separator:
-        return address(text)
-    if scheme.lower() == "wss":
-        raise argparse.ArgumentTypeError(f"homebot's door has no TLS: give ws://HOST:PORT, got {_hidden(text)!r}")
+        return DoorHost(*address(text))
     place, _, path = rest.partition("/")
-    if scheme.lower() != "ws" or path:
-        raise argparse.ArgumentTypeError(f"the door is HOST:PORT or ws://HOST:PORT, got {_hidden(text)!r}")
-    return address(place)
+    if scheme.lower() not in {"ws", "wss"} or path:
+        raise argparse.ArgumentTypeError(f"the door is HOST:PORT, ws:// or wss://HOST:PORT, got {_hidden(text)!r}")
+    return DoorHost(*address(place), has_tls=scheme.lower() == "wss")
 
 
-def door_of_environment() -> tuple[str, int] | None:
+def door_of_environment() -> DoorHost | None:
     """Return the address in the variable ``HOMEBOT_DOOR``; None if it is not set.
 
     Raises:

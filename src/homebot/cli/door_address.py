@@ -12,16 +12,18 @@ the default. The token of that table is only sent to that homebot.
 
 import argparse
 import os
+import ssl
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, door_address, door_of_environment
+from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, DoorHost, door_address, door_of_environment
 from homebot.errors import ConfigError, UsageError
+from homebot.support.data_folder import data_directory
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
 
-_USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "scope"})
+_USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "scope", "tls", "certificate", "key"})
 """Keys of the table; for the others, its settings would have to be loaded."""
 
 _LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - a wildcard address is reached here
@@ -37,6 +39,7 @@ class DoorAddress(NamedTuple):
         token: The token to send; empty for none.
         source: The file that contains the address; empty for the command line and the environment.
         home: The name that the home must have, according to the configuration; empty for any.
+        has_tls: Whether it listens with TLS.
     """
 
     host: str
@@ -44,6 +47,12 @@ class DoorAddress(NamedTuple):
     token: str = ""
     source: str = ""
     home: str = ""
+    has_tls: bool = False
+
+    @property
+    def where(self) -> str:
+        """Host and port, as in addresses."""
+        return f"{f'[{self.host}]' if ':' in self.host else self.host}:{self.port}"
 
 
 def door_of(options: argparse.Namespace) -> DoorAddress:
@@ -56,10 +65,13 @@ def door_of(options: argparse.Namespace) -> DoorAddress:
         return _of_home(options)
     table, home = ({}, "") if options.door else _table(DEFAULT_CONFIG)
     source = str(DEFAULT_CONFIG) if table.keys() & {"host", "port"} else ""
-    host, port = options.door or (_address(table) if source else door_of_environment() or DEFAULT_DOOR)
+    host, port, has_tls = options.door or (None if source else door_of_environment()) or DoorHost(*_address(table))
+    has_tls = has_tls or "certificate" in table or table.get("tls") is True
     if options.token_file is not None:
-        return DoorAddress(host, port, _read_token(Path(options.token_file), "--token-file"), source, home)
-    return DoorAddress(host, port, _token(table) or os.environ.get("HOMEBOT_DOOR_TOKEN", ""), source, home)
+        token = _read_token(Path(options.token_file), "--token-file")
+    else:
+        token = _token(table) or os.environ.get("HOMEBOT_DOOR_TOKEN", "")
+    return DoorAddress(host, port, token, source, home, has_tls)
 
 
 def _of_home(options: argparse.Namespace) -> DoorAddress:
@@ -69,13 +81,21 @@ def _of_home(options: argparse.Namespace) -> DoorAddress:
     from platformdirs import user_config_path  # noqa: PLC0415 - only with --home
 
     path = user_config_path("homebot", appauthor=False) / "homes.toml"
-    (host, port), token_file = _named_home(options.home, path)
+    (host, port, has_tls), token_file = _named_home(options.home, path)
     file, said_by = (token_file, str(path)) if options.token_file is None else (options.token_file, "--token-file")
     token = "" if file is None else _read_token(Path(file), said_by)
-    return DoorAddress(_LOOPBACK.get(host, host), port, token, str(path))
+    return DoorAddress(_LOOPBACK.get(host, host), port, token, str(path), has_tls=has_tls)
 
 
-def _named_home(name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
+def client_context() -> ssl.SSLContext:
+    """Return a context for TLS with the authorities that this computer knows, and that of its own homebot."""
+    context = ssl.create_default_context()
+    if (authority := data_directory() / "door" / "authority.crt").exists():
+        context.load_verify_locations(authority)
+    return context
+
+
+def _named_home(name: str, path: Path) -> tuple[DoorHost, Path | None]:
     """Return the address and token file of the home *name* in *path*, which others must not be able to change."""
     source, example = str(path), _EXAMPLE.format(name=name)
     if not path.exists():
@@ -91,7 +111,7 @@ def _named_home(name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
     return _home_in(table, name, path)
 
 
-def _home_in(table: TomlTable, name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
+def _home_in(table: TomlTable, name: str, path: Path) -> tuple[DoorHost, Path | None]:
     source, file = str(path), table.get("token_file")
     for key in table.keys() - {"door", "token_file"}:
         raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))

@@ -103,7 +103,7 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
         RefusedError: The server requires another token, or refused the connection.
     """
     host, port = address.host, address.port
-    where = f"{f'[{host}]' if ':' in host else host}:{port}"
+    where = address.where
     try:
         connection = socket.create_connection((host, port), _OPEN_TIMEOUT)
     except OSError as exc:
@@ -111,7 +111,7 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
         if isinstance(exc, socket.gaierror):
             raise LinkError(f"no homebot is running on {where}{by}: {connect_problem(exc)}") from exc
         raise LinkError(f"no homebot is running on {where}{by}; start one with `homebot run`") from exc
-    with connection:
+    with _secured(connection, address) if address.has_tls else connection as connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client = DoorClient(connection, where)
         client.shake_hands(address.token, port if not address.token and is_loopback(host) else 0)
@@ -119,6 +119,19 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
             yield client
         finally:
             client.close()
+
+
+def _secured(connection: socket.socket, address: DoorAddress) -> socket.socket:
+    from homebot.cli.door_address import client_context  # noqa: PLC0415 - few doors have TLS
+
+    try:
+        return client_context().wrap_socket(connection, server_hostname=address.host)
+    except OSError as exc:
+        connection.close()
+        raise LinkError(
+            f"no TLS with {address.where}: {exc}; of a homebot of another computer fetch /authority.crt by a way that "
+            "you trust, and name the file in SSL_CERT_FILE"
+        ) from exc
 
 
 class DoorClient:
@@ -287,7 +300,8 @@ class DoorClient:
             raise RefusedError(f"the connection to homebot on {self.where}", _reason(error.response)) from error
         if error is not None:
             raise LinkError(
-                f"the server on {self.where} is not a homebot: {error}; give the address of one with --door"
+                f"the server on {self.where} is not a homebot: {error}; give its address with --door, "
+                "as wss://HOST:PORT if it has TLS"
             ) from error
 
     def close(self) -> None:

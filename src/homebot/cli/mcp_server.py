@@ -32,7 +32,7 @@ from homebot.bridges.home_api.shapes import (
     OutcomeAnswer,
     WhyAnswer,
 )
-from homebot.cli.door_address import DoorAddress
+from homebot.cli.door_address import DoorAddress, client_context
 from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.services import MOST_LISTED
@@ -115,9 +115,11 @@ class ApiClient:
 
     def __init__(self, address: DoorAddress) -> None:
         self.address = address
-        host, port, token, _, _ = address
+        token, self._tls = address.token, client_context() if address.has_tls else None
+        scheme = "https" if address.has_tls else "http"
         self._http = httpx2.AsyncClient(
-            base_url=httpx2.URL(scheme="http", host=host, port=port),
+            base_url=httpx2.URL(scheme=scheme, host=address.host, port=address.port),
+            verify=self._tls or True,
             headers={"Content-Type": "application/json", **({"Authorization": f"Bearer {token}"} if token else {})},
             timeout=_LONGEST,
             limits=httpx2.Limits(max_connections=_MOST_AT_ONCE, max_keepalive_connections=0),
@@ -157,12 +159,12 @@ class ApiClient:
         Raises:
             ToolError: As for :meth:`read`.
         """
-        host, port, token, _, _ = self.address
+        token, scheme = self.address.token, "ws" if self._tls is None else "wss"
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         frame = {"op": "send_action_goal", "id": "goal", "action": IDENTIFY_DEVICE, "args": goal, "feedback": True}
-        where = f"[{host}]" if ":" in host else host
+        where = f"{scheme}://{self.address.where}"
         try:
-            async with connect(f"ws://{where}:{port}", additional_headers=headers, proxy=None, max_size=_MOST) as door:
+            async with connect(where, ssl=self._tls, additional_headers=headers, proxy=None, max_size=_MOST) as door:
                 self._check_home({} if door.response is None else door.response.headers)
                 await door.send(json.dumps({**frame, "action_type": "homebot/action/IdentifyDevice"}))
                 while (answer := json.loads(await door.recv()))["op"] == "action_feedback":
@@ -175,10 +177,10 @@ class ApiClient:
         raise _MistakeError(_problem("refused" if text.startswith(_NO_RIGHT) else "failed", text))
 
     def _check_home(self, headers: Mapping[str, str]) -> None:
-        host, port, _, _, home = self.address
+        home = self.address.home
         served = unquote(headers.get(HOME_HEADER, ""))
         if home and served and served != home:
-            problem = f"the homebot on {host}:{port} serves the home {served!r}, not {home!r}"
+            problem = f"the homebot on {self.address.where} serves the home {served!r}, not {home!r}"
             raise _MistakeError(_problem("failed", problem))
 
     def _no_answer(self, cause: Exception) -> _MistakeError:

@@ -27,6 +27,8 @@ class DoorTable(DoorSettings):
     """
 
     token_file: FilePath | None = None
+    certificate: FilePath | None = None
+    key: FilePath | None = None
 
 
 def _checked_end(text: str) -> str:

@@ -557,7 +557,19 @@ class Runtime:
             announce = self._network_services.publish
             owner = None if self._local_rights is SIMULATED_HOUSE_RIGHTS else await self._owner_token()
             owners, home = self._plan.robot_owners, self._plan.home
-            self.door = Door(node, self._plan.door, announce, self._local_rights, owners, home, site=_page, owner=owner)
+            folder = None if self.owner_file is None else self.owner_file.with_name("door")
+            site = partial(_page, folder if self._plan.door.tls else None)
+            self.door = Door(
+                node,
+                self._plan.door,
+                announce,
+                self._local_rights,
+                owners,
+                home,
+                site=site,
+                owner=owner,
+                tls_folder=folder,
+            )
             node.create_service(GetHealth, "~/health", self.door.health)
             node.create_service(ListTokens, LIST_TOKENS, self.door.list_tokens)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
@@ -572,11 +584,15 @@ class Runtime:
             return None
 
 
-async def _page(path: str, etag: str, encodings: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
-    return await to_thread.run_sync(_read_page, path, etag, encodings)
+async def _page(
+    folder: Path | None, path: str, etag: str, encodings: str
+) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+    return await to_thread.run_sync(_read_page, folder, path, etag, encodings)
 
 
-def _read_page(path: str, etag: str, encodings: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+def _read_page(
+    folder: Path | None, path: str, etag: str, encodings: str
+) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
     from homebot.web.site import answer  # noqa: PLC0415 - with the first browser
 
-    return answer(path, etag, encodings)
+    return answer(path, etag, encodings, folder)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from http import HTTPStatus
 from importlib.resources import files
+from pathlib import Path
 from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -25,6 +26,8 @@ _TYPES: Final = {
 }
 """File and type of each path; that without a file is made of the vocabulary."""
 
+_AUTHORITY: Final = "authority.crt"
+
 _HEADERS: Final = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -41,14 +44,21 @@ _HEADERS: Final = {
 }
 
 
-def answer(path: str, etag: str, encodings: str = "") -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
+def answer(
+    path: str, etag: str, encodings: str = "", authority: Path | None = None
+) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:
     """Return status, headers and body for *path*; None for an unknown path.
 
     Args:
         etag: The header ``If-None-Match``.
         encodings: The header ``Accept-Encoding``; a text is compressed for a browser that takes gzip.
+        authority: The folder of the local authority, whose certificate is a file of the page; None for none.
     """
     name = path.partition("?")[0].removeprefix("/")
+    if name == _AUTHORITY and authority is not None:
+        body = (authority / name).read_bytes()
+        kind, length = "application/x-x509-ca-cert", str(len(body))
+        return HTTPStatus.OK, {**_HEADERS, "Content-Type": kind, "Content-Length": length}, body
     if name not in _TYPES:
         return None
     is_packed = "gzip" in [one.strip() for one in encodings.split(",")] and not name.endswith(".png")

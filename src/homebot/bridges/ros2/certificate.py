@@ -12,7 +12,7 @@ from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption,
 from cryptography.x509.oid import NameOID
 
 from homebot.errors import UsageError
-from homebot.support.addresses import parse_address
+from homebot.support.authority import general_name
 
 _THIS_COMPUTER: Final = ("localhost", "127.0.0.1", "::1")
 _VALID: Final = timedelta(days=3650)
@@ -32,7 +32,7 @@ def make_certificate(cert_file: Path, key_file: Path, names: Sequence[str], now:
     """
     key, start = ec.generate_private_key(ec.SECP256R1()), datetime.fromtimestamp(now, UTC) - _EARLIER
     own = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "homebot router")])
-    alternatives = [_general_name(name) for name in dict.fromkeys((*names, *_THIS_COMPUTER))]
+    alternatives = [general_name(name) for name in dict.fromkeys((*names, *_THIS_COMPUTER))]
     certificate = (
         x509.CertificateBuilder(own, own, key.public_key(), x509.random_serial_number(), start, start + _VALID)
         .add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
@@ -48,8 +48,3 @@ def make_certificate(cert_file: Path, key_file: Path, names: Sequence[str], now:
         cert_file.write_bytes(certificate.public_bytes(Encoding.PEM))
     except OSError as exc:
         raise UsageError(f"{exc.filename} cannot be written: {exc.strerror}") from exc
-
-
-def _general_name(name: str) -> x509.GeneralName:
-    address = parse_address(name)
-    return x509.DNSName(name) if address is None else x509.IPAddress(address)

@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import errno
 import logging
+import ssl
 from collections.abc import Callable, Mapping
 from functools import partial
 from http import HTTPStatus
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 from urllib.parse import quote
 
 import anyio
+from anyio import to_thread
 from anyio.abc import TaskStatus
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.frames import CloseCode
@@ -39,6 +42,7 @@ from homebot.support.owner_token import OwnerToken
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.http_requests import HttpRequests
     from homebot.bridges.rosbridge.session import ClientSession
+    from homebot.bridges.rosbridge.tls import DoorTls
     from homebot.devices.access_messages import ListTokensRequest, ListTokensResponse
     from homebot.devices.robot_owners import RobotOwners
 
@@ -83,6 +87,7 @@ class Door:
         home: The name of the home, for clients; empty for none.
         open_timeout: Seconds within which a client must send its request.
         owner: The owner's token in the data folder; None for none.
+        tls_folder: Where the authority of ``tls`` is kept; None where homebot keeps no data.
 
     Raises:
         ConfigError: The host is not a loopback address and there is no token.
@@ -99,8 +104,9 @@ class Door:
         open_timeout: float = 10.0,
         site: Site | None = None,
         owner: OwnerToken | None = None,
+        tls_folder: Path | None = None,
     ) -> None:
-        self._settings = settings
+        self._settings, self._tls_folder = settings, tls_folder
         self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
         self._entrance = Entrance(settings, local_rights, shared, site, open_timeout, owner)
         self._sessions: dict[DoorConnection, ClientSession] = {}
@@ -156,7 +162,13 @@ class Door:
         Raises:
             ConfigError: It cannot listen on the address: taken, reserved, or not of this machine.
         """
-        server = await self._listen()
+        tls: DoorTls | None = None
+        if self._settings.has_tls:
+            from homebot.bridges.rosbridge.tls import DoorTls  # noqa: PLC0415 - few doors have it
+
+            clock = self._shared.node.graph.clock
+            tls = await to_thread.run_sync(DoorTls, self._settings, self._tls_folder, clock)
+        server = await self._listen(None if tls is None else tls.context)
         self._port = next(iter(server.sockets)).getsockname()[1]
         if self._port != (wanted := self._settings.port) and wanted:
             _log.warning(
@@ -170,6 +182,8 @@ class Door:
         try:
             async with anyio.create_task_group() as tasks:
                 await tasks.start(self._shared.expected.run)
+                if tls is not None:
+                    tasks.start_soon(tls.run)
                 task_status.started()
                 await anyio.sleep_forever()
         finally:
@@ -189,19 +203,19 @@ class Door:
             connection.transport.abort()
         await server.wait_closed()
 
-    async def _listen(self) -> Server:
+    async def _listen(self, tls: ssl.SSLContext | None) -> Server:
         """Listen on the port of the settings; if that is taken and only the default, on one of the next."""
         settings, port = self._settings, self._settings.port
         last = port if "port" in settings.model_fields_set else port + _MORE_PORTS
         while True:
             try:
-                return await self._listen_on(port)
+                return await self._listen_on(port, tls)
             except OSError as exc:
                 if exc.errno != errno.EADDRINUSE or port >= last:
                     raise UsageError(f"door: {settings.listening_problem(exc, '--door or [door] port')}") from exc
             port += 1
 
-    async def _listen_on(self, port: int) -> Server:
+    async def _listen_on(self, port: int, tls: ssl.SSLContext | None) -> Server:
         settings, shared = self._settings, self._shared
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
         log.addHandler(LibraryLog(shared.error_log, "door", _MISTAKE, lambda line: _CRASHES.get(str(line.msg), "")))
@@ -209,6 +223,7 @@ class Door:
             self._serve,
             settings.host,
             port,
+            ssl=tls,
             process_request=self._admit,
             process_response=self._finish,
             select_subprotocol=lambda _, offered: LOG_IN if LOG_IN in offered else None,

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from math import inf
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final, Self, TypeAlias
 
@@ -68,6 +69,9 @@ class DoorSettings(AccessSettings):
 
     Attributes:
         tokens: Tokens of single programs by name. The ``token`` has every right.
+        tls: Whether it listens with TLS, by a local authority that is made once (docs/page.md#tls).
+        certificate: File with the owner's certificate, and those between it and a known authority, for TLS (PEM).
+        key: File with its key, if that is not in the same file.
         scope: Rights of a client without a token. By default ``read`` and what is known to be harmless.
         max_frame_bytes: Largest frame from a client; a larger one closes its connection. A frame has at most 20,000
             values, plus a million numbers in long lists.
@@ -92,6 +96,9 @@ class DoorSettings(AccessSettings):
 
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
     tokens: Mapping[str, ClientToken] = Field(default_factory=dict)
+    tls: bool = False
+    certificate: Path | None = None
+    key: Path | None = None
     scope: Scope | None = None
     max_frame_bytes: Count = 6_291_456
     max_arriving_bytes_of_all: Count = 33_554_432
@@ -109,6 +116,8 @@ class DoorSettings(AccessSettings):
 
     @model_validator(mode="after")
     def _check_tokens(self) -> Self:
+        if self.key is not None and self.certificate is None:
+            raise ValueError("key is that of a certificate; state certificate too")
         for name in self.tokens:
             with value_errors():
                 check_token_name(name)
@@ -133,9 +142,14 @@ class DoorSettings(AccessSettings):
         if "port" in self.model_fields_set and (problem := self.why_not_free("--door or [door] port")):
             raise UsageError(f"door: {problem}")
 
+    @property
+    def has_tls(self) -> bool:
+        """True if it listens with TLS."""
+        return self.tls or self.certificate is not None
+
     def page(self, port: int) -> str:
         """Return the address of the page on *port*."""
-        return f"http://{f'[{self.host}]' if ':' in self.host else self.host}:{port}"
+        return f"http{'s' * self.has_tls}://{f'[{self.host}]' if ':' in self.host else self.host}:{port}"
 
     def robots(self) -> tuple[str, ...]:
         """Return the names of all robots that tokens may represent."""

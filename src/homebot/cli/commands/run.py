@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 from homebot.cli.arguments import (
     DEFAULT_CONFIG,
+    DoorHost,
     add_log_format,
     add_time_limit,
     door_address,
@@ -296,17 +297,21 @@ def configuration(options: argparse.Namespace, *, may_be_cut: bool = False) -> t
     for name in options.app:
         add_app(tables["apps"], _with_its_class(name) if is_file(name) else name)
     if options.door:
-        tables["door"].update(host=options.door[0], port=options.door[1])
+        tables["door"].update(_listens(options.door))
     is_changed = bool(stated or options.app)
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
     return with_environment(parse_config(tables, source, base.folder)), house
+
+
+def _listens(address: DoorHost) -> dict[str, object]:
+    return {"host": address.host, "port": address.port, **({"tls": True} if address.has_tls else {})}
 
 
 def with_environment(config: Config) -> Config:
     """Return *config*, with the door's address and token from the environment if it has none."""
     door = config.door
     if not door.keys() & {"host", "port"} and (address := door_of_environment()):
-        door = {**door, "host": address[0], "port": address[1]}
+        door = {**door, **_listens(address)}
     if (token := os.environ.get(_TOKEN)) and not door.keys() & {"token", "token_file", "tokens"}:
         door = {**door, "token": token}
     return config.model_copy(update={"door": door})

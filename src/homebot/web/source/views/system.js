@@ -56,7 +56,18 @@ export function System() {
         </tbody></table>
       </section>`)}
     </div>
-    <${Log} />`;
+    <${Log} />
+    <${Connection} />`;
+}
+
+/** What the connection lacks, or what another device needs to trust it. */
+function Connection() {
+  const [hasAuthority, setHasAuthority] = useState(false);
+  useEffect(() => {
+    fetch("authority.crt", { method: "HEAD" }).then((answer) => setHasAuthority(answer.ok), () => {});
+  }, []);
+  if (!isSecureContext) return html`<p class="legend">${say("Without TLS a browser installs no app: set tls = true in [door].")}</p>`;
+  return hasAuthority && html`<p class="legend"><a href="authority.crt" download>${say("The certificate that your devices are to trust")}</a></p>`;
 }
 
 /** The newest lines of the log, of apps too. */
