@@ -257,8 +257,8 @@ def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setti
         return part
     wanted = set(map(attrgetter("capability"), settings))
     able = [part for part in device.parts if wanted <= {can.name for can in part.part.capabilities if can.settable}]
-    found = [part for part in able or device.parts if not part.part.category] or able
-    return found[0] if len(found) == 1 else None
+    parts = [part for part in able or device.parts if not part.part.category] or able
+    return parts[0] if len(parts) == 1 else None
 
 
 def read_text(device: Device | None, text: TextTarget) -> tuple[DevicePart, Setting]:

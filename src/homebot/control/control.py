@@ -265,7 +265,7 @@ class Control:
     def quiet_hours(self) -> tuple[tuple[time, time], ...]:
         """Return the quiet hours, each with its local start and end."""
         settings = self._given_settings
-        return () if settings is None else tuple((one.start, one.end) for one in settings.quiet_hours)
+        return () if settings is None else tuple((hours.start, hours.end) for hours in settings.quiet_hours)
 
     def update_policies(self, settings: ControlSettings | None) -> bool:
         """Use the policies of *settings*; changes of its other keys wait for a restart.

@@ -62,11 +62,11 @@ class _JournalReader:
         self, *, device: str = "", command: str = "", since: float = 0.0, until: float = 0.0
     ) -> ReadJournalResponse:
         begin, end = Time.from_seconds(since), Time.from_seconds(until)
-        found = await self._read(ReadJournalRequest(device=device, command=command, since=begin, until=end))
-        if not found.success:
-            raise PeerError(found.message)
-        self.names |= {name.key: name for name in found.names}
-        return found
+        response = await self._read(ReadJournalRequest(device=device, command=command, since=begin, until=end))
+        if not response.success:
+            raise PeerError(response.message)
+        self.names |= {name.key: name for name in response.names}
+        return response
 
     async def chain(self, entry: JournalEntry, deepest: int) -> _Entries:
         """Return the entries of the command of *entry*, preceded by those of the commands that led to it.
@@ -75,9 +75,10 @@ class _JournalReader:
         """
         if not entry.command:
             return (entry,)
-        found = (await self.read(command=entry.command)).entries
+        known = (await self.read(command=entry.command)).entries
         own = entry.device, entry.part
-        entries = tuple([one for one in found if one.kind != "reported" or (one.device, one.part) == own]) or (entry,)
+        entries = tuple([step for step in known if step.kind != "reported" or (step.device, step.part) == own])
+        entries = entries or (entry,)
         before = await self._cause(entries[0]) if deepest > 1 else None
         return entries if before is None else (*await self.chain(before, deepest - 1), *entries)
 
@@ -87,8 +88,8 @@ class _JournalReader:
         if not trigger.device or trigger.kind not in {"report", "message"} or not trigger.at.to_seconds():
             return None
         # The entry has the time of the report itself; earlier versions wrote that of its recording.
-        found = await self.read(device=trigger.device, since=trigger.at.to_seconds(), until=command.at.to_seconds())
-        reports = (entry for entry in found.entries if entry.kind in _REPORTS and entry.command != command.command)
+        response = await self.read(device=trigger.device, since=trigger.at.to_seconds(), until=command.at.to_seconds())
+        reports = (entry for entry in response.entries if entry.kind in _REPORTS and entry.command != command.command)
         return next((entry for entry in reports if _is_trigger(entry, trigger)), None)
 
 
@@ -152,13 +153,13 @@ class Explanations:
                 finding = "change"
             else:
                 finding = "heard" if device.first_seen.to_seconds() >= self._began_at else "first"
-        elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
+        elif (sent := next((entry for entry in reversed(known) if entry.kind == "sent"), None)) is not None:
             entries = await reader.chain(sent, 1)
         if (event := _last_event(device, changed_at)) is not None:
             finding, changed_at, entries = "event", event.at, (event,)
         names = tuple(reader.names.values())
         fights = self._find_fights(device.id)
-        latest = next((one for one in reversed(known) if one.kind in _GOALS_END), None)
+        latest = next((entry for entry in reversed(known) if entry.kind in _GOALS_END), None)
         return ExplainDeviceResponse(
             finding=finding,
             changed_at=changed_at,
@@ -171,15 +172,15 @@ class Explanations:
 
     async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
         reader, wanted = _JournalReader(self._read), _as_state(state)
-        found = await reader.read(device=device.id)
-        asking = [entry for entry in found.entries if entry.kind in _REQUESTS and _asks_for(entry, wanted)]
-        newest = {one.command or number: one for number, one in enumerate(asking)}
+        response = await reader.read(device=device.id)
+        asking = [entry for entry in response.entries if entry.kind in _REQUESTS and _asks_for(entry, wanted)]
+        newest = {request.command or number: request for number, request in enumerate(asking)}
         return ExplainMissingStateResponse(
             is_so=_is_so(device, wanted),
             problem=_unknown_state(device, state),
             word=_command_for(device, wanted),
-            entries=tuple([entry for one in newest.values() for entry in await reader.chain(one, 1)]),
-            begins=found.begins,
+            entries=tuple([entry for request in newest.values() for entry in await reader.chain(request, 1)]),
+            begins=response.begins,
             names=tuple(reader.names.values()),
         )
 
@@ -190,7 +191,7 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
     if last is None:
         return None
     until = last.at.to_seconds() + durations.CAME_ALONG
-    newer = [one for one in _main_states(device) if _since(one) > until]
+    newer = [state for state in _main_states(device) if _since(state) > until]
     return last if not newer or _knows(entries, newer, last) else None
 
 
@@ -211,7 +212,7 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
         return entry.results[0].outcome == Confirmed.kind
     if entry.kind != "reported":
         return False
-    results = [one.results[0] for one in entries if one.command == entry.command and one.kind == "outcome"]
+    results = [other.results[0] for other in entries if other.command == entry.command and other.kind == "outcome"]
     is_obeyed = not results or OUTCOMES[results[0].outcome].explains_reports or bool(results[0].witness)
     return is_obeyed or bool(entry.cause)
 
@@ -227,8 +228,8 @@ def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: Journ
     current = {(state.part, state.capability): state.value.plain() for state in states}
     shared = known.keys() & current.keys()
     if last.kind == "reverted":  # to the previous state, which is unknown
-        return all(known[one] != current[one] for one in shared)
-    return bool(shared) and all(known[one] == current[one] for one in shared)
+        return all(known[place] != current[place] for place in shared)
+    return bool(shared) and all(known[place] == current[place] for place in shared)
 
 
 def _since(state: State) -> float:
@@ -324,7 +325,7 @@ def _unknown_state(device: Device, state: str) -> str:
         return ""
     if not settable:
         return "It takes no commands; it only reports."
-    if any(_may_be(one, _as_state(state)) for one in _capabilities(device)):
+    if any(_may_be(capability, _as_state(state)) for capability in _capabilities(device)):
         return ""
     known = "; ".join(f"{name} {accepted_values(part, name)}" for part, name in settable[:_MAX_CHOICES])
     more = "; …" if len(settable) > _MAX_CHOICES else ""
@@ -335,7 +336,7 @@ def _command_for(device: Device, wanted: str) -> str:
     """Return the word that commands *wanted*; empty if the command needs more than one word."""
     if wanted in _WORDS:
         return _WORDS[wanted]
-    options = {option.casefold() for one in _capabilities(device) if one.settable for option in one.options}
+    options = {option.casefold() for can in _capabilities(device) if can.settable for option in can.options}
     return wanted if wanted in {"on", "off", "open", *options} and " " not in wanted else ""
 
 

@@ -78,9 +78,9 @@ class LearntPersistence:
         self.is_awaited = False
 
     async def _load(self, loaded: anyio.Event) -> None:
-        found = await self._store.learnt()
+        learnt = await self._store.learnt()
         restorers, self._restorers = self._restorers, {}
-        rows = [one for one in found if one.kind in restorers or one.kind not in KINDS]
+        rows = [row for row in learnt if row.kind in restorers or row.kind not in KINDS]
         problems = [problem for row in rows if (problem := self._restore(row, restorers.get(row.kind)))]
         self.is_awaited = False
         loaded.set()

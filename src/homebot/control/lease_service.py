@@ -76,10 +76,10 @@ class LeaseService:
 
     async def hold(self, request: HoldRequest) -> LeaseState:
         """Command a value and hold it; return once the outcome of the command is known."""
-        found = await self._target(request)
-        if not isinstance(found, tuple):
-            return LeaseState(held=False, outcome=found)
-        device, part = found
+        target = await self._target(request)
+        if not isinstance(target, tuple):
+            return LeaseState(held=False, outcome=target)
+        device, part = target
         request = _resolved(request, device, part)
         key = _key(request)
         holder = LeaseHolder(
@@ -216,17 +216,17 @@ class LeaseService:
         self._changed.set()
         return outcome
 
-    def _on_report(self, lease: Lease, value: PlainValue, found: Attribution | None) -> None:
+    def _on_report(self, lease: Lease, value: PlainValue, attribution: Attribution | None) -> None:
         """Handle a report of the held value, or of another one and its cause, unless the outcome of a command will."""
         now, saw = self._clock.monotonic(), f"{lease.capability} is {value_text(value)}"
-        if lease.lock.locked() or lease.yielded_to or (found is not None and now < lease.hand_until):
+        if lease.lock.locked() or lease.yielded_to or (attribution is not None and now < lease.hand_until):
             return
-        if found is None:
+        if attribution is None:
             self._hand_back(lease)
-        elif found.is_hand:
+        elif attribution.is_hand:
             self._leases.outrank(lease, saw, now)
         else:  # the device itself, which may refuse if it went back at once, or a command to a group
-            lease.again_at = now + _REPEATED_AFTER_S if found.role is ReportRole.UNDONE else now
+            lease.again_at = now + _REPEATED_AFTER_S if attribution.role is ReportRole.UNDONE else now
             self._log("control.held_again", lease, f"is held {lease.held_value}, but {saw}: it is commanded again")
         self._changed.set()
 

@@ -200,15 +200,15 @@ class Leases:
 
         A holder may request its lease again: under the same name that is refused for the duration of the lease.
         """
-        found = [
+        ended = [
             (lease, key, holder) for lease in self if lease.part[0] == device for key, holder in lease.holders.items()
         ]
-        for _, key, holder in found:
+        for _, key, holder in ended:
             self.release(key)
             self._ended[key] = now + holder.ttl, by
             if len(self._ended) > MAX_HOLDERS:
                 del self._ended[next(iter(self._ended))]
-        return found
+        return ended
 
     def expire(self, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
         """Release the holders with a deadline before *now*, and return them with their leases."""
@@ -285,7 +285,7 @@ class Leases:
 
     def next_time(self) -> float:
         """Return when the next lease ends, or a value is commanded again; inf for never."""
-        times = (min([one.again_at, *(holder.deadline for holder in one.holders.values())]) for one in self)
+        times = (min([lease.again_at, *(holder.deadline for holder in lease.holders.values())]) for lease in self)
         return min(times, default=math.inf)
 
     def _limit(self, issuer: str) -> str:

@@ -130,18 +130,18 @@ class PolicyEngine(HouseWatcher):
         """Return the devices that wait for the owner's approval, and the reasons why devices always ask."""
         if request.device:
             device = await self._lookup.device(request.device)
-            found = [] if device is None else [device]
+            devices = [] if device is None else [device]
         else:
-            found = await self._waiting()
-        parts = [(device, part) for device in found[:1] for part in device.parts if request.device]
+            devices = await self._waiting()
+        parts = [(device, part) for device in devices[:1] for part in device.parts if request.device]
         limits = (
             KeyValue(key=part.id, value=why)
             for device, part in parts
             if is_commanded(part.part) and not always_asks(device, part) and (why := why_not_harmless(device, part))
         )
         return UnapprovedResponse(
-            devices=tuple(one.id for one in found if self._settings.approvals and waits_for_approval(one)),
-            reasons=tuple(KeyValue(key=one.id, value=why) for one in found if (why := why_device_asks(one))),
+            devices=tuple(device.id for device in devices if self._settings.approvals and waits_for_approval(device)),
+            reasons=tuple(KeyValue(key=device.id, value=why) for device in devices if (why := why_device_asks(device))),
             limits=tuple(limits),
         )
 
@@ -151,7 +151,7 @@ class PolicyEngine(HouseWatcher):
     async def approval_notes(self) -> tuple[str, ...]:
         """Return a note on the devices that wait for approval; none if the directory does not answer."""
         try:
-            waiting = [f"{one.id} ({why_device_asks(one)})" for one in await self._waiting()]
+            waiting = [f"{device.id} ({why_device_asks(device)})" for device in await self._waiting()]
         except ServiceError:
             return ()
         if not waiting:

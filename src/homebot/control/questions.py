@@ -70,7 +70,7 @@ class Questions:
         """Return whether a person must agree to *command*, or to the same for a member of the group that it is for."""
         if must_ask(command):
             return True
-        return any(must_ask(replace(command, device=one, part=part)) for one, part in command.members)
+        return any(must_ask(replace(command, device=device, part=part)) for device, part in command.members)
 
     async def agreed(self, command: IssuedCommand) -> IssuedCommand | Outcome:
         """As :meth:`ask`, but return *command* for the device as it is by then, instead of None."""

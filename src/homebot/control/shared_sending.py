@@ -80,7 +80,7 @@ class SharedSending:
         with anyio.move_on_after(_MAX_WAIT_S):
             await self._decided.wait()
         if not self._decided.is_set():
-            self._give_up()
+            self._abandon()
         await self._ended.wait()
         if isinstance(self._problem, UnansweredError):
             raise self._problem
@@ -94,18 +94,18 @@ class SharedSending:
             self._awaited -= 1
             self._send_if_complete()
         else:
-            self._give_up()
+            self._abandon()
 
     def _send_if_complete(self) -> None:
         if self._decided.is_set() or len(self._orders) < self._awaited:
             return
         if len(self._orders) < 2 and (self._recall is None or len(self._orders[0]) < 2):
-            self._give_up()
+            self._abandon()
             return
         self._decided.set()
         self._node.create_task(self._send)
 
-    def _give_up(self) -> None:
+    def _abandon(self) -> None:
         self._decided.set()
         self._ended.set()
 

@@ -81,18 +81,17 @@ class Timelines:
         self, order: Order, members: Iterable[tuple[Device, DevicePart]]
     ) -> dict[PartTimeline, CommandProgress]:
         """Record a command to a group for each of its *members*; return its progress there by their timelines."""
-        found: dict[PartTimeline, CommandProgress] = {}
+        by_timeline: dict[PartTimeline, CommandProgress] = {}
         for device, part in members:
-            can = part.part.capabilities
-            settings = {one.name: order.settings[one.name] for one in can if one.name in order.settings}
-            told = {**settings, **order.wanted}  # a member may report what its group does not
-            wanted = {one.name: told[one.name] for one in can if one.name in told and one.readable}
-            wanted = {name: value for name, value in wanted.items() if name not in MOMENTARY}
+            can = {capability.name: capability.readable for capability in part.part.capabilities}
+            settings = {name: value for name, value in order.settings.items() if name in can}
+            values = {**settings, **order.wanted}  # a member may report what its group does not
+            wanted = {name: value for name, value in values.items() if can.get(name) and name not in MOMENTARY}
             own = replace(order, settings=settings or order.settings, wanted=wanted, echoed=frozenset())
             timeline = self.of(device, part)
-            found[timeline] = progress = timeline.command(own, self._clock.monotonic(), is_raw=True)
+            by_timeline[timeline] = progress = timeline.command(own, self._clock.monotonic(), is_raw=True)
             progress.transmission.echoed = order.echoed
-        return found
+        return by_timeline
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
         """Return, by part, the routes of a device that are tried last because their last commands had no effect."""
@@ -176,8 +175,8 @@ class Timelines:
             self._commands_to(f"room {area}") if area else NOWHERE.room,
         )
         others = (self._entries.get((device.id, part.id)) for part in device.parts)
-        for one in (entry, *filter(None, others)):
-            one.near, one.timeline.nearby = near, nearby
+        for tracked in (entry, *filter(None, others)):
+            tracked.near, tracked.timeline.nearby = near, nearby
 
     def _commands_to(self, place: str) -> NearbyCommands:
         known = self._nearby.get(place)

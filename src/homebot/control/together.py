@@ -109,13 +109,13 @@ class Together:
         for command in commands:
             if not (command.code or command.why_it_asks or command.part.part.members):
                 alike[tuple(command.settings.items()), command.transition].append(command)
-        found = [one for one in alike.values() if len(one) > 1]
-        groups = await self._lookup.all_known(FactIs("category", "group")) if found else ()
+        batches = [commands_alike for commands_alike in alike.values() if len(commands_alike) > 1]
+        groups = await self._lookup.all_known(FactIs("category", "group")) if batches else ()
         parts = [(device, part) for device in groups for part in device.parts if part.part.is_group]
-        for members in found:
+        for members in batches:
             group = next((place for place in parts if self._may_carry(*place, members)), None)
             if group is not None:
-                self._let_share(members, group)
+                self._share_sending(members, group)
         if all(command.shared is None for command in commands):
             await self._recall(commands)
 
@@ -125,9 +125,9 @@ class Together:
         parts = ((device, part) for device in known for part in device.parts if part.part.values)
         scene = next((place for place in parts if self._may_recall(*place, commands)), None)
         if scene is not None:
-            self._let_share(commands, scene, _RECALL)
+            self._share_sending(commands, scene, _RECALL)
 
-    def _let_share(
+    def _share_sending(
         self, commands: Sequence[IssuedCommand], place: tuple[Device, DevicePart], recall: Setting | None = None
     ) -> None:
         may_send = partial(self._may_begin, commands, *place)
@@ -199,12 +199,12 @@ def sets_exactly(scene: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
     gateways, met = {route.gateway for route in scene.routes}, set[str]()
     for command in commands:
         names = set(references(command.device, command.part, gateways))
-        own = [each for each in scene.part.values if each.member in names]
-        wanted = {each.capability: each.value.plain() for each in own}
-        met |= {each.member for each in own}
+        own = [value for value in scene.part.values if value.member in names]
+        wanted = {value.capability: value.value.plain() for value in own}
+        met |= {value.member for value in own}
         settings = command.settings
         if command.code or wanted.keys() != settings.keys() or command.transition != commands[0].transition:
             return False
         if not all(is_same(name, value, settings[name]) for name, value in wanted.items()):
             return False
-    return met == {each.member for each in scene.part.values}
+    return met == {value.member for value in scene.part.values}

@@ -78,8 +78,8 @@ class Witnesses:
 
     def trust(self, request: TrustDeviceRequest) -> TrustDeviceResponse:
         """Forget that witnesses contradicted a device; return the names of these witnesses."""
-        places = [one for one in self.contradicted if one[0] == request.device]
-        return TrustDeviceResponse(witnesses=tuple([self.contradicted.pop(one) for one in places]))
+        places = [place for place in self.contradicted if place[0] == request.device]
+        return TrustDeviceResponse(witnesses=tuple([self.contradicted.pop(place) for place in places]))
 
     async def begin(self, opened: OpenCommand) -> list[Witness]:
         """Return the witnesses of a command about to be sent; each watches until its ``stop_watch`` is called."""
@@ -89,13 +89,13 @@ class Witnesses:
         device, part = command.device, command.part
         name = next((name for query, name in self._named if fits(query, PartFacets(device, part))), None)
         if name is None:
-            found = _sensors(device, wanted & _METERS, is_named=False)
+            witnesses = _sensors(device, wanted & _METERS, is_named=False)
         else:  # empty if the owner wants no witness
-            found = await self._named_sensors(name, wanted) if name else []
-        for witness in found:
+            witnesses = await self._named_sensors(name, wanted) if name else []
+        for witness in witnesses:
             on_report = partial(self._on_report, witness, opened.wake)
             witness.stop_watch = self._feed.watch(witness.part.routes, on_report)
-        return found
+        return witnesses
 
     async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
         """Return *outcome*, or a better one from a witness; named witnesses are awaited."""
@@ -181,7 +181,7 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
     """Return the sensors of a device that measure one of *wanted*, except silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
-    found: list[Witness] = []
+    sensors: list[Witness] = []
     for state in device.states:
         if state.capability in wanted and state.live and state.part not in device.offline_parts:
             part, value = device.part(state.part), state.value.plain()
@@ -189,8 +189,8 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
                 capability.name == state.capability and capability.readable and not capability.settable
                 for capability in part.part.capabilities
             ):
-                found.append(Witness(device.name, is_named, part, state.capability, value, value))
-    return found
+                sensors.append(Witness(device.name, is_named, part, state.capability, value, value))
+    return sensors
 
 
 class Observed(Enum):

@@ -83,7 +83,7 @@ class CommandLog:
     async def _log_change(self, change: ChangedSetting, cause: str, end: str) -> None:
         device, before = await self._lookup.known(change.device), change.before.plain()
         label = _label(change, device)
-        values = " → ".join(value_text(change.capability, one) for one in (before, change.value.plain()))
+        values = " → ".join(value_text(change.capability, value) for value in (before, change.value.plain()))
         what = values if isinstance(before, bool) else f"{change.capability.replace('_', ' ')} {values}"
         why = _CAUSES.get(cause, "by hand or by itself")
         self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)

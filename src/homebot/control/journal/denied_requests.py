@@ -80,7 +80,7 @@ class DeniedRequests:
 
     async def _named(self, subject: str) -> str:
         try:
-            found = await self._lookup.called(subject, subject.partition("#")[0])
+            devices = await self._lookup.called(subject, subject.partition("#")[0])
         except ServiceError:
             return ""
-        return found[0].id if len(found) == 1 else ""
+        return devices[0].id if len(devices) == 1 else ""

@@ -62,14 +62,14 @@ def is_fight(turns: Sequence[Turn]) -> bool:
 
 def _follows(before: Mapping[_Sensed, PlainValue], after: Mapping[_Sensed, PlainValue]) -> bool:
     """Return whether both turns respond to one sensor that changed in between, as motion sensors often do."""
-    return any(one in before and before[one] != value for one, value in after.items())
+    return any(sensor in before and before[sensor] != value for sensor, value in after.items())
 
 
 def _opposes(before: Mapping[str, PlainValue], after: Mapping[str, PlainValue]) -> bool:
     return any(
-        other in after and changes(one, value, other, after[other])
-        for one, value in before.items()
-        for other in related(one)
+        other in after and changes(capability, value, other, after[other])
+        for capability, value in before.items()
+        for other in related(capability)
     )
 
 
@@ -102,8 +102,8 @@ class Fights:
         if known and turn.at - known.last[-1].at <= _MAX_FIGHT_S and {turn.issuer for turn in known.last} == opponents:
             self._fights[place] = replace(known, commands=known.commands + 1, last=turns)
             return None
-        found = self._fights[place] = _Fight(turns[0].at, len(turns), turns)
-        return _message(place, found)
+        fight = self._fights[place] = _Fight(turns[0].at, len(turns), turns)
+        return _message(place, fight)
 
     def recent(self, now: float, device: str = "") -> tuple[DeviceFight, ...]:
         """Return the fights of the last hour over *device*, or over all."""

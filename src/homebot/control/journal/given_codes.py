@@ -62,8 +62,8 @@ def public_text(text: str, address: str) -> str:
     if is_for_code(address):
         return CODE_GIVEN
     known = text[:_MAX_READ_CHARACTERS]
-    found = _FIELD.sub(_without_code, known)
-    return CODE_GIVEN if found == known and names_secret(found) else found
+    public = _FIELD.sub(_without_code, known)
+    return CODE_GIVEN if public == known and names_secret(public) else public
 
 
 def _without_code(field: re.Match[str]) -> str:

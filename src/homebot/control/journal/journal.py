@@ -98,8 +98,8 @@ class CommandJournal:
             troubles=(
                 *((store.problem,) if store.problem else ()),
                 *(
-                    f"{one.text}, the last {ago(one.newest, now)}; see homebot why {one.device}"
-                    for one in self.fights.recent(now)
+                    f"{fight.text}, the last {ago(fight.newest, now)}; see homebot why {fight.device}"
+                    for fight in self.fights.recent(now)
                 ),
             ),
         )

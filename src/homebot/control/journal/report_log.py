@@ -33,7 +33,7 @@ class ReportLog:
     async def causes(self, request: GetCausesRequest) -> KnownCauses:
         """Return the causes of the newest changes of some devices."""
         known = list(self._timelines.causes(frozenset(request.devices)))
-        places = {(one.device, one.part, one.capability) for one in known}
+        places = {(cause.device, cause.part, cause.capability) for cause in known}
         for device in request.devices if request.from_journal else ():
             entries = (await self._journal.read(ReadJournalRequest(device=device, limit=_MAX_ENTRIES))).entries
             issuers = {entry.command: entry.issuer for entry in entries if entry.kind == "requested"}
@@ -58,25 +58,26 @@ class ReportLog:
 
     def on_report(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
         """Record a report that answers a command, also after its outcome, when there is no *opened* command."""
-        order, found = progress.order, fact.attribution
+        order, attribution = progress.order, fact.attribution
         is_answer = fact.capability in progress.wanted and opened.is_news(fact) if opened else _is_late(progress, fact)
-        if not is_answer or (opened is None and found.command != order.id):
+        if not is_answer or (opened is None and attribution.command != order.id):
             return
-        is_told = found.role is ReportRole.EFFECT or fact.is_change
-        setting, text = Setting.of(fact.capability, fact.value), found.cause.value if is_told else ""
+        is_told = attribution.role is ReportRole.EFFECT or fact.is_change
+        setting, text = Setting.of(fact.capability, fact.value), attribution.cause.value if is_told else ""
         self._journal.reported(order.place, setting, fact.stamp, text, order.id, order.issuer)
 
     def on_change(self, change: ChangedSetting) -> None:
         """Record and log a change, unless it has a role for a command to its part: then that command recorded it."""
         place, at = (change.device, change.part), change.told_at.to_seconds()
-        found = self._timelines.cause(place, change.capability, change.value.plain(), at) or Attribution(Cause.PERSON)
-        if found.role is not None:
+        known = self._timelines.cause(place, change.capability, change.value.plain(), at)
+        attribution = known or Attribution(Cause.PERSON)
+        if attribution.role is not None:
             return
         setting = Setting(capability=change.capability, value=change.value)
-        command = "" if found.cause in {Cause.PERSON, Cause.UNKNOWN} else found.command
-        self._journal.reported(place, setting, at, found.cause.value, command)
+        command = "" if attribution.cause in {Cause.PERSON, Cause.UNKNOWN} else attribution.command
+        self._journal.reported(place, setting, at, attribution.cause.value, command)
         if not command:
-            self._journal.log.log_change(change, found.cause.value)
+            self._journal.log.log_change(change, attribution.cause.value)
 
 
 def _is_late(progress: CommandProgress, fact: Reported) -> bool:

@@ -102,8 +102,8 @@ class House:
             for view in self._devices.values()
             if view.device.id == name or fold(name) in map(fold, (view.device.name, *view.device.names))
         )
-        found = self._readings(named, capability)
-        return found[0] if len(found) == 1 else None
+        readings = self._readings(named, capability)
+        return readings[0] if len(readings) == 1 else None
 
     def detected_since(self, sensor: str) -> float | None:
         """Return when *sensor* last began to detect a person, in seconds since the Unix epoch; None for never."""
@@ -126,7 +126,7 @@ class House:
         if room is None:
             return self._devices.values()
         wanted = fold(room)
-        return [self._devices[one] for one, its_room in self._room_of.items() if its_room == wanted]
+        return [self._devices[device_id] for device_id, its_room in self._room_of.items() if its_room == wanted]
 
     def _readings(self, views: Iterable[DeviceView], capability: str) -> list[SensorReading]:
         return [
@@ -158,7 +158,7 @@ def _is_heard(device: Device) -> bool:
 
 
 def _reports(part: DevicePart, capability: str) -> bool:
-    return any(one.name == capability and one.readable for one in part.part.capabilities)
+    return any(own.name == capability and own.readable for own in part.part.capabilities)
 
 
 @final

@@ -35,7 +35,7 @@ class Interlock(PolicyTable):
 
     @cached_property
     def _capabilities(self) -> frozenset[str]:
-        return frozenset([one.capability for one in leaves(self._query) if isinstance(one, StateIs)])
+        return frozenset([leaf.capability for leaf in leaves(self._query) if isinstance(leaf, StateIs)])
 
     @cached_property
     def needs(self) -> Query:

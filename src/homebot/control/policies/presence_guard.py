@@ -121,7 +121,7 @@ def presence_in(room: str, facts: Facts, absent_after: AbsentAfter) -> tuple[Pre
     is silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
     otherwise. Where a presence sensor sees nobody, motion sensors are waited for no longer than it is.
     """
-    found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
+    readings: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
     longest = absent_after.motion
     for reading in sorted(facts.house.readings(room, OCCUPANCY), key=_IS_PRESENCE, reverse=True):
         used = FactUsed(f"{OCCUPANCY} of {reading.sensor}", reading.value, max(reading.since, reading.heard_since))
@@ -129,11 +129,11 @@ def presence_in(room: str, facts: Facts, absent_after: AbsentAfter) -> tuple[Pre
         presence_by_it = _presence_by(reading, used.since, facts, within)
         if reading.is_presence and presence_by_it == "absent":
             longest = within
-        found[presence_by_it].append(used)
-    if found["present"]:
-        return "present", (found["present"][0],)
-    presence: Presence = "unknown" if found["unknown"] or not found["absent"] else "absent"
-    return presence, tuple(found[presence])
+        readings[presence_by_it].append(used)
+    if readings["present"]:
+        return "present", (readings["present"][0],)
+    presence: Presence = "unknown" if readings["unknown"] or not readings["absent"] else "absent"
+    return presence, tuple(readings[presence])
 
 
 def _presence_by(reading: SensorReading, since: float, facts: Facts, absent_after: float) -> Presence:
@@ -154,7 +154,7 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
     The person was detected after all doors were closed: a sensor began to detect motion then, or still did so
     ``absent_after`` seconds later, which is longer than it reports the motion of a person who left.
     """
-    contacts = [facts.house.reading_of(one, CONTACT) for one in settings.contacts_of(room)]
+    contacts = [facts.house.reading_of(name, CONTACT) for name in settings.contacts_of(room)]
     closed = [contact for contact in contacts if contact is not None and contact.value is False]
     if not contacts or len(closed) < len(contacts):
         return None

@@ -63,14 +63,14 @@ def count_turns(timeline: PartTimeline, command: IssuedCommand, now: float, seco
     a turn. On and off are one value, whichever capability commands them: level 0 is off. A turn counts from the last
     sending of its command: the device may not have received it before.
     """
-    last = {one.command: one for one in timeline.sent if one.command != command.id}
+    last = {sending.command: sending for sending in timeline.sent if sending.command != command.id}
     sent = [*last.values(), Sent(command.id, command.settings, now)]
     return max((_turns_of(name, sent, timeline, now - seconds) for name in _effects(command.settings)), default=0)
 
 
 def _turns_of(name: str, sent: list[Sent], timeline: PartTimeline, since: float) -> int:
     """Return how often the value of *name* turned, without the last of *sent*; 0 if that does not turn it."""
-    effects = [(one.at, effect) for one in sent if (effect := _effects(one.settings).get(name)) is not None]
+    effects = [(sending.at, effect) for sending in sent if (effect := _effects(sending.settings).get(name)) is not None]
     turns, is_turn, direction = 0, False, 0.0
     for (before_at, before), (at, value) in pairwise(effects):
         step = value - before if isinstance(value, float) and isinstance(before, float) else 0.0

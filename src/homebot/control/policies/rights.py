@@ -235,9 +235,9 @@ def _grant_advice(command: IssuedCommand) -> str:
         return "only an app or a routine can have one, by its key `act`"
     if rights.table.startswith(EDIT_ROUTINE):
         return f"`{rights.table} --act {shlex.quote(query)}` gives one"
-    scope = [one.removeprefix("act: ") for one in rights.act_scope]
+    scope = [right.removeprefix("act: ") for right in rights.act_scope]
     own = scope or [ORDINARY if rights.acts_on_ordinary else HARMLESS] * rights.acts_on_harmless
-    queries = [f"'{one}'" if "'" not in one else toml_value(one) for one in (*own, query)]
+    queries = [f"'{right}'" if "'" not in right else toml_value(right) for right in (*own, query)]
     return f"{rights.table} act = [{', '.join(queries)}] gives one"
 
 
@@ -263,7 +263,9 @@ def _approval_step(command: IssuedCommand) -> str:
 def _waits_for_approval(command: IssuedCommand) -> bool:
     routes = command.part.routes
     approved = [route for route in routes if route.approved]
-    return bool(routes) and not (approved and all(any(one.can(name) for one in approved) for name in command.settings))
+    return bool(routes) and not (
+        approved and all(any(route.can(name) for route in approved) for name in command.settings)
+    )
 
 
 def _missing_approval(command: IssuedCommand) -> str:

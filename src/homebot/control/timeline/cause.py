@@ -60,18 +60,18 @@ class HeldValue:
         """Record that a command with *settings* has succeeded."""
         self.is_so = self.is_so or settings.get(self.capability) == self.value
 
-    def report(self, capability: str, value: PlainValue, found: Attribution) -> None:
+    def report(self, capability: str, value: PlainValue, attribution: Attribution) -> None:
         """Record a report and its cause; an intermediate step says nothing."""
-        if capability != self.capability or found.cause is Cause.TRANSITION:
+        if capability != self.capability or attribution.cause is Cause.TRANSITION:
             return
         has_departed = self.profile.departs(capability, self.value, value)
-        self.is_by_hand = has_departed and found.is_hand
+        self.is_by_hand = has_departed and attribution.is_hand
         if self.profile.fits(capability, self.value, value):
-            self.is_so = self.is_so or found.cause is not Cause.ECHO
+            self.is_so = self.is_so or attribution.cause is not Cause.ECHO
             self.on_report(value, None)
         elif self.is_so and has_departed:
             self.is_so = False
-            self.on_report(value, found)
+            self.on_report(value, attribution)
 
 
 def _cause_without_command(fact: Reported) -> tuple[Cause, str]:

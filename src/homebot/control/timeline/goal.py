@@ -192,6 +192,6 @@ def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:
     settings = order.settings
     if STOPPED in settings.values():
         return ReportRole.AGREES
-    own = [one for one in related(capability) if one in settings and one != capability]
-    is_against = any(changes(capability, value, one, settings[one]) for one in own)
+    own = [name for name in related(capability) if name in settings and name != capability]
+    is_against = any(changes(capability, value, name, settings[name]) for name in own)
     return ReportRole.ASIDE if is_against else ReportRole.AGREES

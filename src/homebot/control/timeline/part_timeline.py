@@ -51,8 +51,8 @@ class _Brought(NamedTuple):
 
         The rounding that a profile has learnt is for wanted values only: what a person sets may be as near.
         """
-        known = self.value, self.seen
-        return isinstance(fact.value, float) and any(fits(fact.capability, one, fact.value) for one in known)
+        values = self.value, self.seen
+        return isinstance(fact.value, float) and any(fits(fact.capability, value, fact.value) for value in values)
 
 
 @final
@@ -199,7 +199,7 @@ class PartTimeline:
         fact = self._append(at, stamp, capability, value, lost_at, absent_at, set_by)
         roles = [(command, command.report(fact)) for command in reversed(active)]
         self._judge(fact, roles)
-        self._bring(fact, roles)
+        self._record_brought(fact, roles)
         for command in active:
             self._learn(command, at)
         for command in active:
@@ -279,7 +279,7 @@ class PartTimeline:
 
     def issuer_of(self, command: str) -> str:
         """Return who gave a command; empty if that is not known."""
-        return next((one.order.issuer for one in self.commands if one.order.id == command), "")
+        return next((progress.order.issuer for progress in self.commands if progress.order.id == command), "")
 
     def find(self, capability: str, value: PlainValue, stamp: float) -> Reported | None:
         """Return the report of *value* with that *stamp*; None if it is not among the reports."""
@@ -290,8 +290,8 @@ class PartTimeline:
 
     def unexplained(self, since: float) -> Reported | None:
         """Return the newest change since then that a person may have made; None if there is none."""
-        found = self.unexplained_change
-        return found if found is not None and found.at >= since else None
+        change = self.unexplained_change
+        return change if change is not None and change.at >= since else None
 
     def certain(
         self, capability: str, value: PlainValue, told_at: float, now: float, except_id: str = ""
@@ -347,14 +347,14 @@ class PartTimeline:
 
     def _relate(self, fact: Reported) -> None:
         """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
-        found, brought = fact.attribution, self._brought.get(fact.capability)
-        is_unexplained = not found.command or found.role is ReportRole.OTHERWISE
-        if not (is_unexplained or found.cause is Cause.UNKNOWN):
+        attribution, brought = fact.attribution, self._brought.get(fact.capability)
+        is_unexplained = not attribution.command or attribution.role is ReportRole.OTHERWISE
+        if not (is_unexplained or attribution.cause is Cause.UNKNOWN):
             return
         if is_unexplained and brought is not None and brought.is_near(fact):
             fact.drifted_from = brought.command
             return
-        if not found.command:
+        if not attribution.command:
             self.nearby.explain(fact, self.place, self.profile)
         if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
             fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
@@ -368,9 +368,9 @@ class PartTimeline:
         if fact.is_change and fact.attribution.may_be_person and not is_unknown:
             self._relate(fact)
             fact.attribution = judge(fact, roles)
-        self._note(fact, roles)
+        self._record_change(fact, roles)
 
-    def _note(self, fact: Reported, roles: Roles) -> None:
+    def _record_change(self, fact: Reported, roles: Roles) -> None:
         """Keep the newest changes, and stop the repetitions of commands against what may be a person's will."""
         is_change, may_be_person = fact.is_change, fact.attribution.may_be_person
         if is_change or fact.is_first:
@@ -380,11 +380,11 @@ class PartTimeline:
         elif self.unexplained_change is fact:
             self.unexplained_change = None
         is_will = (is_change or fact.is_news) and (may_be_person or fact.attribution.cause is Cause.PROGRAM)
-        for one, _ in roles if is_will or (fact.is_first and may_be_person) else ():
-            if is_will or one.last.get(fact.capability, fact.value) != fact.value:
-                one.will_at = fact.at
+        for command, _ in roles if is_will or (fact.is_first and may_be_person) else ():
+            if is_will or command.last.get(fact.capability, fact.value) != fact.value:
+                command.will_at = fact.at
 
-    def _bring(self, fact: Reported, roles: Roles) -> None:
+    def _record_brought(self, fact: Reported, roles: Roles) -> None:
         """Remember the value that a command brought, from when on it lasts, until another value follows; or an echo."""
         capability, brought = fact.capability, self._brought.get(fact.capability)
         for command, role in roles:
@@ -417,7 +417,7 @@ class PartTimeline:
             }:  # else another explains it
                 own_role = None if progress.is_raw else role
                 fact.attribution = Attribution(cause, progress.order.id, own_role, progress.order.is_foreign)
-                self._note(fact, [(progress, role)])
+                self._record_change(fact, [(progress, role)])
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
         if not progress.is_confirmed:
@@ -442,13 +442,13 @@ class PartTimeline:
         if progress.is_raw:
             return
         if steps:  # it counted as a step
-            found = Attribution(cause, progress.order.id, ReportRole.UNDONE)
-            self._report_held(undoing.capability, self.value(undoing.capability), found)
+            attribution = Attribution(cause, progress.order.id, ReportRole.UNDONE)
+            self._report_held(undoing.capability, self.value(undoing.capability), attribution)
         self.on_undone(progress, undoing, cause)
 
-    def _report_held(self, capability: str, value: PlainValue, found: Attribution) -> None:
+    def _report_held(self, capability: str, value: PlainValue, attribution: Attribution) -> None:
         for held in tuple(self.held):
-            held.report(capability, value, found)
+            held.report(capability, value, attribution)
 
     def _drop_commands(self, before: float) -> None:
         """Drop the commands that ended *before* that time, and the oldest if there are too many."""

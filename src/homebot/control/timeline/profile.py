@@ -224,7 +224,7 @@ class DeviceProfile:
                 return
         answers = self.answers.get(capability, [])
         if (wanted, seen) not in answers:
-            others = [one for one in answers if one[0] != wanted]
+            others = [answer for answer in answers if answer[0] != wanted]
             self.answers[capability] = [*others, (wanted, seen)][-_MAX_ANSWERS:]
             self.is_changed = True
 
@@ -264,7 +264,7 @@ class DeviceProfile:
         """
         if capability not in self.returns:
             return False
-        fast = [one.after for one in self.returns[capability] if one.is_fast][-ENOUGH:]
+        fast = [end.after for end in self.returns[capability] if end.is_fast][-ENOUGH:]
         taken_back = [after for after in fast if after is not None and after <= durations.TAKEN_BACK]
         return len(taken_back) == ENOUGH and max(taken_back) - min(taken_back) <= durations.REGULAR
 

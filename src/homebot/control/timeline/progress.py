@@ -201,9 +201,9 @@ class CommandProgress:
     @property
     def may_repeat(self) -> bool:
         """True while no report since the first sending, also of a member, may be a person's, or an undeclared echo."""
-        undeclared = [one for name, one in self.wanted.items() if name not in self.order.echoed]
-        is_stopped = any(one.will_at >= self.transmission.first_sent_at for one in (self, *self.members))
-        return not (is_stopped or any(one.echoed_at is not None for one in undeclared))
+        undeclared = [wanted for name, wanted in self.wanted.items() if name not in self.order.echoed]
+        is_stopped = any(command.will_at >= self.transmission.first_sent_at for command in (self, *self.members))
+        return not (is_stopped or any(wanted.echoed_at is not None for wanted in undeclared))
 
     @property
     def is_mute(self) -> bool:
