@@ -7,7 +7,9 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, end_of_ramp, ignore
 
+from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
+from homebot.devices.names import PERFORM_COMMAND
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
@@ -193,3 +195,23 @@ async def test_no_echo_is_learnt_from_a_lamp_that_fades_off(home: Home) -> None:
         assert (outcome.latency < 0.1, outcome.evidence) == (True, Evidence.REPORTED)
         await anyio.sleep(30)
     assert (home.events, len(home.commands)) == ([], 8)
+
+
+async def test_a_lamp_is_not_turned_on_again_over_a_hand_that_looks_like_its_timer(home: Home) -> None:
+    """Its "off" ends what a command brought, so nothing was lost on the way."""
+
+    async def fade(home: Home, command: Command) -> None:
+        if command.capability == "on_off":
+            await home.report("lamp", "on_off", True)
+            home.later(1.0, "lamp", "level", 20.0)
+
+    await home.lamp("on_off", "level", before={"on_off": False, "level": 10.0}, behaviour=fade)
+    perform = home.app.create_client(PerformCommand, PERFORM_COMMAND)
+    wanted = (Setting.of("on_off", True), Setting.of("level", 80.0))
+    for sendings in range(1, 7):
+        await home.report("lamp", "level", 10.0)
+        home.later(4.0, "lamp", "on_off", False)
+        request = CommandRequest(device="lamp", settings=wanted, issuer="/app")
+        assert isinstance(await perform.call(request, timeout=900), Contradicted)
+        assert len(home.commands) == 2 * sendings
+        await anyio.sleep(120)

@@ -316,15 +316,20 @@ class PartTimeline:
             has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
             if sent.order.id == except_id or not has_effect:
                 continue
-            is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
-            if settings.get(capability) != value and (is_before or _is_on_its_way(sent, capability, now)):
-                is_goal = capability in settings and self.profile.fits(capability, settings[capability], value)
-                others = [other for other in related(capability) if other in settings]
-                if not is_goal and any(changes(capability, value, other, settings[other]) for other in others):
+            if settings.get(capability) != value:
+                is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
+                may_change = is_before or _is_on_its_way(sent, capability, now)
+                if may_change and self._changes(settings, capability, value):
                     return None
             if capability in settings:
                 break  # it replaced all older ones
         return value
+
+    def _changes(self, settings: Mapping[str, PlainValue], capability: str, value: PlainValue) -> bool:
+        """Return whether *settings* are for another *value* of *capability*."""
+        if capability in settings and self.profile.fits(capability, settings[capability], value):
+            return False
+        return any(changes(capability, value, name, settings[name]) for name in related(capability) if name in settings)
 
     def _end(self, progress: CommandProgress, fact: Decided) -> None:
         """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
@@ -369,6 +374,8 @@ class PartTimeline:
             self._relate(fact)
             fact.attribution = judge(fact, roles)
         self._record_change(fact, roles)
+        if fact.timed >= ENOUGH and fact.attribution.role is ReportRole.UNDONE:
+            self._end_repetitions(fact, roles)
 
     def _record_change(self, fact: Reported, roles: Roles) -> None:
         """Keep the newest changes, and stop the repetitions of commands against what may be a person's will."""
@@ -382,6 +389,12 @@ class PartTimeline:
         is_will = (is_change or fact.is_news) and (may_be_person or fact.attribution.cause is Cause.PROGRAM)
         for command, _ in roles if is_will or (fact.is_first and may_be_person) else ():
             if is_will or command.last.get(fact.capability, fact.value) != fact.value:
+                command.will_at = fact.at
+
+    def _end_repetitions(self, fact: Reported, roles: Roles) -> None:
+        """Stop the repetitions of commands whose value a timer ended, unless a bridge may have told it too early."""
+        for command, _ in roles:
+            if command.motion.moved_at > -math.inf or fact.at - fact.since > durations.TAKEN_BACK:
                 command.will_at = fact.at
 
     def _record_brought(self, fact: Reported, roles: Roles) -> None:
