@@ -95,8 +95,9 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
 
     def on_device(self, change: DeviceChange) -> None:
         """Store the newest change of a device for the reader."""
+        if not self._changed:
+            self._news.set()
         self._changed[change.device.id] = change
-        self._news.set()
         if self._near is not None:
             self._near.ask()
 

@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from tests.call_counts import calls
 
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import State
@@ -256,6 +257,19 @@ def test_a_question_is_answered_by_devices_or_by_the_reason_for_none(text: str, 
     query = read_terms(query_words(text), lambda query: bool(postings.find(query)))
     assert postings.find(query) == ids
     assert note_on(query, postings.find(query), postings, HousePlan("villa")) == note
+
+
+@pytest.mark.parametrize("named", ["Lamp", "Socket"])
+def test_to_learn_the_names_of_a_house_costs_in_proportion_to_its_devices(named: str) -> None:
+    """Each of hundreds of routines learns them."""
+
+    def learn(count: int) -> None:
+        words = WordsQuery("lamp 7 on", [power_strip({named: True}, "plug")])
+        for number in range(1, count):
+            words.record(device(number, f"Lamp {number}", "light", "on_off", False))
+
+    learn(200)  # fills the caches of words
+    assert calls(lambda: learn(200)) < 2.2 * calls(lambda: learn(100))
 
 
 def test_what_words_mean_follows_the_names_of_the_house() -> None:

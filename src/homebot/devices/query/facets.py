@@ -66,9 +66,9 @@ class Facets:
     is_unapproved: bool
 
     @property
-    def names(self) -> frozenset[str]:
+    def names(self) -> tuple[str, ...]:
         """Its id and names, folded."""
-        return frozenset([fold(self.id), self.name, *self.facts.get("name", ())])
+        return fold(self.id), self.name, *self.facts.get("name", ())
 
 
 _MAX_KEPT: Final = 2000

@@ -66,10 +66,10 @@ class PartFacets:
         return fold(self._device.name)
 
     @property
-    def names(self) -> frozenset[str]:
+    def names(self) -> tuple[str, ...]:
         """Id and names of its device, and its own name, folded."""
         device, own = self._device, self.part.part.name
-        return frozenset([fold(name) for name in (device.id, device.name, *device.names, *((own,) if own else ()))])
+        return tuple([fold(name) for name in (device.id, device.name, *device.names, *((own,) if own else ()))])
 
     @property
     def kinds(self) -> frozenset[tuple[str, str]]:
