@@ -8,12 +8,27 @@ from random import Random
 import pytest
 from tests.control.conftest import OpenHome
 from tests.control.timeline.simulated_house import SimulatedHouse, Tables
+from tests.control.timeline.simulated_kinds import KINDS, Kind, Play
 from tests.one_task import in_one_task
 from tests.sizes import size
 
 pytestmark = pytest.mark.virtual_time
 
 _TABLES = Tables()
+
+_PLAYED = (
+    "hue group",
+    "ha group",
+    "late level, off",
+    "blind that settles",
+    "timer of 5 min",
+    "timer of 60 min",
+    "power cut, held",
+    "drift",
+    "gateway restarts",
+    "restart",
+)
+"""The kinds of ``python -m tests.control.timeline.truth_table`` whose aims are met."""
 
 
 def furnish(house: SimulatedHouse) -> None:
@@ -67,3 +82,12 @@ async def test_persons_are_named_and_hardly_anything_else_is_told_to_be_one(tabl
 async def test_a_timer_is_learnt_and_an_answer_may_come_after_minutes(tables: Tables) -> None:
     assert tables.share("device", "device") >= 0.6
     assert tables.share("command", "command", "late") == 1.0
+
+
+@pytest.mark.parametrize("kind", [pytest.param(kind, id=kind.name) for kind in KINDS if kind.name in _PLAYED])
+async def test_the_aims_of_each_kind_are_met_and_all_who_are_asked_give_one_answer(
+    open_home: OpenHome, kind: Kind
+) -> None:
+    tables = await Play(kind, seed=0).run(open_home)
+    assert tables.seen["asked"] > 10
+    assert kind.failures(tables, seeds=1) == [], "\n".join(tables.notes)

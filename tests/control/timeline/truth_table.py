@@ -1,0 +1,80 @@
+"""Print how well causes are known, by kind, over some seeds: ``python -m tests.control.timeline.truth_table``."""
+
+import argparse
+import asyncio
+import logging
+import sys
+from collections.abc import Sequence
+
+from tests.control.conftest import opened_home
+from tests.control.timeline.simulated_house import Tables, Truth
+from tests.control.timeline.simulated_kinds import KINDS, Kind, Play
+
+from homebot.support.virtual_time import VirtualTimeLoop
+
+_OWN_CAUSES: tuple[Truth, ...] = ("person", "device", "program")
+
+_HEADINGS = (
+    f"{'kind (aim)':27}",
+    "commands",
+    "sent over a person (0)",
+    "told person and none (5 %)",
+    "persons named",
+    "devices told so",
+    "programs told so",
+    "persons told command (0)",
+    "or device (0)",
+    "two answers (0)",
+    "held again (all)",
+    "missed aims",
+)
+
+
+def play(kind: Kind, seeds: Sequence[int]) -> Tables:
+    """Return what was told in the houses of a kind."""
+    tables = Tables()
+    for seed in seeds:
+        with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+            runner.run(Play(kind, seed, tables).run(opened_home))
+    return tables
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Play the kinds, and print a table; return 1 if an aim is missed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=10, help="how many seeds")
+    parser.add_argument("--seed", type=int, help="this one alone")
+    parser.add_argument("--kind", default="", help="the kinds that contain this text")
+    parser.add_argument("--notes", action="store_true", help="print what was wrong, and all that was told")
+    given = parser.parse_args(words)
+    logging.disable()
+    seeds = range(given.seeds) if given.seed is None else [given.seed]
+    kinds = [kind for kind in KINDS if given.kind in kind.name]
+    print("| " + " | ".join(_HEADINGS) + " |")
+    is_missed = False
+    for kind in kinds:
+        tables = play(kind, seeds)
+        failures = kind.failures(tables, len(seeds))
+        is_missed |= bool(failures)
+        told = tables.count
+        cells = (
+            kind.name,
+            f"{tables.commands:,}",
+            tables.overridden.total(),
+            f"{tables.wrong_persons:.1%}" if told(told="person") else "-",
+            *(f"{tables.share(truth, truth):.0%}" if told(truth=truth) else "-" for truth in _OWN_CAUSES),
+            told(truth="person", told="command") + told(truth="person", told="transition"),
+            told(truth="person", told="device") + told(truth="person", told="program"),
+            f"{tables.seen['two answers']} of {tables.seen['asked']:,}",
+            f"{tables.seen['held again']} of {tables.seen['cuts']}",
+            "; ".join(failures) or "none",
+        )
+        texts = (f"{cell!s:{len(heading)}}" for cell, heading in zip(cells, _HEADINGS, strict=True))
+        print("| " + " | ".join(texts) + " |", flush=True)
+        if given.notes:
+            print(tables.text(), *tables.notes, sep="\n")
+    return int(is_missed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
