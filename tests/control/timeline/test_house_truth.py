@@ -28,7 +28,7 @@ _PLAYED = (
     "gateway restarts",
     "restart",
 )
-"""The kinds of ``python -m tests.control.timeline.truth_table`` whose aims are met."""
+"""Those of :data:`KINDS` whose aims are met with the seed that is played here; with others some are not."""
 
 
 def furnish(house: SimulatedHouse) -> None:
