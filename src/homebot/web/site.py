@@ -55,6 +55,8 @@ def answer(
         authority: The folder of the local authority, whose certificate is a file of the page; None for none.
     """
     name = path.partition("?")[0].removeprefix("/")
+    if name == _AUTHORITY and authority is None:
+        return HTTPStatus.NO_CONTENT, {**_HEADERS, "Content-Length": "0"}, b""
     if name == _AUTHORITY and authority is not None:
         body = (authority / name).read_bytes()
         kind, length = "application/x-x509-ca-cert", str(len(body))

@@ -57,7 +57,7 @@ def test_a_value_is_a_step(device: str, capability: str, value: PlainValue, text
     ("device", "part", "value", "text"),
     [
         ("hall_button", "", "double", "Hall button press double"),
-        ("hall_button", "", "04-A2", 'Hall button press "04-A2"'),  # a tag
+        ("hall_button", "", "04-A2", "Hall button press 04-A2"),  # a tag
         ("hall_button", "", "", ""),
         ("hall_button", "", 'a" b', ""),
         ("hall_button", "", "x\x1b[2J", ""),

@@ -80,7 +80,7 @@ def facets_of(device: Device) -> Facets:
     """Return the searchable facets of *device*."""
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
     facts = _folded_facts(device)
-    capabilities, settable, gateways, conventions, categories = _sets_of(device)
+    (capabilities, settable, gateways, conventions, categories), named_parts = _sets_of(device)
     main = _main_part(device)
     return Facets(
         id=device.id,
@@ -100,7 +100,7 @@ def facets_of(device: Device) -> Facets:
         categories=categories,
         facts=facts,
         values=_values_of(device) if device.states else (),
-        named_parts=parts_named_like_types(device),
+        named_parts=named_parts,
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
         is_disputed=bool(device.conflicts),
@@ -124,14 +124,15 @@ def _main_part(device: Device) -> Part | None:
     return None
 
 
-def _sets_of(device: Device) -> list[frozenset[str]]:
-    """Return the capabilities, the settable ones, gateways, conventions and categories of all parts.
+def _sets_of(device: Device) -> tuple[list[frozenset[str]], Mapping[str, frozenset[str]]]:
+    """Return the capabilities, the settable ones, gateways, conventions and categories of all parts; and parts by name.
 
     In one loop, because it runs after most messages of every device.
     """
     capabilities: set[str] = set()
     settable: set[str] = set()
     categories: set[str] = set()
+    named_parts = _NO_PARTS
     gateways, conventions = set(map(_GATEWAY, device.endpoints)), set(map(_CONVENTION, device.facts))
     for each in device.parts:
         if each.part.category:
@@ -142,26 +143,19 @@ def _sets_of(device: Device) -> list[frozenset[str]]:
             capabilities.add(capability.name)
             if capability.settable:
                 settable.add(capability.name)
+        if each.part.name and _is_named_like_another_type(each.part.name, each.part.service_type):
+            name = fold(each.part.name)
+            named_parts = {**named_parts, name: named_parts.get(name, frozenset()) | {each.id}}
         for route in each.routes:
             gateways.add(route.gateway)
             conventions.add(route.convention)
     found = map(frozenset, (capabilities, settable, gateways, conventions, categories))
-    return [*map(_one_of, found)] if len(capabilities) <= _FEW else [*found]
+    return [*map(_one_of, found)] if len(capabilities) <= _FEW else [*found], named_parts
 
 
 def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue, str], ...]:
     types = {one.id: one.part.service_type for one in device.parts}
     return tuple([(types.get(one.part, ""), one.capability, one.value.plain(), one.part) for one in device.states])
-
-
-def parts_named_like_types(device: Device) -> Mapping[str, frozenset[str]]:
-    """Return the ids of the parts that are called like a type that they are not, such as TV, by that name, folded."""
-    found = _NO_PARTS
-    for each in device.parts:
-        if each.part.name and _is_named_like_another_type(each.part.name, each.part.service_type):
-            name = fold(each.part.name)
-            found = {**found, name: found.get(name, frozenset()) | {each.id}}
-    return found
 
 
 @lru_cache(maxsize=1024)

@@ -8,7 +8,7 @@ from typing import Any, Final
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import GROUP
-from homebot.devices.query.facets import Facets, facets_of, parts_named_like_types
+from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.terms import (
     OPENING_TAGS,
     And,
@@ -110,7 +110,7 @@ class PartFacets:
     @property
     def named_parts(self) -> dict[str, frozenset[str]]:
         """Its id by its own name, if it is called like a type that it is not."""
-        found = parts_named_like_types(self._device)
+        found = facets_of(self._device).named_parts
         return {name: ids & {self.part.id} for name, ids in found.items() if self.part.id in ids}
 
     @property

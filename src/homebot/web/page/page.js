@@ -337,7 +337,7 @@ undo`)}
       </section>`)}
     </div>
     <${fg} />
-    <${pg} />`:b`<p class="empty">${v("Asking homebot how it is \u2026")}</p>`}function pg(){let[e,t]=U(!1);return se(()=>{fetch("authority.crt",{method:"HEAD"}).then(n=>t(n.ok),()=>{})},[]),isSecureContext?e&&b`<p class="legend"><a href="authority.crt" download>${v("The certificate that your devices are to trust")}</a></p>`:b`<p class="legend">${v("Without TLS a browser installs no app: set tls = true in [door].")}</p>`}function fg(){let[e,t]=U([]);return se(()=>Ya("/rosout",n=>t(o=>[...n].reverse().concat(o).slice(0,dg))),[]),b`<section>
+    <${pg} />`:b`<p class="empty">${v("Asking homebot how it is \u2026")}</p>`}function pg(){let[e,t]=U(!1);return se(()=>{fetch("authority.crt",{method:"HEAD"}).then(n=>t(n.status===200),()=>{})},[]),isSecureContext?e&&b`<p class="legend"><a href="authority.crt" download>${v("The certificate that your devices are to trust")}</a></p>`:b`<p class="legend">${v("Without TLS a browser installs no app: set tls = true in [door].")}</p>`}function fg(){let[e,t]=U([]);return se(()=>Ya("/rosout",n=>t(o=>[...n].reverse().concat(o).slice(0,dg))),[]),b`<section>
     <h2>${v("Log")}</h2>
     ${!e.length&&b`<p class="empty">${v("Lines appear here as they come.")}</p>`}
     <ol class="log">

@@ -64,7 +64,7 @@ export function System() {
 function Connection() {
   const [hasAuthority, setHasAuthority] = useState(false);
   useEffect(() => {
-    fetch("authority.crt", { method: "HEAD" }).then((answer) => setHasAuthority(answer.ok), () => {});
+    fetch("authority.crt", { method: "HEAD" }).then((answer) => setHasAuthority(answer.status === 200), () => {});
   }, []);
   if (!isSecureContext) return html`<p class="legend">${say("Without TLS a browser installs no app: set tls = true in [door].")}</p>`;
   return hasAuthority && html`<p class="legend"><a href="authority.crt" download>${say("The certificate that your devices are to trust")}</a></p>`;
