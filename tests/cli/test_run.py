@@ -278,11 +278,13 @@ def test_what_cannot_be_run_is_one_clear_sentence(
         (["--for", "0"], "must be above 0, got '0'"),
         (["--for", "soon"], "'soon' is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)"),
         (
-            ["--door", "wss://127.0.0.1:9090"],
-            "homebot's door has no TLS: give ws://HOST:PORT, got 'wss://127.0.0.1:9090'",
+            ["--door", "ws://127.0.0.1:9090/a"],
+            "the door is HOST:PORT, ws:// or wss://HOST:PORT, got 'ws://127.0.0.1:9090/a'",
         ),
-        (["--door", "ws://127.0.0.1:9090/a"], "the door is HOST:PORT or ws://HOST:PORT, got 'ws://127.0.0.1:9090/a'"),
-        (["--door", "http://127.0.0.1:9090"], "the door is HOST:PORT or ws://HOST:PORT, got 'http://127.0.0.1:9090'"),
+        (
+            ["--door", "http://127.0.0.1:9090"],
+            "the door is HOST:PORT, ws:// or wss://HOST:PORT, got 'http://127.0.0.1:9090'",
+        ),
         (["--door", "ws://a:secret@127.0.0.1:9090"], "HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got '…@127"),
         (
             ["--door", "ws://127.0.0.1"],
