@@ -130,7 +130,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
         async def call(session: Any, tool: str, **given: object) -> Any:
             result = await session.call_tool(tool, given)
             answer = json.loads(result.content[0].text)
-            assert (result.is_error, result.structured_content) == (False, answer)
+            assert (result.is_error, result.structured_content) == (False, answer), answer
             return answer
 
         async with client("keys", elicitation_callback=person) as session:
@@ -157,6 +157,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert "at most 500 characters" in too_long.content[0].text
 
             await check_proposal(session, api)
+            await api.until("/api/habits", lambda found: "habits" in found)  # the history begins after the start
             for tool in ("home", "scenes", "habits", "find_devices"):
                 assert "outcome" not in await call(session, tool)
             assert (await call(session, "history", device="lamp1"))["series"]
