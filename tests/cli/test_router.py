@@ -82,7 +82,7 @@ def heard(sender: zenoh.Session, reader: zenoh.Session, robot: str) -> bool:
         return bool(until(say, PATIENCE))
 
 
-def test_it_says_where_it_listens_and_who_may_log_in_and_ends_soon_after_sigterm() -> None:
+def test_it_says_where_it_listens_and_who_may_log_in_and_ends_within_a_second_of_sigterm() -> None:
     address = f"tcp/127.0.0.1:{reserve_port()}"
     write_configuration(address, "rosie", "bob")
     with router() as running:
@@ -92,7 +92,7 @@ def test_it_says_where_it_listens_and_who_may_log_in_and_ends_soon_after_sigterm
         began = time.monotonic()
         running.process.send_signal(signal.SIGTERM)
         running.process.wait(PATIENCE)
-        assert time.monotonic() - began < 5.0, "it takes a tenth of a second, and its peers are not waited for"
+        assert time.monotonic() - began < 1.0
 
 
 def test_at_sighup_a_token_that_was_revoked_lets_nobody_in() -> None:
