@@ -404,7 +404,7 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
     kind: object = model
     for part in path:
         if get_origin(kind) in {dict, tuple}:
-            kind = [one for one in get_args(kind) if one is not ...][-1]
+            kind = [argument for argument in get_args(kind) if argument is not ...][-1]
         elif kind is model and (field := model.model_fields.get(str(part))) is not None:
             kind = field.annotation
         else:
@@ -423,7 +423,7 @@ def _table_reason(path: str, *, is_element: bool) -> str:
 def _array_reason(path: str, field: FieldInfo | None) -> str:
     """Return the message that the value at *path* must be an array, in TOML notation for arrays of tables."""
     elements = () if field is None else get_args(field.annotation)
-    of_tables = any(isinstance(one, type) and issubclass(one, BaseModel) for one in elements)
+    of_tables = any(isinstance(element, type) and issubclass(element, BaseModel) for element in elements)
     return f"must be an array of tables, each as in [[{path}]]" if of_tables else "must be an array"
 
 

@@ -19,5 +19,5 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
             apps = [*load(row.reader)(tables.get(path[0], []), tables.get(row.section, {}))]
             path[1:2] = [str(apps.index(one)) for one in path[1:2]]
     line = line_of(text, *path)
-    found = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
-    return ConfigError.joined((found, *(located(one, text) for one in error.others)))
+    config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
+    return ConfigError.joined((config_error, *(located(one, text) for one in error.others)))

@@ -127,13 +127,13 @@ class App(ABC, Generic[SettingsT_co]):
     @property
     def waits(self) -> Iterator[tuple[str, str, float]]:
         """The handlers that will be called if a device stays as it is, with its name and the remaining seconds."""
-        for one in self._reactions:
-            yield from ((one.name, device, seconds) for device, seconds in one.waiting)
+        for reaction in self._reactions:
+            yield from ((reaction.name, device, seconds) for device, seconds in reaction.waiting)
 
     @property
     def given_up(self) -> Iterator[HandlerRuns]:
         """The runs of :meth:`on` that are not called any more because they failed too often."""
-        return chain.from_iterable(one.given_up for one in self._reactions)
+        return chain.from_iterable(reaction.given_up for reaction in self._reactions)
 
     def after(
         self,

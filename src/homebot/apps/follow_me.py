@@ -49,5 +49,5 @@ class FollowMe(App[FollowMeSettings]):
 
     async def _is_dark(self, room: str) -> bool:
         sensors = in_room(await self.devices.find(LightSensor, fresh=True), room)
-        lux = [one.lux for one in sensors if one.lux is not None and one.reachable is not False]
+        lux = [sensor.lux for sensor in sensors if sensor.lux is not None and sensor.reachable is not False]
         return min(lux) < self.settings.dark_below if lux else self.settings.without_light_sensor

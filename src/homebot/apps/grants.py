@@ -30,9 +30,9 @@ def scope_of(key: str, table: Table, source: str) -> tuple[str, ...] | None:
     if (act := table.get(ACT)) is None:
         return None
     key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
-    if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
+    if not isinstance(queries, list) or not all(isinstance(query, str) for query in queries):
         raise ConfigError(source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
-    scope = tuple(f"act: {one}" for one in queries) or ("read",)
+    scope = tuple(f"act: {query}" for query in queries) or ("read",)
     try:
         read_scope(scope)
     except UsageError as exc:

@@ -129,18 +129,18 @@ class Notifier:
     ) -> bool:
         """Send a message of *app*, truncated to 4,000 characters; return whether a service accepted it."""
         time = datetime.fromtimestamp(self._clock.now(), zone)
-        one = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time, urgency, kind)
+        notification = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time, urgency, kind)
         limit = self._limits[app] = self._limits.get(app) or RateLimit(_PER_SECOND, _AT_ONCE)
         if not limit.admits(self._clock.monotonic()):
             self.dropped += 1
             if (held_back := self._lines.allows(app)) is not None:
                 text = f"{app} notifies too often, at most once in 10 s: dropped{more_like_this(held_back)}"
-                self._node.log.warning(DROPPED, message=f"{text}: {one.text[:_LONGEST_TITLE]}", app=app)
+                self._node.log.warning(DROPPED, message=f"{text}: {notification.text[:_LONGEST_TITLE]}", app=app)
             return False
         hint = "" if self._settings or self.recent else f" ({_LOG_ALONE})"
-        self.recent.append(one)
-        self._node.log.info(SENT, message=f"{app} notifies: {one.text}{hint}", app=app)
-        problems = [*await self._publish(one), *await self._push(one)]
+        self.recent.append(notification)
+        self._node.log.info(SENT, message=f"{app} notifies: {notification.text}{hint}", app=app)
+        problems = [*await self._publish(notification), *await self._push(notification)]
         self.trouble = "; ".join(dict.fromkeys(problems))
         if problems:
             self.failed += 1

@@ -42,7 +42,7 @@ class Reaction(Generic[ItemT]):
         most: int,
         key: Callable[[ItemT], Hashable] | None,
     ) -> None:
-        if not queries or not all(hasattr(one, "__aiter__") for one in queries):
+        if not queries or not all(hasattr(query, "__aiter__") for query in queries):
             raise UsageError("on() takes a live query, such as self.devices.follow(Light), or several")
         check_handler(handler, "the change")
         if key is not None and not callable(key):
@@ -61,7 +61,7 @@ class Reaction(Generic[ItemT]):
     @property
     def given_up(self) -> Iterator[HandlerRuns]:
         """The runs that are not called any more because they failed too often, of some or all keys."""
-        return (one for one in tuple(self._runs.values()) if one.trouble)
+        return (run for run in tuple(self._runs.values()) if run.trouble)
 
     @property
     def waiting(self) -> Iterator[tuple[str, float]]:

@@ -120,7 +120,7 @@ class RmfDoors(App[RmfDoorsSettings]):
 
     def _request(self, request: Message) -> None:
         stated: Any = request
-        name = next((one for one in self._doors if fold(one) == fold(stated.door_name)), "")
+        name = next((door for door in self._doors if fold(door) == fold(stated.door_name)), "")
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
         if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
             hint = did_you_mean(stated.door_name[:100], self._doors, "/door_states lists all doors")

@@ -26,4 +26,4 @@ def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
 
     Case and accents do not matter. A device without a room is never in *room*.
     """
-    return [one for one in handles if room and fold(one.area) == fold(room)]
+    return [handle for handle in handles if room and fold(handle.area) == fold(room)]

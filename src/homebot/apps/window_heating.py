@@ -65,11 +65,11 @@ class WindowHeating(App[WindowHeatingSettings]):
                 if (before := self._setpoints.get(one.id)) is not None and not _is_off(one):
                     self.start_task(partial(self._restore_one, one, before))
 
-    async def _restore_one(self, one: Thermostat, before: float) -> None:
-        is_changed = one.heating_setpoint not in {None, self.settings.lowered_to, before}
-        if is_changed or (await self.each(lambda one: one.heat_to(before), [one]))[0].succeeded:
-            self._setpoints.pop(one.id, None)
+    async def _restore_one(self, thermostat: Thermostat, before: float) -> None:
+        is_changed = thermostat.heating_setpoint not in {None, self.settings.lowered_to, before}
+        if is_changed or (await self.each(lambda one: one.heat_to(before), [thermostat]))[0].succeeded:
+            self._setpoints.pop(thermostat.id, None)
 
 
-def _is_off(one: Thermostat) -> bool:
-    return one.mode == "off" or one.value("on_off") is False
+def _is_off(thermostat: Thermostat) -> bool:
+    return thermostat.mode == "off" or thermostat.value("on_off") is False

@@ -87,7 +87,7 @@ class TokenCheck:
 
     def problems(self) -> tuple[str, ...]:
         """Return the guessing addresses (IPv6: networks), in words for a health report."""
-        guessing = [one for one in tuple(self._attempts) if self._attempts_of(one).wrong >= _FREE_ATTEMPTS]
+        guessing = [attempt for attempt in tuple(self._attempts) if self._attempts_of(attempt).wrong >= _FREE_ATTEMPTS]
         return (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()
 
     def _attempts_of(self, network: str) -> _Attempts:

@@ -73,11 +73,11 @@ def _names(words: Sequence[str]) -> list[str]:
             devices += page
             if len(devices) >= _MOST:
                 break
-    names = [*dict.fromkeys(one["name"] for one in devices if str(one["name"]).isprintable())]
+    names = [*dict.fromkeys(device["name"] for device in devices if str(device["name"]).isprintable())]
     fits = (
-        [one for one in names if one.startswith(begin)],
-        [one for one in names if one.casefold().startswith(begin.casefold())],
-        [one["id"] for one in devices if one["id"].startswith(begin)],
+        [name for name in names if name.startswith(begin)],
+        [name for name in names if name.casefold().startswith(begin.casefold())],
+        [device["id"] for device in devices if device["id"].startswith(begin)],
     )
     return next(filter(None, fits), [])
 

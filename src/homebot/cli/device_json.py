@@ -47,7 +47,7 @@ def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, objec
         "last_seen": iso(device.last_seen),
         "expires": iso(device.expires),
         "freshness": device.freshness,
-        "endpoints": [{**fields_of(one), "last_seen": iso(one.last_seen)} for one in device.endpoints],
+        "endpoints": [{**fields_of(endpoint), "last_seen": iso(endpoint.last_seen)} for endpoint in device.endpoints],
         "metadata": {one.key: one.value for one in device.metadata},
         "service_types": device.service_types,
         "area": device.area,
@@ -58,9 +58,9 @@ def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, objec
         "reachable": {"state": reachable.state, "since": iso(reachable.since), "why": reachable.why},
         "offline_parts": device.offline_parts,
         "parts": fields_of(device)["parts"],
-        "states": [_state(one) for one in device.states],
-        "events": [_state(one) for one in device.events],
-        "facts": [{**fields_of(one), "said_at": iso(one.said_at)} for one in device.facts],
+        "states": [_state(state) for state in device.states],
+        "events": [_state(event) for event in device.events],
+        "facts": [{**fields_of(fact), "said_at": iso(fact.said_at)} for fact in device.facts],
         "evidence": device.evidence,
         "conflicts": device.conflicts,
         "approved": _approval(device, waiting),
@@ -75,7 +75,7 @@ def _approval(device: Device, waiting: Container[str]) -> bool | None:
 
 def _is_approved(device: Device) -> bool:
     """Return whether the owner approved *device*, as :func:`homebot.devices.always_ask.is_approved`."""
-    return any(one.name == "approved" and one.convention == OWNER and not one.gateway for one in device.facts)
+    return any(fact.name == "approved" and fact.convention == OWNER and not fact.gateway for fact in device.facts)
 
 
 def _state(state: State) -> dict[str, object]:

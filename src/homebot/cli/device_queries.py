@@ -44,7 +44,7 @@ def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: 
     found: dict[str, T] = {}
     if service_type:
         answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type, "is_checked": False}))
-        found = {one.id: convert(one) for one in cast("list[Device]", answer.devices)}
+        found = {device.id: convert(device) for device in cast("list[Device]", answer.devices)}
     for _ in range(0 if service_type else _ROUNDS):
         total = _add_all(door, convert, found)
         if len(found) >= total:
@@ -71,7 +71,7 @@ def matching_devices(door: DoorClient, query: str) -> list[Device]:
     total = 1
     while len(found) < total:
         page = _begin_query(door, query, _PAGE, len(found))()
-        found += [one.device for one in page.results]
+        found += [result.device for result in page.results]
         total = page.total if page.results else 0
     return found
 
@@ -121,19 +121,19 @@ def _find_named(door: DoorClient, name: str) -> Device | list[str]:
 
 def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
     """Return why a search for the device's name finds it, and the reasons for its rank."""
-    found = find_devices(door, quoted(device.name))
-    return next((one.reasons for one in found.results if one.device.id == device.id), ())
+    devices = find_devices(door, quoted(device.name))
+    return next((result.reasons for result in devices.results if result.device.id == device.id), ())
 
 
-def print_note(found: QueryDevicesResponse) -> None:
-    """Print the note on the devices *found*, such as that they have only words similar to one of the query."""
-    if found.message:
-        print(f"homebot: {printable(found.message, _WIDEST)}", file=sys.stderr)
+def print_note(response: QueryDevicesResponse) -> None:
+    """Print the note on the devices *response*, such as that they have only words similar to one of the query."""
+    if response.message:
+        print(f"homebot: {printable(response.message, _WIDEST)}", file=sys.stderr)
 
 
-def why_none(found: QueryDevicesResponse, query: str) -> str:
+def why_none(response: QueryDevicesResponse, query: str) -> str:
     """Return why *query* finds nothing."""
-    reason = "" if found.pose_age or found.left_out else found.message
+    reason = "" if response.pose_age or response.left_out else response.message
     return printable(reason or f"no device matches {query!r}; `homebot devices` lists all", _WIDEST)
 
 
@@ -145,10 +145,10 @@ def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:
 def limits_of(door: DoorClient, device: Device) -> Iterator[tuple[str, str]]:
     """Yield rows about why *device* always asks or is not harmless, what changes that, and its pending approval."""
     answer = _unapproved(door, device.id)
-    for one in answer.reasons:
-        yield "always asks", f"{one.value}; a right must name it, such as 'act: id=\"{device.id}\"'"
+    for reason in answer.reasons:
+        yield "always asks", f"{reason.value}; a right must name it, such as 'act: id=\"{device.id}\"'"
     if answer.limits:
-        whys = [f"{one.key}: {one.value}" if len(device.parts) > 1 else one.value for one in answer.limits]
+        whys = [f"{limit.key}: {limit.value}" if len(device.parts) > 1 else limit.value for limit in answer.limits]
         change = f"if it can hurt nobody, homebot tag add {shlex.quote(device.name)} harmless"
         yield "not harmless", "; ".join((*whys, change))
     if answer.devices:
@@ -157,11 +157,11 @@ def limits_of(door: DoorClient, device: Device) -> Iterator[tuple[str, str]]:
 
 def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str, str]]:
     """Return the part and gateway/key of each route that is tried last, because its last commands had no effect."""
-    has_choice = any(len(one.routes) > 1 for one in device.parts)
+    has_choice = any(len(part.routes) > 1 for part in device.parts)
     if not (has_choice and entities(door, kind="service", name=EXPLAIN_DEVICE)):
         return frozenset()
-    found = cast("ExplainDeviceResponse", JsonMessage(door.call(EXPLAIN_DEVICE, {"device": device.id})))
-    return frozenset((one.key, one.value) for one in found.ineffective)
+    response = cast("ExplainDeviceResponse", JsonMessage(door.call(EXPLAIN_DEVICE, {"device": device.id})))
+    return frozenset((one.key, one.value) for one in response.ineffective)
 
 
 def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:
@@ -184,8 +184,8 @@ def _add_all(door: DoorClient, convert: Callable[[Device], T], found: dict[str, 
         while page.results:
             offset += _PAGE
             following = _begin_query(door, "", _PAGE, offset) if offset < total else None
-            for one in page.results:
-                found[one.device.id] = convert(one.device)
+            for result in page.results:
+                found[result.device.id] = convert(result.device)
             show(len(found))
             if following is None:
                 break
@@ -210,13 +210,15 @@ def _near(door: DoorClient, name: str) -> list[Device]:
     """Return the devices that a search for *name* finds; none if there are too many to transfer."""
     answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
     page = cast("QueryDevicesResponse", JsonMessage(answer))
-    return [one.device for one in page.results] if page.total <= _NEAR else []
+    return [result.device for result in page.results] if page.total <= _NEAR else []
 
 
 def _called(name: str, devices: Sequence[Device]) -> list[Device]:
     """Return the device with the id *name*, or the only person with that name, or all devices with it."""
     wanted = fold(name)
-    own = [one for one in devices if one.id == name]
-    named = own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
+    own = [device for device in devices if device.id == name]
+    named = own or [
+        device for device in devices if wanted in {fold(text) for text in (device.id, device.name, *device.names)}
+    ]
     persons = [one for one in named if "x_person" in one.service_types]
     return persons if len(persons) == 1 else named

@@ -70,7 +70,7 @@ class Schema:
     """A message type and the types in it, from rosapi."""
 
     def __init__(self, typedefs: Sequence[TypeDef]) -> None:
-        self._types = {one.type: _fields(one) for one in typedefs}
+        self._types = {typedef.type: _fields(typedef) for typedef in typedefs}
         self._root = typedefs[0].type if typedefs else ""
 
     def readable(self, message: dict[str, object]) -> dict[str, object]:
@@ -115,7 +115,7 @@ def _fields(typedef: TypeDef) -> dict[str, str]:
 
 
 def _topics(door: DoorClient) -> list[str]:
-    return [one.name for one in entities(door) if one.kind in {"publisher", "subscription"}]
+    return [entity.name for entity in entities(door) if entity.kind in {"publisher", "subscription"}]
 
 
 def _readable_bytes(text: str) -> str | list[int]:
@@ -205,19 +205,21 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _types(door: DoorClient, kind: str, *, show_hidden: bool) -> dict[str, str]:
-    ends = [one for one in entities(door) if one.kind in _ENDS[kind] and (show_hidden or not is_hidden(one))]
-    return {one.name: one.type for one in ends}
+    ends = [
+        entity for entity in entities(door) if entity.kind in _ENDS[kind] and (show_hidden or not is_hidden(entity))
+    ]
+    return {end.name: end.type for end in ends}
 
 
 def _types_elsewhere(door: DoorClient, kind: str) -> dict[str, tuple[str, list[str]]]:
     """Return what robots and other machines have: by its name the type, and the nodes that have it."""
     found: dict[str, tuple[str, list[str]]] = {}
-    for one in entities(door, kind="publisher" if kind == "topic" else "service", elsewhere=True):
-        action, _, part = one.name.partition("/_action/")
+    for entity in entities(door, kind="publisher" if kind == "topic" else "service", elsewhere=True):
+        action, _, part = entity.name.partition("/_action/")
         if kind != "action":
-            found.setdefault(one.name, (one.type, []))[1].append(one.node)
+            found.setdefault(entity.name, (entity.type, []))[1].append(entity.node)
         elif part == "send_goal":
-            found.setdefault(action, (one.type.removesuffix("_SendGoal"), []))[1].append(one.node)
+            found.setdefault(action, (entity.type.removesuffix("_SendGoal"), []))[1].append(entity.node)
     return found
 
 

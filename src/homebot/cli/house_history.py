@@ -52,7 +52,7 @@ def _commands(door: DoorClient, since: dict[str, int]) -> Collection[JournalEntr
     for _ in range(_MOST_PAGES):
         answer = door.call(READ_JOURNAL, {"since": since, "until": until.model_dump()}, _LONGEST)
         page = message_from_json(ReadJournalResponse, answer, ignore_unknown=True)
-        found |= {one.command: one for one in page.entries if one.kind == "requested"}
+        found |= {entry.command: entry for entry in page.entries if entry.kind == "requested"}
         if page.complete or not page.entries or page.entries[0].at == until:
             break
         until = page.entries[0].at

@@ -91,26 +91,26 @@ def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
 
 def _plan(picture: HousePicture, width: int, height: int) -> list[Line]:
     signs = {room: "".join(one[0] for one in beings) for room, beings in picture.beings.items()}
-    lamps = (one for one in picture.devices if any(part.part.service_type == "light" for part in one.parts))
-    lit = {one.area for one in lamps if state_text(one).startswith("on")}
+    lamps = (device for device in picture.devices if any(part.part.service_type == "light" for part in device.parts))
+    lit = {lamp.area for lamp in lamps if state_text(lamp).startswith("on")}
     return picture.plan.lines(signs, lit, width, height)
 
 
 def _by_room(devices: Iterable[Device]) -> list[tuple[str, list[Device]]]:
     rooms: dict[str, list[Device]] = {}
-    for device in sorted(devices, key=lambda one: (not one.area, one.area, one.name)):
+    for device in sorted(devices, key=lambda device: (not device.area, device.area, device.name)):
         rooms.setdefault(device.area, []).append(device)
     return list(rooms.items())
 
 
 def _room(room: str, devices: Iterable[Device], beings: Sequence[str], width: int) -> list[Line]:
     with_beings: list[tuple[str, str]] = [(f"  {', '.join(beings)}", "cyan")] if beings else []
-    return [[(printable(room) or "no room", "bold"), *with_beings], *(_device(one, width) for one in devices)]
+    return [[(printable(room) or "no room", "bold"), *with_beings], *(_device(device, width) for device in devices)]
 
 
 def _device(device: Device, width: int) -> Line:
     routes = [route for part in device.parts for route in part.routes]
-    dialect = next((one.convention for one in routes if one.convention), "") or "plain MQTT"
+    dialect = next((route.convention for route in routes if route.convention), "") or "plain MQTT"
     columns = max(8, width - _STATE - _DIALECT - 3)
     name = printable(device.name or device.id, columns)
     is_lost = device.freshness == "stale" or device.reachable.state == "no"

@@ -37,7 +37,7 @@ class JournalClient:
         """
         found = self._door.ask(service, request)
         names = cast("list[KeyValue]", found.names)
-        self.names.update({one.key: one.value for one in names})
+        self.names.update({name.key: name.value for name in names})
         return found
 
     def read_name(self, device: str) -> None:
@@ -49,7 +49,7 @@ class JournalClient:
 
 def chain_json(entries: Iterable[JournalEntry], names: Mapping[str, str]) -> list[dict[str, object]]:
     """Return *entries* as JSON objects, see :func:`entry_json`."""
-    return [entry_json(one, names) for one in entries]
+    return [entry_json(entry, names) for entry in entries]
 
 
 def entry_json(entry: JournalEntry, names: Mapping[str, str]) -> dict[str, object]:
@@ -68,7 +68,7 @@ def entry_json(entry: JournalEntry, names: Mapping[str, str]) -> dict[str, objec
             "policy": verdict.policy,
             "allowed": verdict.allowed,
             "reason": verdict.reason,
-            "facts": {one.name: plain_value(one.value) for one in verdict.facts},
+            "facts": {fact.name: plain_value(fact.value) for fact in verdict.facts},
         }
     for result in entry.results:
         found["outcome"] = _outcome_json(result)

@@ -98,10 +98,10 @@ class LiveHouse(HouseWatcher):
         """Return the people from the simulated world, and the robots from their reports, by room."""
         found = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
         found.pop(OUTSIDE)
-        for one in devices:
-            if one.service_type == "robots":
-                for room in {str(plain_value(state.value)) for state in one.states} & found.keys():
-                    found[room].append(f"▣ {one.name}")
+        for device in devices:
+            if device.service_type == "robots":
+                for room in {str(plain_value(state.value)) for state in device.states} & found.keys():
+                    found[room].append(f"▣ {device.name}")
         return found
 
 
@@ -117,7 +117,7 @@ async def shown(graph: Graph, world: World, page: str) -> AsyncIterator[None]:
                 yield
                 tasks.cancel_scope.cancel()
         finally:
-            last = [f"{one.time} {one.sign} {one.text}" for one in house.story.lines][-_LAST_LINES:]
+            last = [f"{line.time} {line.sign} {line.text}" for line in house.story.lines][-_LAST_LINES:]
             print("\n".join(last))
 
 

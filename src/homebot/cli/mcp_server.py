@@ -197,7 +197,7 @@ class _HouseServer(MCPServer):
         self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
     ) -> CallToolResult | InputRequiredResult:
         """See :meth:`MCPServer.call_tool`."""
-        known = {one.name: one.input_schema.get("properties", {}) for one in await self.list_tools()}
+        known = {tool.name: tool.input_schema.get("properties", {}) for tool in await self.list_tools()}
         unknown = sorted(arguments.keys() - known.get(name, arguments).keys())
         try:
             if unknown:

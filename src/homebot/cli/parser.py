@@ -87,7 +87,7 @@ class CommandParser(argparse.ArgumentParser):
 
     def _commands(self) -> argparse._SubParsersAction[argparse.ArgumentParser] | None:
         kind = argparse._SubParsersAction  # noqa: SLF001 - argparse has no other way
-        return next((one for one in self._actions if isinstance(one, kind)), None)
+        return next((action for action in self._actions if isinstance(action, kind)), None)
 
     def _unknown_options(self) -> Iterator[str]:
         """Yield unknown long options that were given to this command rather than a subcommand."""
@@ -102,7 +102,7 @@ class CommandParser(argparse.ArgumentParser):
 
     def _unknown_option(self, option: str) -> str:
         name = option.partition("=")[0]
-        known = [one[2:] for one in self._option_string_actions if one.startswith("--")]
+        known = [action[2:] for action in self._option_string_actions if action.startswith("--")]
         return f"unknown option {name}; {self._meant(name.lstrip('-'), known, '--')}"
 
     def _meant(

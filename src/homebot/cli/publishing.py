@@ -95,7 +95,7 @@ class GatewayPublisher:
         if not entities(self._door, kind="service", name=service):
             return None
         health = cast("HealthResponse", JsonMessage(self._door.call(service)))
-        counts = {one.name: one.count for one in health.counts}
+        counts = {count.name: count.count for count in health.counts}
         return counts if "commands" in counts else None
 
     def _reason(self, gateway: str, command: Mapping[str, object]) -> str:

@@ -220,8 +220,8 @@ def _filled(rows: list[bytearray], row: int, column: int, value: int) -> dict[in
         cells = rows[row]
         while (at := cells.find(0, left, right)) >= 0:
             begin = len(cells[:at].rstrip(b"\0"))
-            found = _FREE.match(cells, at)
-            left = found.end() if found else right
+            match = _FREE.match(cells, at)
+            left = match.end() if match else right
             cells[begin:left] = bytes((value,)) * (left - begin)
             ends.setdefault(row, []).extend((begin, left))
             runs += 1

@@ -171,7 +171,11 @@ def _at_stop_signals(
             loop.call_soon_threadsafe(_log_hangup)
         loop.call_soon_threadsafe(in_the_loop)
 
-    wanted = [one for one in _STOP_SIGNALS if one not in ignored or (one == _HANGUP and on_hangup is not None)]
+    wanted = [
+        stop_signal
+        for stop_signal in _STOP_SIGNALS
+        if stop_signal not in ignored or (stop_signal == _HANGUP and on_hangup is not None)
+    ]
     with _in_a_thread([one for one in wanted if one != _HANGUP], at_once):
         before = {number: signal.signal(number, handle) for number in wanted}
         if _HANGUP is not None:
@@ -223,7 +227,9 @@ class Watchdog:
     def __init__(self) -> None:
         self._over = threading.Event()
         actions = ((WARN_AFTER, _warn), (EXIT_AFTER, _exit))
-        self._threads = [threading.Thread(target=self._run, args=one, name="watchdog", daemon=True) for one in actions]
+        self._threads = [
+            threading.Thread(target=self._run, args=action, name="watchdog", daemon=True) for action in actions
+        ]
         self._is_started = False
         self._lock = threading.RLock()  # reentrant, because a signal may interrupt a start
 

@@ -149,7 +149,7 @@ class Story:
     def _append(self, sign: str, device: str, words: str, style: str, at: float, key: str = "") -> None:
         """Append a line; it replaces one that says the same about another device, or earlier about this one."""
         devices: tuple[str, ...] = (device,)
-        recent = (one for one in reversed(self.lines) if at - one.at <= _ONE_MOMENT)
+        recent = (line for line in reversed(self.lines) if at - line.at <= _ONE_MOMENT)
         same = next((one for one in recent if (one.sign, one.key) == (sign, key or words)), None)
         if same is not None:
             devices, words = tuple(dict.fromkeys((*same.devices, device))), same.words

@@ -92,7 +92,7 @@ def writer_of(rows: Iterable[CapabilityRow[SourceT, ReadT, WriteT]], capability:
     Raises:
         RefusedError: It is not settable; names those that are.
     """
-    settable = {one.capability: one.write for one in rows if one.write is not None}
+    settable = {row.capability: row.write for row in rows if row.write is not None}
     if capability not in settable:
         raise RefusedError(shown(capability), f"this part takes {', '.join(settable) or 'nothing'}")
     return settable[capability]

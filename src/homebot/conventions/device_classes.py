@@ -108,7 +108,7 @@ _CONDITIONS: Mapping[str, tuple[str, str]] = {
 """Class to service type and capability."""
 
 CONDITION_CLASSES: Mapping[str, tuple[str, ...]] = {
-    capability: tuple(sorted(one for one in _CONDITIONS if _CONDITIONS[one][1] == capability))
+    capability: tuple(sorted(condition for condition in _CONDITIONS if _CONDITIONS[condition][1] == capability))
     for capability in {capability for _, capability in _CONDITIONS.values()}
 }
 """Classes by capability."""

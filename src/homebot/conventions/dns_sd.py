@@ -237,4 +237,4 @@ def printable(text: str) -> str:
 
 
 def _has_address(text: str, *kinds: str) -> bool:
-    return any(one.startswith(kinds) for one in identifiers([text]))
+    return any(identifier.startswith(kinds) for identifier in identifiers([text]))

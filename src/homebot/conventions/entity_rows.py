@@ -64,7 +64,7 @@ def options_of(fields: Fields, name: str) -> tuple[str, ...]:
     """Return the texts of a list as the device spells them: the first 500, without empty and overlong ones."""
     value = fields.get(name)
     texts = value[:_MAX_OPTIONS] if isinstance(value, list) else []
-    return tuple(dict.fromkeys(one for one in texts if isinstance(one, str) and 0 < len(one) <= _MAX_TEXT))
+    return tuple(dict.fromkeys(text for text in texts if isinstance(text, str) and 0 < len(text) <= _MAX_TEXT))
 
 
 def has_feature(field: str, bits: int) -> Callable[[Fields], bool]:

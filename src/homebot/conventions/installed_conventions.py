@@ -56,7 +56,7 @@ def find_conventions(
             conventions.append(kind(settings))
         except Exception as exc:
             raise PluginError(name, f"cannot be created: {type(exc).__name__}: {exc}") from exc
-    return tuple(sorted(conventions, key=lambda one: not isinstance(one, SlicedConvention)))
+    return tuple(sorted(conventions, key=lambda convention: not isinstance(convention, SlicedConvention)))
 
 
 def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:
@@ -94,7 +94,7 @@ def _loadable(names: Iterable[str]) -> Iterator[tuple[str, type[Any]]]:
 
 def _load(name: str) -> type[Any]:
     kind = load_plugin(GROUP, name)
-    if missing := [one for one in _MEMBERS if not hasattr(kind, one)]:
+    if missing := [member for member in _MEMBERS if not hasattr(kind, member)]:
         raise PluginError(name, f"is no convention: it has no {', no '.join(missing)}")
     return kind
 

@@ -129,7 +129,7 @@ def _as_bright(target: Channels, channels: Channels) -> Channels:
     """Scale *channels* so that the largest is as large as the largest wanted."""
     largest = max(channels)
     factor = max(target) / largest if largest else 0.0
-    return tuple(round(one * factor) for one in channels)
+    return tuple(round(channel * factor) for channel in channels)
 
 
 def _white_rgb(kelvin: float) -> Channels:

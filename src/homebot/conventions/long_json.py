@@ -162,8 +162,8 @@ def _next_member(text: str, at: int, closing: str) -> int:
 
 
 def _after_spaces(text: str, at: int) -> int:
-    found = _NO_SPACE.search(text, at)
-    return len(text) if found is None else found.start()
+    match = _NO_SPACE.search(text, at)
+    return len(text) if match is None else match.start()
 
 
 def _check_end(text: str, at: int) -> None:

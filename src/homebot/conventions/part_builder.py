@@ -213,7 +213,8 @@ def moved(
             }
         ),
         codec.moved(topics),
-        described.state_requests and tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
+        described.state_requests
+        and tuple([request._replace(topic=topics[request.topic]) for request in described.state_requests]),
         described.expiries,
         sends_code=described.sends_code,
     )
@@ -221,16 +222,16 @@ def moved(
 
 def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:
     """Return the first *most* of *parts*; a repeated id gets a number as suffix."""
-    found: dict[str, DescribedPart] = {}
+    described_parts: dict[str, DescribedPart] = {}
     counts: dict[str, int] = {}
-    for one in islice(parts, most):
-        part_id = one.part.id
-        while part_id in found:
-            counts[one.part.id] = counts.get(one.part.id, 1) + 1
-            part_id = f"{one.part.id}_{counts[one.part.id]}"
-        is_own = part_id == one.part.id
-        found[part_id] = one if is_own else one._replace(part=one.part.model_copy(update={"id": part_id}))
-    return tuple(found.values())
+    for part in islice(parts, most):
+        part_id = part.part.id
+        while part_id in described_parts:
+            counts[part.part.id] = counts.get(part.part.id, 1) + 1
+            part_id = f"{part.part.id}_{counts[part.part.id]}"
+        is_own = part_id == part.part.id
+        described_parts[part_id] = part if is_own else part._replace(part=part.part.model_copy(update={"id": part_id}))
+    return tuple(described_parts.values())
 
 
 _FEW_OPTIONS = 50

@@ -82,7 +82,7 @@ def _is_no_value(value: object) -> bool:
 
 
 def _choice(words: Collection[str | bytes]) -> str:
-    texts = [one.decode() if isinstance(one, bytes) else one for one in islice(words, _MOST_WORDS + 3)]
+    texts = [word.decode() if isinstance(word, bytes) else word for word in islice(words, _MOST_WORDS + 3)]
     known = [text[:_MAX_SHOWN] for text in texts if text and text != "None"]
     if len(known) > _MOST_WORDS + 1:
         return f"{', '.join(known[:_MOST_WORDS])} or {len(words) - _MOST_WORDS} others"

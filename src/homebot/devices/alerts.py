@@ -226,13 +226,13 @@ def _name_of(device: Device) -> str:
 
 def _alert_of_part(kind: AlertKind, device: Device, part_id: str, name: str, now: float) -> Alert:
     states = [one for term, one in _values(kind, device, part_id) if compares(term, one.value.plain())]
-    since = max(one.since.to_seconds() for one in states)
+    since = max(state.since.to_seconds() for state in states)
     return Alert(kind, target_of(device.id, part_id), name, since, (*_details(device, states, since, now),))
 
 
 def is_over(key: str, device: Device) -> bool:
     """Return whether the cause *key* is known to be over, as *device* has no such alert: silence does not prove it."""
-    kind = next(one for one in ALERTS if one.key == key.partition(" ")[0])
+    kind = next(alert for alert in ALERTS if alert.key == key.partition(" ")[0])
     if _terms(kind):
         return bool(_values(kind, device, key.partition("#")[2]))
     return device.freshness == "fresh" and device.reachable.state != "no"
@@ -241,15 +241,17 @@ def is_over(key: str, device: Device) -> bool:
 def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
     """Return *alerts* as findings, the worst first."""
     rows: dict[FindingKind, list[tuple[str, str]]] = {kind: [] for kind in FindingKind}
-    for one in alerts:
-        why = f"{one.kind.words}{one.detail}" if _terms(one.kind) else one.detail.lstrip(",: ")
-        rows[one.kind.finding].append(("", one.text) if one.kind is GATEWAY else (one.target.partition("#")[0], why))
+    for alert in alerts:
+        why = f"{alert.kind.words}{alert.detail}" if _terms(alert.kind) else alert.detail.lstrip(",: ")
+        rows[alert.kind.finding].append(
+            ("", alert.text) if alert.kind is GATEWAY else (alert.target.partition("#")[0], why)
+        )
     return tuple(kind.finding(some[:MOST_SHOWN], total=len(some)) for kind, some in rows.items() if some)
 
 
 def _values(kind: AlertKind, device: Device, part_id: str) -> list[tuple[StateIs, State]]:
     """Return the known values of a part that decide on *kind*, each with its term."""
-    known = [one for one in device.states if one.part == part_id and one.value.plain() is not None]
+    known = [state for state in device.states if state.part == part_id and state.value.plain() is not None]
     return [(term, one) for term in _terms(kind) for one in known if one.capability == term.capability]
 
 
@@ -267,7 +269,7 @@ def _details(device: Device, states: list[State], since: float, now: float) -> I
         yield ", by an old report: it is unreachable now", ""
     elif device.freshness == "stale":
         yield ", by an old report: last seen {age} ago", age(device.last_seen, now)
-    elif not any(one.live for one in states):
+    elif not any(state.live for state in states):
         yield ", by a kept report: it has not reported itself yet", ""
     elif now - since >= 60.0 and states[0].capability != "battery":
         yield ", for {age}", age_text(now - since)

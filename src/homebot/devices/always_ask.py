@@ -175,7 +175,7 @@ def waits_for_approval(device: Device) -> bool:
 def _waits(device: Device, part: DevicePart) -> bool:
     if not part.routes or any(route.approved for route in part.routes):
         return False
-    return any(one.settable for one in part.part.capabilities) and always_asks(device, part)
+    return any(capability.settable for capability in part.part.capabilities) and always_asks(device, part)
 
 
 def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
@@ -191,7 +191,7 @@ def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
 
 def _why_in_machine(device: Device, part: DevicePart) -> str:
     """Return why *part* always asks for the garage door, oven or car whose further parts its device has."""
-    if part.part.tag in _NO_DEED or not any(one.settable for one in part.part.capabilities):
+    if part.part.tag in _NO_DEED or not any(capability.settable for capability in part.part.capabilities):
         return ""
     for one in device.parts:
         if one is part:
@@ -210,8 +210,8 @@ def _is_told_apart(part: DevicePart, other: DevicePart) -> bool:
 
 def _has_aliases(device: Device) -> bool:
     """Return whether further topics reach any part of it, such as ``LOCK/left/set`` and that of its address."""
-    bridges = [one.value for one in device.facts if one.name == "via_device"]
-    return any(aliasing_bridge(one, device.identifiers) for one in bridges or [""])
+    bridges = [fact.value for fact in device.facts if fact.name == "via_device"]
+    return any(aliasing_bridge(bridge, device.identifiers) for bridge in bridges or [""])
 
 
 def _has_its_program(part: DevicePart, other: DevicePart) -> bool:
@@ -219,8 +219,8 @@ def _has_its_program(part: DevicePart, other: DevicePart) -> bool:
 
     ESPSomfy-RTS announces all covers of a house as one device; only Home Assistant may know what a Shelly moves.
     """
-    programs = {(one.gateway, one.convention) for one in other.routes}
-    return any((one.gateway, one.convention) in programs for one in part.routes)
+    programs = {(route.gateway, route.convention) for route in other.routes}
+    return any((route.gateway, route.convention) in programs for route in part.routes)
 
 
 def _why_by_itself(device: Device, part: DevicePart) -> str:
@@ -244,8 +244,8 @@ def _why_of_relay(device: Device, relay: DevicePart) -> str:
 
 def _why_on_panel(device: Device) -> str:
     """Return why a switch, button or setting always asks by the device on which its own hangs: it may bypass a zone."""
-    panels = (one.value for one in device.facts if one.name == PANEL)
-    return next((f"it hangs on the alarm panel {one.removeprefix('id:')}" for one in panels), "")
+    panels = (fact.value for fact in device.facts if fact.name == PANEL)
+    return next((f"it hangs on the alarm panel {panel.removeprefix('id:')}" for panel in panels), "")
 
 
 def _why_declared(part: Part) -> str:
@@ -255,14 +255,14 @@ def _why_declared(part: Part) -> str:
         return "it is a circuit breaker"
     if part.advertised and matching_words(part.advertised, HEAT) and _does_something(part):
         return f"it calls itself {part.advertised}"
-    for one in part.capabilities:  # a loop is cheaper than a generator for each announcement and command
-        if one.settable and one.name in _TELLING and (reason := _why_settable(one, part)):
+    for capability in part.capabilities:  # a loop is cheaper than a generator for each announcement and command
+        if capability.settable and capability.name in _TELLING and (reason := _why_settable(capability, part)):
             return reason
     return ""
 
 
 def _does_something(part: Part) -> bool:
-    return not part.category and any(one.settable for one in part.capabilities)
+    return not part.category and any(capability.settable for capability in part.capabilities)
 
 
 def _why_settable(capability: Capability, part: Part) -> str:
@@ -283,8 +283,8 @@ def _why_named_setting(device: Device, part: DevicePart) -> str:
     The device's name does not count for maintenance settings, such as a restart; a lock among its settings is a key
     lock.
     """
-    reasons = (_why_called(one, device, part) for one in part.part.capabilities if one.settable)
-    return next((one for one in reasons if one is not None), "")
+    reasons = (_why_called(capability, device, part) for capability in part.part.capabilities if capability.settable)
+    return next((reason for reason in reasons if reason is not None), "")
 
 
 def _why_called(capability: Capability, device: Device, part: DevicePart) -> str | None:
@@ -340,7 +340,7 @@ def _why_garage(device: Device, part: DevicePart) -> str:
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
     """Return why a part always asks by its model: an opener with all its settings, or the load of a relay."""
-    settable = [one.name for one in part.part.capabilities if one.settable]
+    settable = [capability.name for capability in part.part.capabilities if capability.settable]
     is_all = all(one.part.service_type.startswith("x_") for one in device.parts)
     is_load = part.part.service_type in _RELAYS or (is_all and not _DOSES.isdisjoint(settable))
     for model in models_of(device):
@@ -354,9 +354,9 @@ def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
 
 def _why_hot(device: Device, part: DevicePart) -> str:
     """Return why a thermostat always asks: it lights a fire, or is called a boiler and gets hotter than a room."""
-    for one in part.part.capabilities:
-        if one.name == "heating_setpoint" and one.settable:
-            return _why_named(HEAT if _is_hot(one) else FIRE, *names_of(device, part))
+    for capability in part.part.capabilities:
+        if capability.name == "heating_setpoint" and capability.settable:
+            return _why_named(HEAT if _is_hot(capability) else FIRE, *names_of(device, part))
     return ""
 
 
@@ -369,12 +369,12 @@ def names_of(device: Device, part: DevicePart) -> tuple[str, ...]:
     return device.name, *device.names, part.part.name or part.id, _class_of(part.part)
 
 
-def _class_of(told: Part) -> str:
+def _class_of(part: Part) -> str:
     """Return the class or icon, such as ``mdi:valve``; empty for settings, and a lock, the icon of child locks."""
-    return "" if told.category or "lock" in told.tag else told.tag
+    return "" if part.category or "lock" in part.tag else part.tag
 
 
 def models_of(device: Device) -> Iterable[str]:
     """Return all makers and models in announcements of *device*: a stranger may state the first."""
     told = [one.value for one in device.metadata if one.key in MAKE]
-    return dict.fromkeys((*told, *[one.value for one in device.facts if one.name in _MODELS]))
+    return dict.fromkeys((*told, *[fact.value for fact in device.facts if fact.name in _MODELS]))

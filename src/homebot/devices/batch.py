@@ -21,8 +21,8 @@ _NUMBERS = count(1)
 def as_batch(requests: Sequence[CommandRequest]) -> list[CommandRequest]:
     """Return *requests* as commands of one batch, each of which is to be performed at once; one value needs none."""
     batch = {"batch": f"batch-{next(_NUMBERS)}", "batch_size": len(requests)}
-    is_one = sum(len(one.settings) for one in requests) < 2
-    return list(requests) if is_one else [one.model_copy(update=batch) for one in requests]
+    is_one = sum(len(request.settings) for request in requests) < 2
+    return list(requests) if is_one else [request.model_copy(update=batch) for request in requests]
 
 
 async def perform_all(

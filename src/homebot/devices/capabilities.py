@@ -340,30 +340,36 @@ CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTI
 A value that fits none is a ``value``, ``measurement`` or ``state``.
 """
 
-MEASURED: frozenset[str] = frozenset(one.name for one in _MEASUREMENTS)
+MEASURED: frozenset[str] = frozenset(measurement.name for measurement in _MEASUREMENTS)
 """Names of capabilities that sensors measure."""
 
 OWN: Final = CapabilityType("", "", "")
 """The type of a device-specific capability, which is not in the vocabulary."""
 
-EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
+EVENTS: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.is_event)
 """Names of capabilities with events as values."""
 
-MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
+MOMENTARY: frozenset[str] = frozenset(
+    capability.name for capability in CAPABILITIES.values() if capability.is_momentary
+)
 """Names of capabilities for which each command acts, and which have no lasting value."""
 
-_TOLD_ONCE: frozenset[str] = MOMENTARY | {one.name for one in CAPABILITIES.values() if one.is_told_once}
+_TOLD_ONCE: frozenset[str] = MOMENTARY | {
+    capability.name for capability in CAPABILITIES.values() if capability.is_told_once
+}
 
-SETTABLE: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_set)
+SETTABLE: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.is_set)
 """Names of capabilities that people and programs set."""
 
-ALERTING: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_alerting)
+ALERTING: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.is_alerting)
 """Names of further capabilities that :data:`homebot.devices.alerts.ALERTS` are about."""
 
-LIGHTS_UP: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.lights_up)
+LIGHTS_UP: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.lights_up)
 """Names of capabilities that turn a light on."""
 
-SPEED_WORDS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.obedience.zero_is_off)
+SPEED_WORDS: frozenset[str] = frozenset(
+    capability.name for capability in CAPABILITIES.values() if capability.obedience.zero_is_off
+)
 """Names of capabilities that are 0 only when off."""
 
 
@@ -383,7 +389,7 @@ def acts_each_time(settings: Mapping[str, PlainValue]) -> bool:
 def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]:
     """Return the *options* of *capability* that a command may set, without those that are only reported."""
     known = CAPABILITIES.get(capability, OWN)
-    return tuple([one for one in options if one not in known.only_reported])
+    return tuple([option for option in options if option not in known.only_reported])
 
 
 def implied_settings(

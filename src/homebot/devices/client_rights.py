@@ -188,7 +188,9 @@ def without_taught_room(device: Device) -> Device:
     A tag anywhere can name a room, so it grants no rights. A room that the owner states, in the configuration or by a
     command, or that the device itself announces is kept.
     """
-    conventions = {one.convention for one in device.facts if one.name in {"area", "position"}} if device.area else set()
+    conventions = (
+        {fact.convention for fact in device.facts if fact.name in {"area", "position"}} if device.area else set()
+    )
     return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
 
 

@@ -169,7 +169,7 @@ class CommandResult(Message):
     @classmethod
     def of(cls, outcome: "Outcome") -> "CommandResult":
         """Return the message that carries *outcome*."""
-        facts = {outcome.wire.get(one.name, one.name): getattr(outcome, one.name) for one in fields(outcome)}
+        facts = {outcome.wire.get(field.name, field.name): getattr(outcome, field.name) for field in fields(outcome)}
         facts["reported"] = tuple([Setting.of(*one) for one in outcome.reported.items()])
         return cls(outcome=outcome.kind, text=outcome.text, **facts)
 
@@ -178,7 +178,7 @@ class CommandResult(Message):
         from homebot.devices.outcomes import OUTCOMES, Evidence  # noqa: PLC0415 - a start without a command needs none
 
         kind = OUTCOMES[self.outcome]
-        facts = {one.name: getattr(self, kind.wire.get(one.name, one.name)) for one in fields(kind)}
+        facts = {field.name: getattr(self, kind.wire.get(field.name, field.name)) for field in fields(kind)}
         facts["reported"] = {one.capability: one.value.plain() for one in self.reported}
         if "evidence" in facts:
             facts["evidence"] = Evidence(self.evidence)

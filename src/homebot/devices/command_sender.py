@@ -108,20 +108,20 @@ class CommandSender:
 
 def _along(orders: Sequence[Command], routes: Iterable[Route]) -> tuple[Setting, ...]:
     """Return the further settings that all *routes* take; a white and a colour are never sent at once."""
-    hues = [one.capability for one in orders if one.capability in _HUES]
+    hues = [order.capability for order in orders if order.capability in _HUES]
     return tuple(
-        Setting(capability=one.capability, value=one.value)
-        for one in orders[1:]
-        if one.capability not in hues[1:] and all(route.can(one.capability) for route in routes)
+        Setting(capability=order.capability, value=order.value)
+        for order in orders[1:]
+        if order.capability not in hues[1:] and all(route.can(order.capability) for route in routes)
     )
 
 
 def _left(orders: Sequence[Command], along: Collection[str]) -> Sequence[Command]:
     """Return the orders without the first and those *along*; a repetition at their end follows any that is left."""
     sent = {orders[0].capability, *along}
-    left = [one for one in orders if one.capability not in sent]
+    left = [order for order in orders if order.capability not in sent]
     last = orders[-1]
-    is_repeated = last.capability in sent and [one.capability for one in orders].count(last.capability) > 1
+    is_repeated = last.capability in sent and [order.capability for order in orders].count(last.capability) > 1
     return [*left, last] if left and is_repeated else left
 
 
@@ -132,7 +132,7 @@ def _is_told_once(device: Device, part: DevicePart, command: Command) -> bool:
 
 
 def _approval_hint(device: str, first: Route, routes: Iterable[Route]) -> str:
-    is_left_out = first.approved and not all(one.approved for one in routes)
+    is_left_out = first.approved and not all(route.approved for route in routes)
     return f"; `homebot approve {device}` lets another route take it" if is_left_out else ""
 
 
@@ -145,9 +145,9 @@ def _error(capability: str, device: str, failures: Sequence[SendCommandResponse]
     last = failures[-1]
     if last.problem == "refused" and not last.unable:
         return RefusedError(f"{capability} of {device}", last.message)
-    if silent := [one.message for one in failures if one.problem == "unanswered"]:
+    if silent := [failure.message for failure in failures if failure.problem == "unanswered"]:
         return UnansweredError(f"{capability} was sent to {device}: {silent[-1]}")
-    if away := [one for one in failures if one.problem == "unreachable"]:
+    if away := [failure for failure in failures if failure.problem == "unreachable"]:
         lost = [one for one in away if not one.unable] or away[:1]  # a gateway that runs knows more
         return LinkError(f"{capability} of {device}: {lost[-1].message}")
     return RefusedError(f"{capability} of {device}", failures[0].message + hint)
@@ -184,7 +184,7 @@ def _routes(
 
 def _working_first(routes: Sequence[Route], device: Device, ineffective: Collection[str]) -> Sequence[Route]:
     """Return *routes*, the *ineffective* ones last, unless the owner prefers their gateway."""
-    facts = [one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)]
+    facts = [fact.value.split(", ") for fact in device.facts if (fact.name, fact.convention) == (PREFER, OWNER)]
     prefer = facts[0] if facts else ()
     return sorted(routes, key=lambda route: route.name in ineffective and route.gateway not in prefer)
 

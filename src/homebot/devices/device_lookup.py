@@ -35,8 +35,8 @@ class DeviceLookup:
 
     async def device(self, device_id: str) -> Device | None:
         """Return a device by its id; None if there is none."""
-        found = (await self._find.call(_request_for(device_id))).devices
-        return found[0] if found else None
+        devices = (await self._find.call(_request_for(device_id))).devices
+        return devices[0] if devices else None
 
     async def known(self, device_id: str) -> Device | None:
         """Return a device by its id; None if there is none, or no answer."""
@@ -69,7 +69,7 @@ class DeviceLookup:
         known = [(one, other) for one in await self.all_known() for other in one.parts if is_commanded(other.part)]
         found, groups = {(device.id, part.id): (device, part)}, [part]
         for group in groups:  # which grows
-            wanted, gateways = frozenset(group.part.members), {one.gateway for one in group.routes}
+            wanted, gateways = frozenset(group.part.members), {route.gateway for route in group.routes}
             for one, other in known:
                 place = one.id, other.id
                 if place not in found and not wanted.isdisjoint(references(one, other, gateways)):
@@ -111,7 +111,7 @@ def references(device: Device, part: DevicePart, gateways: Collection[str]) -> I
     """Yield what a group in one of *gateways* may call a part; see :attr:`homebot.devices.part.Part.members`."""
     yield from device.identifiers
     for route in part.routes:
-        yield from (f"{one}#{route.part}" for one in device.identifiers)
+        yield from (f"{identifier}#{route.part}" for identifier in device.identifiers)
         if route.gateway in gateways:
             yield f"#{route.part}"
 

@@ -121,8 +121,10 @@ class DeviceView:
         if not self._held:
             return device
         states = (
-            held if (held := self._held.get((one.part, one.capability))) is not None and not one.value.type else one
-            for one in device.states
+            held
+            if (held := self._held.get((state.part, state.capability))) is not None and not state.value.type
+            else state
+            for state in device.states
         )
         return device.model_copy(update={"states": tuple(states)})
 

@@ -56,13 +56,15 @@ def _why_no_blind(device: Device, part: DevicePart) -> str:
 
 
 def _why_no_lamp(device: Device, part: DevicePart) -> str:
-    is_lamp = any(words.matching_words(one, words.LAMP, anywhere=True) for one in (part.part.tag, *models_of(device)))
+    is_lamp = any(
+        words.matching_words(model, words.LAMP, anywhere=True) for model in (part.part.tag, *models_of(device))
+    )
     return "" if is_lamp else f"nothing but its name says what this {part.part.service_type} turns on"
 
 
 def _is_owners_word(device: Device, part: DevicePart) -> bool:
     """Return whether the owner tagged *device* or approved *part*; a tag in an announcement is not the owner's."""
-    tags = (fold(one.value) for one in device.facts if one.name == "tag" and one.convention == OWNER)
+    tags = (fold(fact.value) for fact in device.facts if fact.name == "tag" and fact.convention == OWNER)
     return HARMLESS in tags or any(route.approved for route in part.routes)
 
 
@@ -81,7 +83,7 @@ def _why_out_of_range(settings: Mapping[str, PlainValue]) -> str:
 
 def _is_of_lamp(device: Device, part: DevicePart) -> bool:
     """Return whether *part* is a setting or scene of a device that is a lamp and nothing else."""
-    settable = {one.name for one in part.part.capabilities if one.settable}
+    settable = {capability.name for capability in part.part.capabilities if capability.settable}
     kinds = {one.part.service_type for one in device.parts if one.part.category != "diagnostic"} - _BESIDE_LAMPS
     if part.part.service_type not in _BESIDE_LAMPS or not settable <= _OF_LAMPS or kinds != {"light"}:
         return False

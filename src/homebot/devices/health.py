@@ -57,7 +57,7 @@ class Count(Message):
     @classmethod
     def of(cls, counters: DataclassInstance) -> tuple[Self, ...]:
         """Return a counter for each field of *counters*, with its severity (:mod:`homebot.support.counters`)."""
-        declared = {one.name: one.metadata.get("severity", Severity.NORMAL) for one in fields(counters)}
+        declared = {field.name: field.metadata.get("severity", Severity.NORMAL) for field in fields(counters)}
         return tuple(cls(name=name, count=getattr(counters, name), severity=how) for name, how in declared.items())
 
 

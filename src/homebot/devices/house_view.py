@@ -119,7 +119,7 @@ class HouseView:
         answer = await self._query.call(QueryDevicesRequest(query=query_terms(query)))
         if not answer.success and not answer.is_mistake:
             raise RefusedError("the search", answer.message)
-        return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
+        return FindDevicesResponse(devices=tuple(result.device for result in answer.results), sequence=answer.sequence)
 
     async def cause(self, device: str, part: str, capability: str) -> KnownCause | None:
         """Return the cause of the newest change of a value; None if the control layer does not know it."""
@@ -205,22 +205,22 @@ class HouseView:
                     self._node.log.warning(NO_ANSWER, message=f"{exc}; trying again")
                 await anyio.sleep(_PAUSE)
 
-    def _compare(self, found: FindDevicesResponse) -> None:
+    def _compare(self, response: FindDevicesResponse) -> None:
         """Report the differences between the house and a snapshot; changes up to its number are outdated then."""
-        newer = {device for device, sequence in self._changed.items() if sequence > found.sequence}
-        for device_id in self._house.keys() - {device.id for device in found.devices} - newer:
+        newer = {device for device, sequence in self._changed.items() if sequence > response.sequence}
+        for device_id in self._house.keys() - {device.id for device in response.devices} - newer:
             why = "it was removed while the directory was not running"
-            self._report(_change("removed", self._house[device_id].device, found.sequence, why))
-        for device in found.devices:
+            self._report(_change("removed", self._house[device_id].device, response.sequence, why))
+        for device in response.devices:
             before = self._house.get(device.id)
             if device.id in newer:
                 continue
             if before is None:
-                self._report(_change("appeared", device, found.sequence, "it was already known"))
+                self._report(_change("appeared", device, response.sequence, "it was already known"))
             elif _differs(before, device):
                 why = "it changed while the directory was not running"
-                self._report(_change("changed", device, found.sequence, why))
-        self._compared = found.sequence
+                self._report(_change("changed", device, response.sequence, why))
+        self._compared = response.sequence
         self._changed.clear()
         self._is_complete.set()
 

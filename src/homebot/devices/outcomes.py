@@ -294,7 +294,7 @@ def no_such_part(device_id: str, part_id: str, device: Device | None, command_id
     if device is None:
         text = f"there is no device with the id {device_id}"
     else:
-        known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
+        known = ", ".join(part.id for part in device.parts if part.id) or "one part without an id"
         problem = f"{device_id} has no part {part_id}" if part_id else f"no single part of {device_id} takes that"
         text = f"{problem}; it has {known}"
     return Gone(text, command_id=command_id)

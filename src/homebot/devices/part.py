@@ -287,5 +287,5 @@ _LONGEST = 100
 
 
 def _listed(words: tuple[str, ...]) -> str:
-    shown = ", ".join([one[:_LONGEST] for one in words[:_MOST_LISTED]])
+    shown = ", ".join([word[:_LONGEST] for word in words[:_MOST_LISTED]])
     return (f"{shown}, …" if len(words) > _MOST_LISTED else shown) or "none"

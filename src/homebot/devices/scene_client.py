@@ -30,7 +30,7 @@ class SceneOutcome(NamedTuple):
     @property
     def succeeded(self) -> bool:
         """True if every part is as the scene has it."""
-        return all(one.succeeded for one in self.parts.values())
+        return all(part.succeeded for part in self.parts.values())
 
 
 @final
@@ -75,4 +75,6 @@ class Scenes:
             answer: CommandDevicesResponse = await client.call(request, timeout=_LONGEST)
         if not (answer.success or answer.results):
             raise UsageError(answer.message)
-        return SceneOutcome({target_of(one.device, one.part): one.result.to_outcome() for one in answer.results})
+        return SceneOutcome(
+            {target_of(result.device, result.part): result.result.to_outcome() for result in answer.results}
+        )

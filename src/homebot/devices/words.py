@@ -134,8 +134,8 @@ def _signs(
     Of the language with *number*, or of all.
     """
     languages = _LANGUAGES if number is None else _LANGUAGES[number : number + 1]
-    words = frozenset(phrase.rarest for one in languages for phrase in one.phrases if phrase.group in groups)
-    endings = [ending for one in languages for ending, group in one.endings if group in groups]
+    words = frozenset(phrase.rarest for language in languages for phrase in language.phrases if phrase.group in groups)
+    endings = [ending for language in languages for ending, group in language.endings if group in groups]
     pieces = tuple(one for one in endings if not one.endswith("$"))
     ends = tuple(one[:-1] for one in endings if one.endswith("$"))
     return words, ends, pieces, tuple(filter(str.isascii, pieces))

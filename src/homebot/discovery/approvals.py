@@ -91,7 +91,7 @@ class ApprovalRegistry:
 
         Others are of devices that became one since: a right to one of them is none to the others.
         """
-        found = tuple(self.of([one for one in sources if not one.is_claimed]))
+        found = tuple(self.of([source for source in sources if not source.is_claimed]))
         if len({approval.said_at for _, approval, change in found if not change}) < 2:
             return found
         return tuple((place, approval, change or _MERGED) for place, approval, change in found)
@@ -100,7 +100,9 @@ class ApprovalRegistry:
         """Return those of *sources* with an approved part, also if it changed since: others only joined these."""
         known = self._by_place
         return tuple(
-            one for one in sources if known and any((*one.key, part.id) in known for part in one.sighting.parts)
+            source
+            for source in sources
+            if known and any((*source.key, part.id) in known for part in source.sighting.parts)
         )
 
     def records(self) -> Iterator[tuple[str, str, str, CommandDescription, float]]:
@@ -124,5 +126,5 @@ def _descriptions(sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, 
         if source.is_claimed:
             continue
         for part in source.sighting.parts:
-            if any(one.settable for one in part.capabilities):
+            if any(capability.settable for capability in part.capabilities):
                 yield (*source.key, part.id), CommandDescription.of(part, source.sighting.identifiers)

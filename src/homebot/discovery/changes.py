@@ -146,7 +146,7 @@ class ChangeQueue:
         """Remove and return the changes of states, oldest first, without those of removed parts."""
         taken = self.states[:at_most]
         del self.states[: len(taken)]
-        found: list[StateChange] = []
+        changes: list[StateChange] = []
         for entry, parts, readings, whole, told_at, live in taken:
             current, stream = readings, whole
             if self._entries.get(entry.id) is not entry or entry.parts(self._topics) is not parts:
@@ -157,7 +157,7 @@ class ChangeQueue:
                     names = [name for one in current for name in (one.part, one.capability)]
                     stream = stream_of((entry.id, *names))
             self.sequence += 1
-            found.append(
+            changes.append(
                 _change_of(
                     stream=stream,
                     device=entry.id,
@@ -167,7 +167,7 @@ class ChangeQueue:
                     sequence=self.sequence,
                 )
             )
-        return tuple(found)
+        return tuple(changes)
 
     def _current(self, entry: Entry, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
         """Return the *readings* whose part and capability still exist."""
@@ -179,17 +179,17 @@ class ChangeQueue:
         places = {(known.part, known.capability) for known in entry.to_device(self._topics).states}
         return tuple([reading for reading in readings if (reading.part, reading.capability) in places])
 
-    def _changes(self, one: _PendingChange) -> list[DeviceChange]:
+    def _changes(self, change: _PendingChange) -> list[DeviceChange]:
         """Return the change, and the disputes that it caused."""
-        entry = one.entry
-        if self._last.get(entry.id) is one:
+        entry = change.entry
+        if self._last.get(entry.id) is change:
             del self._last[entry.id]
-        device = one.device or entry.to_device(self._topics)
-        found = [self._change(one.kind, device, one.why, one.other)]
-        if one.is_of_link:
+        device = change.device or entry.to_device(self._topics)
+        found = [self._change(change.kind, device, change.why, change.other)]
+        if change.is_of_link:
             self.of_links.add(self.sequence)
         before, entry.published_conflicts = entry.published_conflicts, device.conflicts
-        if before == device.conflicts or one.kind == "removed":
+        if before == device.conflicts or change.kind == "removed":
             return found
         if not device.conflicts:
             found.append(self._change("resolved", device, "none of its command topics is disputed any more"))
@@ -243,6 +243,6 @@ def _size(change: DeviceChange) -> int:
     texts = [device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts]
     for fact in device.metadata:
         texts += (fact.key, fact.value)
-    for one in device.parts:
-        texts += texts_of(one.part)
+    for part in device.parts:
+        texts += texts_of(part.part)
     return _CHANGE + size_of_texts(texts) + _PART * len(device.parts)

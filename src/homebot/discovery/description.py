@@ -109,7 +109,11 @@ def without_parts_of(strangers: Collection[SourceKey], device: Device, merged: M
             "parts": tuple(shown.values()),
             "service_type": main.part.service_type if is_of_part else device.service_type,
             "service_types": _service_types((), believed),
-            "offline_parts": tuple(one for one in device.offline_parts if one in {part.id for part in shown.values()}),
+            "offline_parts": tuple(
+                offline_part
+                for offline_part in device.offline_parts
+                if offline_part in {part.id for part in shown.values()}
+            ),
         }
     )
 
@@ -133,13 +137,13 @@ def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequ
 
 
 def _claimed_models(sources: Iterable[SourceRecord]) -> tuple[Fact, ...]:
-    made = [one for one in _facts(tuple(sources)) if one.name in MAKE]
+    made = [fact for fact in _facts(tuple(sources)) if fact.name in MAKE]
     return tuple(one.model_copy(update={"name": CLAIMED_MODEL}) for one in made)
 
 
 def _several_names(facts: Iterable[Fact]) -> Iterator[Fact]:
     """Yield a fact if announcements of one convention give the device several names: perhaps it is several devices."""
-    names = [one for one in facts if one.name == "name"]
+    names = [fact for fact in facts if fact.name == "name"]
     for first in names:
         alike = {fold(one.value): one.value for one in names if _SOURCE(one) == _SOURCE(first)}
         if len(alike) > 1:
@@ -233,7 +237,7 @@ def _given_in_hub(facts: Iterable[Fact]) -> dict[str, list[str]]:
 
 def _floor_of(sources: Iterable[SourceRecord], area: str) -> str:
     """Return the floor in the announcement that places the device in *area*; empty for none."""
-    rooms = (one.sighting for one in sources if fold(one.sighting.area) == fold(area))
+    rooms = (source.sighting for source in sources if fold(source.sighting.area) == fold(area))
     return next((pair.value for room in rooms for pair in room.metadata if pair.key == "floor"), "")
 
 
@@ -278,7 +282,7 @@ def with_approvals(
 def _joined(parts: Iterable[DevicePart], known: frozenset[PartPlace]) -> Iterator[PartPlace]:
     """Yield the places that joined approved parts; of a part that changed since, only those never approved."""
     for part in parts:
-        places = {(one.gateway, one.key, one.part): one.approved for one in part.routes}
+        places = {(route.gateway, route.key, route.part): route.approved for route in part.routes}
         approved = {place for place, digest in places.items() if digest} or known & places.keys()
         if approved:
             yield from places.keys() - approved
@@ -312,7 +316,7 @@ def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], s
     fact = _owner_fact(PREFER, ", ".join(named), "", "configuration", said_at)
     return replace(
         described,
-        addresses=tuple(sorted(described.addresses, key=lambda one: rank_in(prefer, one[0][0]))),
+        addresses=tuple(sorted(described.addresses, key=lambda address: rank_in(prefer, address[0][0]))),
         merged=described.merged._replace(parts=preferred_routes(described.merged.parts, prefer)),
         facts=(fact, *described.facts)[:MAX_FACTS],
     )
@@ -336,21 +340,21 @@ def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...
         shown = tuple(filterfalse(_CATEGORY, described)) or described
         found = chain(map(_TYPE, shown), filter(None, map(_ADVERTISED, shown)))
     else:
-        words = [one.sighting.service_type for one in sources]
+        words = [source.sighting.service_type for source in sources]
         found = chain((min(types) for types in map(wanted_types, words) if len(types) == 1), words)
     return tuple(dict.fromkeys(found))
 
 
 def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
-    found: dict[str, KeyValue] = {}
+    key_values: dict[str, KeyValue] = {}
     before: tuple[KeyValue, ...] = ()
     for source in sources:
         metadata = source.sighting.metadata
         if metadata != before:  # the announcements of a device share them
             for one in metadata:
-                found.setdefault(one.key, one)
+                key_values.setdefault(one.key, one)
             before = metadata
-    return tuple(found.values())[:MAX_FACTS]
+    return tuple(key_values.values())[:MAX_FACTS]
 
 
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:

@@ -67,7 +67,7 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
     for value in (True, False, None):
         answers = [(source, part, one) for source, part, one in reports if one is not None and one.value is value]
         if answers:
-            source, part, reach = max(answers, key=lambda one: one[2].heard_at)
+            source, part, reach = max(answers, key=lambda answer: answer[2].heard_at)
             label = source.label if source.sighting.convention else "it"  # the key of a gateway means nothing to people
             is_all_of_it = all(one is not None and one.value is value for other, _, one in reports if other is source)
             label = label if is_all_of_it or part in label else f"{label} ({part})"
@@ -199,9 +199,11 @@ def silent_strangers(sources: Mapping[SourceKey, SourceRecord]) -> dict[SourceKe
     Others of their gateway have reported, and their topics share no name with those of these: they may be anybody's.
     """
     silent = [
-        one for one in sources.values() if not one.values and any(p.reads and p.writes for p in one.sighting.parts)
+        source
+        for source in sources.values()
+        if not source.values and any(p.reads and p.writes for p in source.sighting.parts)
     ]
-    if not silent or not (heard := [one for one in sources.values() if one.values]):
+    if not silent or not (heard := [source for source in sources.values() if source.values]):
         return {}
     known, gateways = frozenset(chain.from_iterable(map(_names, heard))), {one.key[0] for one in heard}
     return {
@@ -213,7 +215,7 @@ def silent_strangers(sources: Mapping[SourceKey, SourceRecord]) -> dict[SourceKe
 
 def routes_without(parts: tuple[DevicePart, ...], strangers: Collection[SourceKey]) -> tuple[DevicePart, ...]:
     """Return *parts* without the routes of *strangers*."""
-    left = [tuple(one for one in part.routes if (one.gateway, one.key) not in strangers) for part in parts]
+    left = [tuple(route for route in part.routes if (route.gateway, route.key) not in strangers) for part in parts]
     return tuple(part.model_copy(update={"routes": routes}) for part, routes in zip(parts, left, strict=True))
 
 
@@ -247,5 +249,7 @@ def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: 
 
 def _command_address(part: DevicePart, gateway: str) -> str:
     """Return the address where *part* accepts text: that of the first route of the gateway with one."""
-    ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
-    return next((text_address(one.key, one.part) for one in ways), "")
+    ways = (
+        (route for route in part.routes if route.gateway == gateway and route.takes) if accepts_text(part.part) else ()
+    )
+    return next((text_address(way.key, way.part) for way in ways), "")

@@ -109,7 +109,7 @@ class Entry:
 
     def hardware(self) -> tuple[str, ...]:
         """Return the hardware addresses of the device."""
-        found = (one for source in self._believed().values() for one in source.sighting.identifiers)
+        found = (identifier for source in self._believed().values() for identifier in source.sighting.identifiers)
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
 
     def last_seen(self) -> Time:
@@ -194,7 +194,7 @@ class Entry:
         """Return whether the gateways' groups of which it is a member changed; its message is discarded then."""
         device = self.to_device(topics)
         described = self._description or self._described(topics)
-        if groups.native_facts(device) == tuple([one for one in described.groups or () if not one.convention]):
+        if groups.native_facts(device) == tuple([group for group in described.groups or () if not group.convention]):
             return False
         described.groups = self.device = None
         return True

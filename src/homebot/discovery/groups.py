@@ -72,14 +72,14 @@ def read_groups(tables: Sequence[object], source: str) -> Mapping[str, str]:
     for number, table in enumerate(tables):
         if table is None:
             continue
-        one = parse_settings(GroupSettings, table, source, f"groups.{number}")
+        settings = parse_settings(GroupSettings, table, source, f"groups.{number}")
         try:
-            name = check_name(one.name)
+            name = check_name(settings.name)
         except UsageError as exc:
             raise ConfigError(source, f"groups.{number}.name", str(exc)) from exc
         if fold(name) in map(fold, found):
             raise ConfigError(source, f"groups.{number}.name", f"there is a group {name!r} already")
-        found[name], numbers[name] = one.members, number
+        found[name], numbers[name] = settings.members, number
     for name, number in numbers.items():
         try:
             _members(name, found)
@@ -131,18 +131,18 @@ class HouseGroups:
         if found:
             self._native[device.id], self.has_changed = found, True
         for group, members in found:
-            for one in members:
-                self._by_member.setdefault(one, {})[group] = None
+            for member in members:
+                self._by_member.setdefault(member, {})[group] = None
 
     def discard(self, device_id: str) -> None:
         """Forget the groups that a device was."""
         for group, members in self._native.pop(device_id, ()):
             self.has_changed = True
-            for one in members:
-                groups = self._by_member.get(one, {})
+            for member in members:
+                groups = self._by_member.get(member, {})
                 groups.pop(group, None)
                 if not groups:
-                    self._by_member.pop(one, None)
+                    self._by_member.pop(member, None)
 
     def native_facts(self, device: Device) -> tuple[Fact, ...]:
         """Return a fact for each gateway's group of which *device* is a member, unless the owner's has its name."""
@@ -161,7 +161,7 @@ class HouseGroups:
         )
 
     def _groups_with(self, device: Device, part: DevicePart) -> Iterator[_NativeGroup]:
-        gateways = {one.gateway for one in part.routes}
+        gateways = {route.gateway for route in part.routes}
         for name in references(device, part, gateways):
             for group in self._by_member.get(name, ()):
                 if not (name.startswith("#") and group.gateways.isdisjoint(gateways)):
@@ -181,7 +181,7 @@ class HouseGroups:
 
 
 def _is_group(device: Device) -> bool:
-    return any(one.part.is_group for one in device.parts)
+    return any(part.part.is_group for part in device.parts)
 
 
 def _fact(name: str, convention: str, key: str, said_at: Time) -> Fact:
@@ -190,7 +190,7 @@ def _fact(name: str, convention: str, key: str, said_at: Time) -> Fact:
 
 
 def _native_group(device: Device, part: DevicePart) -> _NativeGroup:
-    gateways = frozenset([one.gateway for one in part.routes])
+    gateways = frozenset([route.gateway for route in part.routes])
     return _NativeGroup(device.id, group_name(device, part), gateways, device.first_seen)
 
 
@@ -201,13 +201,13 @@ def group_name(device: Device, part: DevicePart) -> str:
 
 def _source(device: Device, query: Query) -> str:
     """Return the key of the fact that *device* is a member; empty if neither it nor one of its parts fits *query*."""
-    named = [one.id for one in device.parts if is_commanded(one.part) and fits(query, PartFacets(device, one))]
+    named = [part.id for part in device.parts if is_commanded(part.part) and fits(query, PartFacets(device, part))]
     return _key(_SOURCE, device, named) if named or fits(query, facets_of(device)) else ""
 
 
 def _key(source: str, device: Device, named: Sequence[str]) -> str:
     """Return the key of the fact that the parts *named* of *device*, or none but itself, are members."""
-    count = sum(is_commanded(one.part) for one in device.parts)
+    count = sum(is_commanded(part.part) for part in device.parts)
     return f"{source}#{','.join(named)}" if 0 < len(named) < count else source
 
 
@@ -241,7 +241,7 @@ def _expanded(query: Query, group: Callable[[str], Query]) -> Query:
 
 
 def _group(queries: Mapping[str, str], inside: tuple[str, ...], folded: str) -> Query:
-    known = {fold(one): one for one in queries}
+    known = {fold(query): query for query in queries}
     if folded in known:
         return _members(known[folded], queries, *inside)
     if meant := sorted(one for one in known if is_room_typo(folded, one)):

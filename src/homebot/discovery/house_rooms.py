@@ -30,7 +30,7 @@ class HouseRooms:
         added, added_doors = tuple(rooms), tuple(doors)
         self.plan = _checked(self.plan.with_rooms(added, source, added_doors))
         self.imported = HousePlan(self.plan.home, (*self.imported, *added), source).rooms
-        self.imported_doors = tuple({fold(one.name): one for one in (*self.imported_doors, *added_doors)}.values())
+        self.imported_doors = tuple({fold(door.name): door for door in (*self.imported_doors, *added_doors)}.values())
 
     def restore(self, rooms: tuple[HouseRoom, ...], source: str, doors: tuple[HouseDoor, ...] = ()) -> None:
         """Restore the imported *rooms* and *doors* of an earlier run.
@@ -86,8 +86,8 @@ class HouseRooms:
         if fold(new) != fold(name) and self.plan.room(new) is not None:
             raise RefusedError(order, f"there is a room {new!r} already")
         doors = [
-            one._replace(rooms=(_spelled(one.rooms[0], name, new), _spelled(one.rooms[1], name, new)))
-            for one in self.imported_doors
+            door._replace(rooms=(_spelled(door.rooms[0], name, new), _spelled(door.rooms[1], name, new)))
+            for door in self.imported_doors
         ]
         self._change((_renamed(one, name, new) for one in self.imported), doors)
 
@@ -104,7 +104,7 @@ class HouseRooms:
         changed = tuple(rooms)
         known = {fold(one.name) for one in (*changed, *self._configured.rooms)} | {OUTSIDE}
         changed = tuple(one._replace(doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)
-        joined = tuple(one for one in doors if known.issuperset(map(fold, one.rooms)))
+        joined = tuple(door for door in doors if known.issuperset(map(fold, door.rooms)))
         self.plan = _checked(self._configured.with_rooms(changed, "the imported rooms", joined))
         self.imported, self.imported_doors = changed, joined
 

@@ -57,7 +57,7 @@ def id_of_name(name: str) -> str:
 
 
 def _identity(sighting: Sighting) -> str:
-    hardware = next((one for one in sighting.identifiers if not one.startswith("id:")), "")
+    hardware = next((identifier for identifier in sighting.identifiers if not identifier.startswith("id:")), "")
     if hardware:
         return hardware.partition(":")[2]
     named = "\0".join(sighting.identifiers or (sighting.gateway, sighting.key))

@@ -93,7 +93,7 @@ class DeviceIndex:
     @property
     def ids(self) -> tuple[str, ...]:
         """The ids of all devices, including removed ones."""
-        return tuple(dict.fromkeys((*self.table.entries, *(one.id for one in self.tombstones))))
+        return tuple(dict.fromkeys((*self.table.entries, *(tombstone.id for tombstone in self.tombstones))))
 
     @property
     def sequence(self) -> int:

@@ -110,15 +110,17 @@ class Nearness:
         asks_for_them = any(term.kind == "unapproved" for term in query_terms(rest))
         forbidden = frozenset[str]() if asks_for_them else wanted & index.find(IsUnapproved())
         wanted = wanted - forbidden if forbidden else wanted
-        locked = frozenset(one.name for one in self._doors.values() if one.lock and math.isinf(self._toll(one.name)))
+        locked = frozenset(
+            door.name for door in self._doors.values() if door.lock and math.isinf(self._toll(door.name))
+        )
 
         def terms(device_id: str) -> tuple[CostTerm, ...]:
             error = self._errors.get(device_id)
             worse = shortcomings(rest, index.postings.facets(device_id))
             return (*([] if error is None else [error]), *starmap(CostTerm, worse), *self._outcomes.term(device_id))
 
-        def why(one: NearDevice) -> str:
-            return cost_text(one, self._door, is_exact=pose.has_position and one.device not in self._rooms_alone)
+        def why(device: NearDevice) -> str:
+            return cost_text(device, self._door, is_exact=pose.has_position and device.device not in self._rooms_alone)
 
         unreachable = sorted(wanted & (self._nowhere | self._finder.unreachable(start.room, locked)))
         best, total = nearest(
@@ -249,10 +251,10 @@ class Nearness:
     def _state(self, named: str, capability: str) -> tuple[PlainValue, str] | None:
         """Return the newest value of a capability of the device with the id or name *named*, and its age."""
         device = self._device(named) if named else None
-        states = [] if device is None else [one for one in device.states if one.capability == capability]
+        states = [] if device is None else [state for state in device.states if state.capability == capability]
         if device is None or not states:
             return None
-        newest = max(states, key=lambda one: one.told_at.to_seconds())
+        newest = max(states, key=lambda state: state.told_at.to_seconds())
         stale = ", stale" if device.freshness == "stale" else ""
         return (
             newest.value.plain(),

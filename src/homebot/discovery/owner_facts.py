@@ -214,7 +214,7 @@ class OwnerFacts:
     def unknown(self, known: Collection[_Name]) -> Iterator[tuple[list[str], _Facts]]:
         """Yield the ids and hardware addresses, and the facts, of each device none of whose names is *known*."""
         seen = set(known)
-        for names in (*(one.names for one in self._statements(self._by_name)), *self._configured_names):
+        for names in (*(statement.names for statement in self._statements(self._by_name)), *self._configured_names):
             own = [name for name in names if isinstance(name, str)]
             if own and seen.isdisjoint(names):
                 seen.update(own)
@@ -274,7 +274,11 @@ class OwnerFacts:
 
     def _in(self, room: str) -> list[_Statement]:
         """Return the statements about devices placed in *room*."""
-        return [one for one in self._statements(self._by_name) if any(_is_room(fact, room) for fact in one.facts)]
+        return [
+            statement
+            for statement in self._statements(self._by_name)
+            if any(_is_room(fact, room) for fact in statement.facts)
+        ]
 
     def check_room(self, count: int) -> None:
         """Check that there is room for *count* more statements.
@@ -323,11 +327,11 @@ class OwnerFacts:
         record = PlacesRecord.model_construct(
             statements=tuple(
                 StatementRecord.model_construct(
-                    facts=one.facts,
-                    announcements=tuple(one.announcements()),
-                    names=tuple(name for name in one.names if isinstance(name, str)),
+                    facts=statement.facts,
+                    announcements=tuple(statement.announcements()),
+                    names=tuple(name for name in statement.names if isinstance(name, str)),
                 )
-                for one in self._statements(self._by_name)
+                for statement in self._statements(self._by_name)
             ),
             rooms=self.rooms.imported,
             doors=self.rooms.imported_doors,
@@ -403,7 +407,7 @@ def _rank(fact: OwnerFact) -> tuple[bool, float]:
 
 def _once(facts: Iterable[OwnerFact]) -> _Facts:
     """Return the first room, the first position, and each alias and tag once, in this order."""
-    found: dict[tuple[str, str], OwnerFact] = {}
+    owner_facts: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
-        found.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)
-    return tuple(sorted(found.values(), key=lambda fact: _ORDER.index(fact.name)))
+        owner_facts.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)
+    return tuple(sorted(owner_facts.values(), key=lambda fact: _ORDER.index(fact.name)))

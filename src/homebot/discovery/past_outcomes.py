@@ -65,7 +65,7 @@ class PastOutcomes:
                 page = await self._read.call(request)
             except ServiceError:
                 return
-            new = [one for one in page.entries if one not in seen]
+            new = [entry for entry in page.entries if entry not in seen]
             for one in new:
                 self._add(one)
             if page.complete or not new:

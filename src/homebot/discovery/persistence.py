@@ -291,8 +291,8 @@ def _records_of(rows: Iterable[IndexRow]) -> Records:
 def _understood(records: Records) -> _SavedState:
     entries, tombstones = _read_each(records.devices, read_entry), _read_each(records.tombstones, read_tombstone)
     rejected = len(records.devices) + len(records.tombstones) - len(entries) - len(tombstones)
-    entries.sort(key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id))
-    tombstones.sort(key=lambda one: (one.at, one.id))
+    entries.sort(key=lambda entry: (entry.first_seen.sec, entry.first_seen.nanosec, entry.id))
+    tombstones.sort(key=lambda tombstone: (tombstone.at, tombstone.id))
     return _SavedState(tuple(entries), tuple(tombstones), dict(records.owner), rejected)
 
 

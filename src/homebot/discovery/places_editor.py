@@ -91,7 +91,9 @@ class PlacesEditor:
     def absent(self) -> Iterator[tuple[str, str]]:
         """Yield the id or hardware address, and the stated room, of each device that does not exist."""
         known: set[SourceKey | str] = {*self._table.entries, *self._table.sources}
-        known.update(one for source in self._table.sources.values() for one in source.sighting.identifiers)
+        known.update(
+            identifier for source in self._table.sources.values() for identifier in source.sighting.identifiers
+        )
         known.update(self._table.owner.known_as(key) for key in self._table.sources)
         for names, facts in self._table.owner.unknown(known):
             yield from ((names[0], fact.value) for fact in facts if fact.name == "area")
@@ -289,7 +291,7 @@ class PlacesEditor:
 def _announced_commands(source: SourceRecord) -> tuple[str, ...]:
     lines = []
     for part in source.sighting.parts:
-        if settings := [one.name for one in part.capabilities if one.settable]:
+        if settings := [capability.name for capability in part.capabilities if capability.settable]:
             where = f" to {', '.join(part.writes)}" if part.writes else ""
             lines.append(f"{part.name or part.id or source.sighting.name}: {', '.join(settings)}{where}")
     return tuple(lines)

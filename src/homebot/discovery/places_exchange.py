@@ -55,13 +55,13 @@ class PlacesExchange:
             yield
             sources = entry.sources.values()
             known.update((entry.id, *entry.sources))
-            known.update(one for source in sources for one in source.sighting.identifiers)
+            known.update(identifier for source in sources for identifier in source.sighting.identifiers)
             known.update(owner.known_as(key) for key in entry.sources)
             if facts := _exported(owner.of(entry.id, sources)):
                 devices.append((entry.id, facts, entry.hardware()))
         unknown = ((names, _exported(facts)) for names, facts in owner.unknown(known))
         devices += [(names[0], facts, tuple(names[1:])) for names, facts in unknown if facts]
-        return places_text(owner.plan, sorted(devices, key=lambda one: one[0]))
+        return places_text(owner.plan, sorted(devices, key=lambda device: device[0]))
 
     def parse(self, text: str, now: float) -> Places:
         """Return the content of a places file for this house; see :func:`parse_places`."""

@@ -145,7 +145,7 @@ class PlacesServices:
         try:
             parse = partial(exchange.parse, request.text, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
-            places = replace(places, rooms=tuple(one._replace(source=request.source) for one in places.rooms))
+            places = replace(places, rooms=tuple(room._replace(source=request.source) for room in places.rooms))
             owner.publish(names.IMPORT_PLACES, request)  # other files may hold passwords
             imported = await TimeSlice(self._clock).do(exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:

@@ -65,7 +65,7 @@ class LimitsOfDevices:
 
     def __init__(self, tables: Mapping[str, LimitSettings]) -> None:
         self._by_name = {fold(name): ReadingLimits(name, one.limits) for name, one in tables.items()}
-        self.capabilities = frozenset(name for one in tables.values() for name in one.limits)
+        self.capabilities = frozenset(name for table in tables.values() for name in table.limits)
 
     def of(self, names: Iterable[str]) -> ReadingLimits | None:
         """Return the limits of the device with these *names*; None for none."""

@@ -80,7 +80,9 @@ class DirectoryServices:
             entries=tuple(
                 messages.IndexEntry(gateway=gateway, topic=topic, device_id=device.id)
                 for device in devices
-                for gateway, topic in dict.fromkeys((one.gateway, one.address) for one in device.endpoints)
+                for gateway, topic in dict.fromkeys(
+                    (endpoint.gateway, endpoint.address) for endpoint in device.endpoints
+                )
             ),
             topics=tuple(device.endpoints[0].address for device in devices),
             device_ids=tuple(device.id for device in devices),
@@ -102,7 +104,7 @@ class DirectoryServices:
         near, rest = split_near(read_terms(request.query, self._exists))
         if near is None:
             return None
-        return [one.device for one in (await (await self._nearness()).find(near, rest)).devices]
+        return [device.device for device in (await (await self._nearness()).find(near, rest)).devices]
 
     def _found(
         self, request: messages.FindDevicesRequest, near: Sequence[str] | None = None
@@ -140,13 +142,13 @@ class DirectoryServices:
             if near is None:
                 matches = index.find(query)
                 if request.is_spelled:
-                    matches = {one for one in matches if is_spelled(query, index.postings.facets(one).words)}
+                    matches = {match for match in matches if is_spelled(query, index.postings.facets(match).words)}
                 ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
                 note = self._note(query, matches)
                 answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
             else:
                 found = await (await self._nearness()).find(near, rest, limit or 0)
-                ranked = [(-one.cost, one.device, (found.why(one),)) for one in found.devices]
+                ranked = [(-device.cost, device.device, (found.why(device),)) for device in found.devices]
                 answer = found.answer
         except (RefusedError, UsageError) as exc:
             is_mistake = isinstance(exc, UsageError)
@@ -177,7 +179,7 @@ class DirectoryServices:
         return messages.ListDevicesResponse(
             success=True,
             message=self._note(read_terms(request.query, self._exists), found),
-            devices=tuple(_listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
+            devices=tuple(_listed(device, needs_approval=self._index.postings.needs_approval) for device in devices),
             total=len(found),
             sequence=self._index.sequence,
         )
@@ -295,8 +297,8 @@ def _reason(exc: RefusedError | UsageError) -> str:
 def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
     """Return *device* in short form, as screens and agents list it, without the values of settings and diagnostics."""
     position = position_of(device.facts)
-    used = {one.id: one.part for one in device.parts if not one.part.category}
-    settable = (one.name for part in used.values() for one in part.capabilities if one.settable)
+    used = {part.id: part.part for part in device.parts if not part.part.category}
+    settable = (capability.name for part in used.values() for capability in part.capabilities if capability.settable)
     return messages.ListedDevice(
         id=device.id,
         name=device.name,
@@ -306,9 +308,9 @@ def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
         is_reachable=device.reachable.state != "no",
         waits=needs_approval and waits_for_approval(device),
         states=tuple(
-            Reading(part=one.part, capability=one.capability, value=one.value)
-            for one in device.states
-            if one.part in used
+            Reading(part=state.part, capability=state.capability, value=state.value)
+            for state in device.states
+            if state.part in used
         ),
         position=() if position is None else (position.x, position.y),
         settable=tuple(dict.fromkeys(settable)),

@@ -175,5 +175,5 @@ def _facts_of(sighting: Sighting) -> dict[str, str]:
     return {"name": sighting.name, "area": sighting.area, **{one.key: one.value for one in sighting.metadata}}
 
 
-def _only(found: Mapping[KeyT, ValueT], keys: Container[KeyT]) -> dict[KeyT, ValueT]:
-    return {key: value for key, value in found.items() if key in keys}
+def _only(value_ts: Mapping[KeyT, ValueT], keys: Container[KeyT]) -> dict[KeyT, ValueT]:
+    return {key: value for key, value in value_ts.items() if key in keys}

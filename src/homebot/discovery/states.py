@@ -296,7 +296,7 @@ def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
 
 def store_reachability(entry: Entry, source: SourceRecord, reading: Reading, report: Report, now: float) -> None:
     """Note whether a device, or one of its parts, can be reached."""
-    if reading.part and all(one.id != reading.part for one in source.sighting.parts):
+    if reading.part and all(part.id != reading.part for part in source.sighting.parts):
         return
     value, live = reading.value.plain(), not report.retained
     answer = value if isinstance(value, bool) else None

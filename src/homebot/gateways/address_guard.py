@@ -42,13 +42,13 @@ class AddressGuard:
         self.of_described: AddressGuard | None = self
         self._allowed = frozenset(parse_address(one) for one in allowed)
 
-    def check(self, found: SocketAddress) -> str:
+    def check(self, address: SocketAddress) -> str:
         """Return an address that is about to be connected to, as text: ``10.0.0.7``, ``fe80::1%eth0``.
 
         Raises:
             OwnAddressError: It is one of this computer.
         """
-        text, is_own = _judged(found)
+        text, is_own = _judged(address)
         if is_own and parse_address(text) not in self._allowed:
             raise OwnAddressError
         return text
@@ -76,13 +76,13 @@ class ThisComputerGuard(AddressGuard):
         super().__init__()
         self.of_described = None
 
-    def check(self, found: SocketAddress) -> str:
+    def check(self, address: SocketAddress) -> str:
         """Return an address, as :meth:`AddressGuard.check`.
 
         Raises:
             OSError: It is one of another host.
         """
-        text, is_own = _judged(found)
+        text, is_own = _judged(address)
         if not is_own:
             raise OSError("its name leads to another host now, not to this computer")
         return text
@@ -101,9 +101,9 @@ async def guard_for(host: str | None) -> AddressGuard:
     return here
 
 
-def _judged(found: SocketAddress) -> tuple[str, bool]:
-    text = socket.getnameinfo(found, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)[0]
-    return text, _is_own(text, found[3] if len(found) > 3 else 0)
+def _judged(address: SocketAddress) -> tuple[str, bool]:
+    text = socket.getnameinfo(address, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)[0]
+    return text, _is_own(text, address[3] if len(address) > 3 else 0)
 
 
 def _names_this_computer(address: IPv4Address | IPv6Address) -> bool:

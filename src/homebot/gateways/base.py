@@ -122,8 +122,8 @@ class GatewayContext:
 
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
         """Return the running host service of the class *kind*, or None."""
-        found = self.services.get(kind)
-        return found if isinstance(found, kind) else None
+        service = self.services.get(kind)
+        return service if isinstance(service, kind) else None
 
 
 class GatewaySettings(BaseModel):

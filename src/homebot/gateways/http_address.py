@@ -38,15 +38,15 @@ def parse_url(url: str, *schemes: str) -> URL:
 
     schemes = schemes or ("http", "https")
     try:
-        found = URL(url)
+        u_r_l = URL(url)
     except ValueError:
         raise WireError("what should be an address of HTTP is none") from None
-    if found.scheme not in schemes or not found.host:
-        begins = clean_text(found.scheme, 20) or "no scheme"
+    if u_r_l.scheme not in schemes or not u_r_l.host:
+        begins = clean_text(u_r_l.scheme, 20) or "no scheme"
         raise WireError(f"what should be an address of HTTP begins with {begins}")
-    if found.user is not None or found.password is not None:
-        raise WireError(f"the address of {shown_url(found)} contains a user or password; remove them")
-    return found
+    if u_r_l.user is not None or u_r_l.password is not None:
+        raise WireError(f"the address of {shown_url(u_r_l)} contains a user or password; remove them")
+    return u_r_l
 
 
 def shown_url(url: URL) -> str:

@@ -105,7 +105,7 @@ class MemoryGateway(Gateway):
         self._check_link()
         self.commands.append(command)
         part = self.devices.engine.find_part(command.key, command.part).described.part
-        settable = {one.name for one in part.capabilities if one.settable}
+        settable = {capability.name for capability in part.capabilities if capability.settable}
         settings = implied_settings(command.capability, command.value.plain(), settable)
         await self.devices.report(command.key, dict(settings), command.part)
 

@@ -30,7 +30,9 @@ def parameter_service(known: ParameterSet, name: str) -> tuple[ServiceType[Any, 
         "get_parameter_types": lambda request: bytes(_each(known, request, lambda name: known.describe(name)[0])),
         "get_parameters": lambda request: _each(known, request, lambda name: known.get(name).to_message().value),
         "list_parameters": lambda request: _list(known, request),
-        "set_parameters": lambda request: tuple(set_parameters(known, (one,)) for one in request.parameters),
+        "set_parameters": lambda request: tuple(
+            set_parameters(known, (parameter,)) for parameter in request.parameters
+        ),
         "set_parameters_atomically": lambda request: set_parameters(known, request.parameters),
     }
     service = find_service(PARAMETER_SERVICES[name])
@@ -68,14 +70,14 @@ def _each(parameters: ParameterSet, request: Any, read: Callable[[str], Any]) ->
 
 def _list(parameters: ParameterSet, request: Any) -> Message:
     """Return the names below any of the prefixes, at most *depth* levels below it; 0 means any depth."""
-    found = [
+    names = [
         name
         for name in parameters.names()
         if any(_is_below(name, prefix, request.depth) for prefix in request.prefixes or ("",))
     ]
-    prefixes = sorted({name.rpartition(".")[0] for name in found if "." in name})
+    prefixes = sorted({name.rpartition(".")[0] for name in names if "." in name})
     kind: Any = find_message("rcl_interfaces/msg/ListParametersResult")
-    return kind(names=tuple(found), prefixes=tuple(prefixes))  # type: ignore[no-any-return]
+    return kind(names=tuple(names), prefixes=tuple(prefixes))  # type: ignore[no-any-return]
 
 
 def _is_below(name: str, prefix: str, depth: int) -> bool:

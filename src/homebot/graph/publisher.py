@@ -76,16 +76,19 @@ class Publisher(GraphEntity, Generic[MessageT]):
 
     def reaches(self, node: str) -> bool:
         """Return whether the node with the full name *node* has a matched subscription."""
-        for one in self._subscriptions:  # noqa: SIM110 - faster than a generator
-            if one.info.node == node:
+        for subscription in self._subscriptions:  # noqa: SIM110 - faster than a generator
+            if subscription.info.node == node:
                 return True
         return False
 
     @property
     def is_full(self) -> bool:
         """True if a RELIABLE subscription has no room, so that :meth:`send` would wait; never on a keyed topic."""
-        for one in self._subscriptions:  # as in reaches
-            if len(one.mailbox.queue) >= one.mailbox.depth and one.qos.reliability is ReliabilityPolicy.RELIABLE:
+        for subscription in self._subscriptions:  # as in reaches
+            if (
+                len(subscription.mailbox.queue) >= subscription.mailbox.depth
+                and subscription.qos.reliability is ReliabilityPolicy.RELIABLE
+            ):
                 return True
         return False
 
@@ -190,9 +193,9 @@ class Publisher(GraphEntity, Generic[MessageT]):
             for one in before:
                 if one not in subscriptions:
                     self._report_match(one, -1)
-            for one in subscriptions:
-                if one not in before:
-                    self._report_match(one, 1)
+            for subscription in subscriptions:
+                if subscription not in before:
+                    self._report_match(subscription, 1)
 
     def _report_match(self, subscription: Subscription[MessageT], change: int) -> None:
         for watcher in self.watchers:

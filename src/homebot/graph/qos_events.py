@@ -37,8 +37,8 @@ class QosStatus:
     def watch(cls, end: TopicEnd, callback: Callable[[Self], None]) -> EventWatcher[Self]:
         """Return a watcher of *end* that calls back with statuses of this kind."""
         watcher: EventWatcher[Self] = _WATCHERS[cls](end, cls, callback)
-        for one in end.matched_ends():
-            watcher.on_match(one, 1)
+        for matched_end in end.matched_ends():
+            watcher.on_match(matched_end, 1)
         return watcher
 
 

@@ -49,7 +49,9 @@ class Topic:
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every matching publisher and replay their history."""
         self.subscriptions.append(subscription)
-        subscription.matched_ends = lambda: [one for one in self.publishers if _fit(one, subscription)]
+        subscription.matched_ends = lambda: [
+            publisher for publisher in self.publishers if _fit(publisher, subscription)
+        ]
         for publisher in self.publishers:
             if not _is_wanted(publisher, subscription) or self._report_mismatch(publisher, subscription):
                 continue
@@ -66,7 +68,7 @@ class Topic:
         self.subscriptions.remove(end)
         end.matched_ends = tuple
         for publisher in self.publishers:
-            publisher.connect(tuple(one for one in publisher.matched_ends() if one is not end))
+            publisher.connect(tuple(matched_end for matched_end in publisher.matched_ends() if matched_end is not end))
 
     def _report_mismatch(self, publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
         """Log a QoS mismatch for both ends; return whether there is one."""

@@ -101,7 +101,7 @@ def message_from_json(
     try:
         return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
-        if ignore_unknown and any(one["type"] == "extra_forbidden" for one in exc.errors()):
+        if ignore_unknown and any(error["type"] == "extra_forbidden" for error in exc.errors()):
             return message_from_json(message_type, _known_fields(message_type, value))
         secrets = frozenset(name for name, field in message_type.model_fields.items() if not field.repr)
         problem = validation_problem(exc, secrets)

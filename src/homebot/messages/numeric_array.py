@@ -49,8 +49,8 @@ class NumericArray(Sequence[NumberT]):
     @overload
     def __getitem__(self, index: slice) -> tuple[NumberT, ...]: ...
     def __getitem__(self, index: int | slice) -> NumberT | tuple[NumberT, ...]:
-        found: Any = self._values[index]
-        return tuple(found) if isinstance(index, slice) else found
+        value: Any = self._values[index]
+        return tuple(value) if isinstance(index, slice) else value
 
     def __iter__(self) -> Iterator[NumberT]:
         return iter(self._values)

@@ -46,14 +46,14 @@ class SubscriptionSet:
         Args:
             every_link: Whether to make them again on each link, even if the broker still has them.
         """
-        for one in subscriptions:
-            self._wanted[one.filter] = one
-            self._made.discard(one.filter)
-            self._unwanted.pop(one.filter, None)
+        for subscription in subscriptions:
+            self._wanted[subscription.filter] = subscription
+            self._made.discard(subscription.filter)
+            self._unwanted.pop(subscription.filter, None)
             if every_link:
-                self._renewed.add(one.filter)
+                self._renewed.add(subscription.filter)
             else:
-                self._renewed.discard(one.filter)
+                self._renewed.discard(subscription.filter)
 
     def drop(self, filters: Iterable[str]) -> None:
         """Remove *filters*."""
@@ -139,12 +139,12 @@ def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> lis
     """
     found: list[list[MqttSubscription]] = []
     room = characters = 0
-    for one in subscriptions:
-        is_single = is_paced and (one.qos > 0 or "+" in one.filter or "#" in one.filter)
-        if not room or is_single or len(one.filter) > characters:
+    for subscription in subscriptions:
+        is_single = is_paced and (subscription.qos > 0 or "+" in subscription.filter or "#" in subscription.filter)
+        if not room or is_single or len(subscription.filter) > characters:
             found.append([])
             room, characters = MOST, MOST_CHARACTERS
-        found[-1].append(one)
+        found[-1].append(subscription)
         room = 0 if is_single else room - 1
-        characters -= len(one.filter)
+        characters -= len(subscription.filter)
     return list(map(tuple, found))

@@ -63,7 +63,7 @@ class FloorPlan:
         self._floors = {room.name: room.floor for room in plan.rooms if room.polygons}
         self._levels = {fold(one): one for one in self._floors.values()}
         areas = (_Area(area.area, room, self._floors[room], area) for room in self._polygons for area in self._of(room))
-        self._areas = sorted(areas, key=lambda one: one[:2])
+        self._areas = sorted(areas, key=lambda area: area[:2])
         self._by_column: dict[tuple[str, int], list[_Area]] = {}
         for area in self._areas:
             box = area.polygon.box
@@ -103,7 +103,7 @@ class FloorPlan:
     def distance(self, room: str, x: float, y: float) -> float:
         """Return the distance from a point to a room in metres, 0 inside; infinite for a room without an area."""
         areas = self._of(room)
-        return min((0.0 if one.contains(x, y) else one.border_distance(x, y) for one in areas), default=math.inf)
+        return min((0.0 if area.contains(x, y) else area.border_distance(x, y) for area in areas), default=math.inf)
 
     def centre_of(self, room: str) -> Position | None:
         """Return a representative position of a room, with half its diagonal as the error; None without an area."""
@@ -161,7 +161,7 @@ class FloorPlan:
     def overlaps(self) -> tuple[tuple[str, str, float], ...]:
         """The pairs of rooms that overlap by more than 0.1 m², neither inside the other, with the shared area."""
         found = []
-        areas = sorted(self._areas, key=lambda one: one.polygon.box.left)
+        areas = sorted(self._areas, key=lambda area: area.polygon.box.left)
         for index, one in enumerate(areas):
             for other in areas[index + 1 :]:
                 if other.polygon.box.left >= one.polygon.box.right:
@@ -176,7 +176,7 @@ class FloorPlan:
     def _near(self, x: float, y: float, floor: str) -> list[_Area]:
         """Return the areas that may contain a point, or be within 0.5 m of it, smallest first."""
         areas = self._by_column.get((self.level(floor), math.floor(x)), ())
-        return [one for one in areas if one.polygon.box.bottom - _NEARBY <= y <= one.polygon.box.top + _NEARBY]
+        return [area for area in areas if area.polygon.box.bottom - _NEARBY <= y <= area.polygon.box.top + _NEARBY]
 
     def doorway(self, door: HouseDoor) -> Doorway:
         """Return the ways through a door."""
@@ -189,7 +189,7 @@ class FloorPlan:
         if self.is_stairs(door) and len(door.position) == 2:
             return [(door.position[0], door.position[1])]
         areas = self._of(door.rooms[0]) or self._of(door.rooms[1])
-        return [(one, one) for one in _passages(_ends(door, areas))]
+        return [(passage, passage) for passage in _passages(_ends(door, areas))]
 
     def _check_doors(self) -> None:
         for door in self.plan.doors:
@@ -210,7 +210,7 @@ def _polygons(room: HouseRoom, source: str) -> tuple[Polygon, ...]:
 
 def _nearest(areas: Sequence[Polygon], point: Point) -> Point:
     """Return the nearest point of a room, 1 mm inside."""
-    inside = [one.nearest_inside(*point) for one in areas]
+    inside = [area.nearest_inside(*point) for area in areas]
     return min(inside, key=lambda one: math.dist(one, point), default=point)
 
 
@@ -219,7 +219,7 @@ def _ends(door: HouseDoor, areas: Sequence[Polygon]) -> tuple[Point, ...]:
     if len(door.position) != 1 or not areas:
         return door.position
     x, y = door.position[0]
-    area = min(areas, key=lambda one: one.border_distance(x, y))
+    area = min(areas, key=lambda area: area.border_distance(x, y))
     (x1, y1), (x2, y2) = area.nearest_edge(x, y)
     share = door.width / 2 / math.dist((x1, y1), (x2, y2))
     dx, dy = (x2 - x1) * share, (y2 - y1) * share

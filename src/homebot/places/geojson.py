@@ -35,7 +35,7 @@ def geojson_table(text: str, source: str, known: Iterable[HouseRoom] = ()) -> Ma
     except (ValueError, RecursionError) as exc:
         raise ConfigError(source, "", f"is not JSON: {exc}") from exc
     features = document.get("features") if isinstance(document, dict) else None
-    if not isinstance(features, list) or not all(isinstance(one, dict) for one in features):
+    if not isinstance(features, list) or not all(isinstance(feature, dict) for feature in features):
         raise ConfigError(source, "features", "must be an array: GeoJSON is an object with an array of features")
     file = _File(cast("list[_Table]", features), source, _object(cast("_Table", document), "homebot"), known)
     return {"rooms": file.rooms(), "doors": [*file.doors()], "devices": dict(file.devices())}
@@ -71,22 +71,22 @@ class _File:
         raise ConfigError(self._source, f"{key}.properties.name", problem)
 
     def rooms(self) -> dict[str, _Table]:
-        found: dict[str, _Table] = {}
+        tables: dict[str, _Table] = {}
         corners: list[Point] = []
         for key, given, kind, coordinates in self._of("Polygon", "MultiPolygon"):
             name = self._name(key, given)
             several = coordinates if kind == "MultiPolygon" else [coordinates]
             areas = [[self._points(ring, key) for ring in _list(one)] for one in _list(several)]
-            room = found.setdefault(name, {"floor": _floor(given), "polygon": []})
+            room = tables.setdefault(name, {"floor": _floor(given), "polygon": []})
             if room["floor"] != _floor(given):
                 problem = f"is on floor {room['floor']!r} already; give one of the two rooms another name"
                 raise ConfigError(self._source, f"{key}.properties.name", f"{name!r} {problem}")
             cast("list[object]", room["polygon"]).extend(areas)
             corners += [corner for area in areas for ring in area for corner in ring]
         self._check_extent(corners)
-        rooms = read_places({"rooms": found}, self._source, self._source, "").rooms
+        rooms = read_places({"rooms": tables}, self._source, self._source, "").rooms
         self._plan = HousePlan(self._source, (*self._known, *rooms), self._source)
-        return found
+        return tables
 
     def _check_extent(self, corners: Collection[Point]) -> None:
         if (

@@ -31,7 +31,7 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[_Corner]:
         here = set(rows.get(row, ()))
         ends = sorted(above), sorted(here)
         for x in sorted(above & here):
-            is_above, is_here = (bisect_right(one, x) % 2 for one in ends)  # an even number of ends is moved below x
+            is_above, is_here = (bisect_right(end, x) % 2 for end in ends)  # an even number of ends is moved below x
             if x in here and is_above != is_here:
                 here ^= {x - 1, x} if is_here else {x, x + 1}
         corners = sorted(above ^ here)

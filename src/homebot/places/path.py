@@ -240,7 +240,7 @@ class PathFinder:
         ways = [[*self._seen(spot, self._nodes.get(spot.room, ()), HALF_HOP)] for spot in spots]
         goal = []
         for known in self._landmarks if ways else ():
-            away = [min((metres + known[node] for metres, node in each), default=math.inf) for each in ways]
+            away = [min((metres + known[node] for metres, node in way), default=math.inf) for way in ways]
             goal.append((known, min(away), max(away)))
         return goal
 
@@ -260,9 +260,9 @@ class PathFinder:
         return ways
 
     def _seen(self, spot: Spot, nodes: Iterable[int], otherwise: float) -> Iterator[tuple[float, int]]:
-        for one in nodes:
-            if self._sees(spot, self._spots[one]):
-                yield _metres(spot, self._spots[one], otherwise), one
+        for node in nodes:
+            if self._sees(spot, self._spots[node]):
+                yield _metres(spot, self._spots[node], otherwise), node
 
     def _inside(self, place: Spot) -> Spot:
         """Return *place*, or the nearest place inside its room."""

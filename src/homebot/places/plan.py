@@ -206,16 +206,18 @@ def door_name(rooms: tuple[str, str]) -> str:
 
 def _merged(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
     """Return each room once, by its folded name, with floors in their first spelling."""
-    found: dict[str, HouseRoom] = {}
+    house_rooms: dict[str, HouseRoom] = {}
     for room in rooms:
-        known = found.get(fold(room.name), room)
-        found[fold(room.name)] = known._replace(
+        known = house_rooms.get(fold(room.name), room)
+        house_rooms[fold(room.name)] = known._replace(
             floor=room.floor or known.floor,
             doors=(*known.doors, *room.doors),
             polygons=room.polygons or known.polygons,
             source=(room if room.polygons else known).source,
         )
-    if len(found) > MAX_ROOMS:
-        raise ConfigError(source, _ROOMS, f"has {len(found):,} rooms; {MAX_ROOMS:,} is the limit")
+    if len(house_rooms) > MAX_ROOMS:
+        raise ConfigError(source, _ROOMS, f"has {len(house_rooms):,} rooms; {MAX_ROOMS:,} is the limit")
     floors: dict[str, str] = {}
-    return {key: room._replace(floor=floors.setdefault(fold(room.floor), room.floor)) for key, room in found.items()}
+    return {
+        key: room._replace(floor=floors.setdefault(fold(room.floor), room.floor)) for key, room in house_rooms.items()
+    }

@@ -52,7 +52,7 @@ class Polygon:
     __slots__ = ("area", "box", "rings")
 
     def __init__(self, outer: Sequence[Point], holes: Iterable[Sequence[Point]] = ()) -> None:
-        rings = [_ring(outer, is_hole=False), *(_ring(one, is_hole=True) for one in holes)]
+        rings = [_ring(outer, is_hole=False), *(_ring(hole, is_hole=True) for hole in holes)]
         if sum(map(len, rings)) > MOST_CORNERS:
             raise UsageError(f"has {sum(map(len, rings)):,} corners; {MOST_CORNERS:,} is the limit")
         self.rings = tuple(rings)
@@ -92,11 +92,11 @@ class Polygon:
             return 0.0
         width, height = (right - left) / _STEPS, (top - bottom) / _STEPS
         points = ((left + (i + 0.5) * width, bottom + (j + 0.5) * height) for i in range(_STEPS) for j in range(_STEPS))
-        return sum(self.contains(*one) and other.contains(*one) for one in points) * width * height
+        return sum(self.contains(*point) and other.contains(*point) for point in points) * width * height
 
     def nearest_edge(self, x: float, y: float) -> Edge:
         """Return the edge nearest to a point."""
-        return min(self.edges(), key=lambda one: _squared_distance(x, y, one))
+        return min(self.edges(), key=lambda edge: _squared_distance(x, y, edge))
 
     def nearest_inside(self, x: float, y: float, margin: float = 0.001) -> Point:
         """Return the point itself if it is at least *margin* metres inside, otherwise the nearest such point."""
@@ -124,7 +124,7 @@ class Polygon:
 
     def _check_edges(self) -> None:
         """Refuse edges that cross, in a sweep along the x axis."""
-        edges = sorted(self.edges(), key=lambda one: min(one[0][0], one[1][0]))
+        edges = sorted(self.edges(), key=lambda edge: min(edge[0][0], edge[1][0]))
         active: list[Edge] = []
         for edge in edges:
             left = min(edge[0][0], edge[1][0])

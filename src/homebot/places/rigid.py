@@ -45,7 +45,7 @@ def fitted_pose(pairs: Sequence[tuple[complex, complex]]) -> MapPose | None:
     """
     if len(pairs) < _LEAST_POINTS:
         return None
-    own, other = (sum(one[side] for one in pairs) / len(pairs) for side in (0, 1))
+    own, other = (sum(pair[side] for pair in pairs) / len(pairs) for side in (0, 1))
     turn = sum((there - other) * (here - own).conjugate() for here, there in pairs)
     if not turn:
         return None

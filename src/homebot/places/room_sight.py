@@ -24,7 +24,7 @@ class RoomSight:
 
     def __init__(self, *areas: Polygon) -> None:
         self.areas = tuple(map(_simplified, areas))
-        self._edges = tuple(edge for one in self.areas for edge in one.edges())
+        self._edges = tuple(edge for area in self.areas for edge in area.edges())
         self.corners = tuple(_inward_corners(self.areas[0]) if len(areas) == 1 else self._joint_corners())
 
     def sees(self, start: Point, end: Point) -> bool:
@@ -40,7 +40,7 @@ class RoomSight:
         """Return *point* if it is inside, else the nearest point inside."""
         if self._holds(*point):
             return point
-        return min((one.nearest_inside(*point) for one in self.areas), key=lambda one: math.dist(one, point))
+        return min((area.nearest_inside(*point) for area in self.areas), key=lambda one: math.dist(one, point))
 
     def _meetings(self, start: Point, end: Point) -> Iterator[float]:
         """Yield the fractions of a line at which it meets an edge."""
@@ -56,7 +56,7 @@ class RoomSight:
                 yield share
 
     def _holds(self, x: float, y: float) -> bool:
-        return any(one.holds(x, y) for one in self.areas)
+        return any(area.holds(x, y) for area in self.areas)
 
     def _joint_corners(self) -> list[Point]:
         """Return the corners of several areas, and the points where their edges cross; none if they are disjoint."""
@@ -64,9 +64,9 @@ class RoomSight:
         for start, end in self._edges:
             for share in (0.0, *self._meetings(start, end)):
                 x, y = (a + share * (b - a) for a, b in zip(start, end, strict=True))
-                found[x, y] = [one for one in self.areas if one.holds(x, y)]
+                found[x, y] = [area for area in self.areas if area.holds(x, y)]
         shared = [areas for areas in found.values() if len(areas) > 1]
-        return [*found] if all(any(one in areas for areas in shared) for one in self.areas) else []
+        return [*found] if all(any(area in areas for areas in shared) for area in self.areas) else []
 
 
 def _inward_corners(polygon: Polygon) -> Iterator[Point]:

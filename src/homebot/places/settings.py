@@ -232,7 +232,7 @@ def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
 
 def _rooms(tables: Mapping[str, RoomSettings], source: str) -> tuple[HouseRoom, ...]:
     spellings: dict[str, str] = {}
-    found: list[HouseRoom] = []
+    house_rooms: list[HouseRoom] = []
     for name, room in tables.items():
         try:
             spelled = check_name(name)
@@ -241,20 +241,24 @@ def _rooms(tables: Mapping[str, RoomSettings], source: str) -> tuple[HouseRoom, 
         first = spellings.setdefault(fold(spelled), spelled)
         if first != spelled:
             raise ConfigError(source, f"places.rooms.{name}", f"is the same room as {first!r}")
-        found.append(HouseRoom(spelled, room.floor, room.doors, room.polygon))
-    return tuple(found)
+        house_rooms.append(HouseRoom(spelled, room.floor, room.doors, room.polygon))
+    return tuple(house_rooms)
 
 
 def _doors(tables: Iterable[HouseDoorSettings], source: str) -> tuple[HouseDoor, ...]:
-    found: dict[str, HouseDoor] = {}
+    house_doors: dict[str, HouseDoor] = {}
     for index, door in enumerate(tables):
         name = door.name or door_name(door.rooms)
-        if fold(name) in found and door.name:
-            raise ConfigError(source, f"places.doors.{index}.name", f"is the same door as {found[fold(name)].name!r}")
-        if fold(name) in found:
+        if fold(name) in house_doors and door.name:
+            raise ConfigError(
+                source, f"places.doors.{index}.name", f"is the same door as {house_doors[fold(name)].name!r}"
+            )
+        if fold(name) in house_doors:
             name = f"{name} {index + 1}"
-        found[fold(name)] = HouseDoor(name, door.rooms, door.position, door.width, door.contact, door.lock, door.cost)
-    return tuple(found.values())
+        house_doors[fold(name)] = HouseDoor(
+            name, door.rooms, door.position, door.width, door.contact, door.lock, door.cost
+        )
+    return tuple(house_doors.values())
 
 
 def _distinct(values: Iterable[str]) -> tuple[str, ...]:

@@ -91,7 +91,7 @@ class Recorder:
 
     def record_lost(self) -> None:
         """Record the number of messages that were lost in floods since the last call."""
-        lost = sum(one.lost for one in self._subscriptions)
+        lost = sum(subscription.lost for subscription in self._subscriptions)
         if lost > self._lost:
             self._record(self._clock.now(), LostLines(count=lost - self._lost))
             self._lost = lost
@@ -107,7 +107,7 @@ class Recorder:
         rows = (await self._export.call(ExportIndexRequest())).rows
         self._started_at = self._clock.now()
         header = self._header.model_copy(update={"started_at": Time.from_seconds(self._started_at)})
-        self._first_devices = frozenset(one.id for one in devices)
+        self._first_devices = frozenset(device.id for device in devices)
         self._record(self._started_at, header)
         for message in (*rows, *devices, *(news for part in held for news in _held(part))):
             self._record(self._started_at, message)

@@ -101,7 +101,7 @@ class Recording:
     @property
     def gateways(self) -> tuple[str, ...]:
         """The names of all gateways, sorted."""
-        told = chain(self.before, (one.message for one in self.events))
+        told = chain(self.before, (event.message for event in self.events))
         names = {str(getattr(one, "gateway", "")) for one in told} - {""}
         names |= {endpoint.gateway for device in self.devices.values() for endpoint in device.endpoints}
         return tuple(sorted(names))
@@ -180,9 +180,9 @@ def _check_place(line: RecordingLine, where: str, *, is_over: bool) -> None:
 def _sort(recording: Recording) -> None:
     """Sort by time, keeping the order of one moment, because effects follow their causes."""
     recording.before.sort(key=lambda one: _RANKS.get(type(one), len(_RANKS)))
-    recording.events.sort(key=lambda one: one.at)
+    recording.events.sort(key=lambda event: event.at)
     recording.commands.sort(key=lambda one: one.at)
-    recording.leases.sort(key=lambda one: one[0])
+    recording.leases.sort(key=lambda lease: lease[0])
 
 
 def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:

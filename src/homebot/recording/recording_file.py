@@ -71,7 +71,7 @@ class RecordingFile:
         with self._file:
             if self._is_full:
                 ends = (LostLines(count=self.dropped), RecordingEnd(reason="the file is full"))
-                self._file.write("".join(f"{line_text(RecordingLine(0.0, one))}\n" for one in ends).encode())
+                self._file.write("".join(f"{line_text(RecordingLine(0.0, end))}\n" for end in ends).encode())
         if not self.lines:
             self.path.unlink(missing_ok=True)
 

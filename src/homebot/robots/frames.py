@@ -54,7 +54,7 @@ class RobotFrames:
 
     def pose_of(self, robot: TrackedRobot) -> tuple[MapPose, float] | None:
         """Return the pose of *robot* in ``map``, and when its oldest component was received; None without one."""
-        own = (one for one in robot.settings.frames if one.endswith(_BASES))
+        own = (frame for frame in robot.settings.frames if frame.endswith(_BASES))
         plain = _BASES if robot.name == self._owners.sole else ()
         for base in (*(f"{robot.name}/{one}" for one in _BASES), *own, *plain):
             with suppress(TransformException):

@@ -105,7 +105,9 @@ class PoseTopics:
         try:
             subscription = self._node.create_subscription(kind, topic, None, _DEPTH)
             publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
-            if any(one.qos is not None and one.qos.durability is _KEPT.durability for one in publishers):
+            if any(
+                publisher.qos is not None and publisher.qos.durability is _KEPT.durability for publisher in publishers
+            ):
                 early = self._node.create_subscription(kind, topic, None, _KEPT)  # a mistake for others
                 for message in iter(early.take, None):
                     subscription.mailbox.put(message)
@@ -141,11 +143,11 @@ class PoseTopics:
                 self._refuse(topic, str(exc))
 
     def _place_by_frames(self, robot: TrackedRobot) -> None:
-        found = self._frames.pose_of(robot)
-        if found is not None and found != self._placed.get(robot.name):
-            self._placed[robot.name] = found
+        pose = self._frames.pose_of(robot)
+        if pose is not None and pose != self._placed.get(robot.name):
+            self._placed[robot.name] = pose
             error = _TF_ERROR if robot.sigma is None else min(_MOST_ERROR, max(_LEAST_TF_ERROR, robot.sigma))
-            robot.place("/tf", TF_LIMIT, found[0], age=self._now() - found[1], error=error)
+            robot.place("/tf", TF_LIMIT, pose[0], age=self._now() - pose[1], error=error)
 
     def _on_amcl(self, robot: str, topic: str, messages: Sequence[PoseWithCovarianceStamped]) -> None:
         odometry = f"{topic.rpartition('/')[0]}/odom"

@@ -128,7 +128,7 @@ class TrackedRobot:
     def best(self) -> RobotPose | None:
         """Return the valid pose with the smallest error, preferring sure ones, else the last; None without any."""
         now = self.now()
-        if counting := [one for one in self._poses.values() if self.expires_at(one) > now]:
+        if counting := [pose for pose in self._poses.values() if self.expires_at(pose) > now]:
             return min(counting, key=lambda one: (not self.is_sure(one), one.error, one.source))
         return max(self._poses.values(), key=self.expires_at, default=None)
 

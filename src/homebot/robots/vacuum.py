@@ -103,34 +103,34 @@ class Vacuum:
         self._status = message.text()[:40]
         self._robot.add_life()
 
-    def _warn_of_new_map(self, found: VacuumMap) -> None:
-        self._first_id = found.vendor_id if self._first_id is None else self._first_id
-        if self._map is not None and self._map.vendor_id != found.vendor_id:
+    def _warn_of_new_map(self, vacuum_map: VacuumMap) -> None:
+        self._first_id = vacuum_map.vendor_id if self._first_id is None else self._first_id
+        if self._map is not None and self._map.vendor_id != vacuum_map.vendor_id:
             table = f"[robots.{self._robot.name}]"
             text = f"{self._robot.name} uses another map now; map_transform and segments of {table} do not apply to it"
             self._node.log.warning(MAP_CHANGED, message=text, robot=self._robot.name)
 
-    def _place_of_map(self, found: VacuumMap) -> MapPose | None:
+    def _place_of_map(self, vacuum_map: VacuumMap) -> MapPose | None:
         """Return the pose of the map in the house: as stated by the owner, or fitted to rooms of the same names."""
         stated, plan = self._robot.settings.map_transform, FloorPlan.of(self._house())
-        if stated is not None and found.vendor_id == self._first_id:
+        if stated is not None and vacuum_map.vendor_id == self._first_id:
             return MapPose(*stated)
         pairs = []
-        for one in found.segments:
-            there = plan.centre_of(self._name_of(one))
-            if there is not None and one.id in self._shapes:
-                here = self._shapes[one.id]
+        for segment in vacuum_map.segments:
+            there = plan.centre_of(self._name_of(segment))
+            if there is not None and segment.id in self._shapes:
+                here = self._shapes[segment.id]
                 pairs.append((complex(*here.nearest_inside(*here.centroid())), complex(there.x, there.y)))
         return fitted_pose(pairs)
 
-    def _house_rooms(self, found: VacuumMap, lies_at: MapPose) -> list[HouseRoom]:
+    def _house_rooms(self, vacuum_map: VacuumMap, lies_at: MapPose) -> list[HouseRoom]:
         """Return the named rooms, in the frame ``map`` of the house, with doors where they touch."""
         rooms = []
-        names = {one.id: self._name_of(one) for one in found.segments if one.id in self._shapes}
-        for one in found.segments:
-            if name := names.get(one.id):
-                doors = (names.get(other) for pair in self._joined for other in pair if one.id in pair)
-                corners = (lies_at.then(MapPose(x, y)) for x, y in self._shapes[one.id].rings[0])
+        names = {segment.id: self._name_of(segment) for segment in vacuum_map.segments if segment.id in self._shapes}
+        for segment in vacuum_map.segments:
+            if name := names.get(segment.id):
+                doors = (names.get(other) for pair in self._joined for other in pair if segment.id in pair)
+                corners = (lies_at.then(MapPose(x, y)) for x, y in self._shapes[segment.id].rings[0])
                 ring = tuple((round(corner.x, 3), round(corner.y, 3)) for corner in corners)
                 to = tuple(other for other in doors if other and fold(other) != fold(name))
                 rooms.append(HouseRoom(name, self._robot.settings.floor, to, ((ring,),)))
@@ -162,10 +162,10 @@ class Vacuum:
         robot.place(self._source, limit, position, age=robot.now() - self._received_at, by_robot=True, **place)
 
 
-def _rooms_of(found: VacuumMap) -> tuple[Mapping[str, Polygon], tuple[tuple[str, str], ...]]:
+def _rooms_of(vacuum_map: VacuumMap) -> tuple[Mapping[str, Polygon], tuple[tuple[str, str], ...]]:
     """Return the areas of the segments of a map by their ids, and which of them a doorway joins."""
-    outlines = ((one.id, simplified(found.outline(one))) for one in found.segments)
-    return {number: Polygon(ring) for number, ring in outlines if ring}, tuple(found.joined())
+    outlines = ((segment.id, simplified(vacuum_map.outline(segment))) for segment in vacuum_map.segments)
+    return {number: Polygon(ring) for number, ring in outlines if ring}, tuple(vacuum_map.joined())
 
 
 class _ImportedRooms:
@@ -207,7 +207,7 @@ class _ImportedRooms:
 
 def _text(home: str, rooms: Sequence[HouseRoom]) -> str:
     """Return the text of *rooms*, and of the names of those to which their doors lead."""
-    return places_text(HousePlan(home, (*rooms, *(HouseRoom(to) for one in rooms for to in one.doors))))
+    return places_text(HousePlan(home, (*rooms, *(HouseRoom(to) for room in rooms for to in room.doors))))
 
 
 def _is_same(first: HouseRoom, second: HouseRoom) -> bool:

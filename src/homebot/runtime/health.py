@@ -48,8 +48,10 @@ class RuntimeHealth:
         counts = {
             "components_crashed": len(crashes),
             "components_given_up": len(self._supervisor.given_up),
-            "crashes": sum(one.count for one in crashes),
-            "callback_failures": sum(one.count for one in self._graph.failures),  # each is among the failures too
+            "crashes": sum(crash.count for crash in crashes),
+            "callback_failures": sum(
+                failure.count for failure in self._graph.failures
+            ),  # each is among the failures too
             "loop_blocks": 0 if self._watch is None else self._watch.blocks,
             "task_exits": 0 if self._watch is None else self._watch.exits,
         }
@@ -68,7 +70,7 @@ class RuntimeHealth:
                 *Count.each(faults, Severity.FAULT),
                 *self._apps.counts(),
             ),
-            troubles=(*self._problems(), *[one async for one in self._apps.unknown_names()]),
+            troubles=(*self._problems(), *[name async for name in self._apps.unknown_names()]),
             failures=tuple(self._failures()),
             notes=await to_thread.run_sync(self._notes),
             home=self._home,
@@ -95,9 +97,16 @@ class RuntimeHealth:
         for name, crash in sorted(self._supervisor.crashes.items()):
             yield _failure(name, "crashed", crash.count, crash.at, crash.last, crash.state)
         given_up = self._apps.given_up()
-        for one in self._graph.failures:
-            outcome = "given up" if (one.node, one.callback) in given_up else ""
-            yield _failure(one.node.lstrip("/"), f"the {one.callback} failed", one.count, one.at, one.last, outcome)
+        for failure in self._graph.failures:
+            outcome = "given up" if (failure.node, failure.callback) in given_up else ""
+            yield _failure(
+                failure.node.lstrip("/"),
+                f"the {failure.callback} failed",
+                failure.count,
+                failure.at,
+                failure.last,
+                outcome,
+            )
         now, watch = self._graph.clock.now(), self._watch
         if watch is not None and watch.blocks:
             at = now - watch.seconds_since_block()

@@ -150,11 +150,12 @@ def take_folder(path: Path, name: str, file: Path) -> None:
 
 def unused_folders(used: Path) -> Iterator[str]:
     """Yield a text about each known home whose data no configuration uses, besides *used*. Blocking."""
-    for one in _folders() if used.is_relative_to(_root()) else ():
-        if one.path != used and not one.belongs_to_other(None):
-            last = datetime.fromtimestamp((one.path / INDEX_FILE).stat().st_mtime, UTC).date()
-            name = _shown(one.path)
-            yield f"data of the home {one.facts.name}, last used on {last}, are not in use: homebot home adopt {name}"
+    for folder in _folders() if used.is_relative_to(_root()) else ():
+        if folder.path != used and not folder.belongs_to_other(None):
+            used_on = datetime.fromtimestamp((folder.path / INDEX_FILE).stat().st_mtime, UTC).date()
+            name = _shown(folder.path)
+            text = f"data of the home {folder.facts.name}, last used on {used_on}, are not in use"
+            yield f"{text}: homebot home adopt {name}"
 
 
 def _find(config: Config, facts: _HomeFacts) -> tuple[Path | None, Sequence[Path]]:
@@ -164,8 +165,8 @@ def _find(config: Config, facts: _HomeFacts) -> tuple[Path | None, Sequence[Path
     if config.home.id:
         return _root() / _HOMES / config.home.id, ()
     file = Path(facts.config)
-    folders = [one for one in _folders() if not one.belongs_to_other(file)]
-    alike = [one for one in folders if one.facts.may_be(facts)]
+    folders = [folder for folder in _folders() if not folder.belongs_to_other(file)]
+    alike = [folder for folder in folders if folder.facts.may_be(facts)]
     first = index_path(facts.name, facts.networks[0]).parent.resolve()
     named = [one for one in alike if one.facts.name.casefold() == facts.name.casefold()]
     for fitting in (
@@ -180,8 +181,8 @@ def _find(config: Config, facts: _HomeFacts) -> tuple[Path | None, Sequence[Path
 
 def _facts_of(config: Config, file: Path | None) -> _HomeFacts:
     plan = make_plan(config)
-    gateways = [one for one in plan.gateways if one.name not in plugin_tables().values()]
-    networks = [one.kind.network(one.settings) or one.name for one in gateways]
+    gateways = [gateway for gateway in plan.gateways if gateway.name not in plugin_tables().values()]
+    networks = [gateway.kind.network(gateway.settings) or gateway.name for gateway in gateways]
     return _HomeFacts(name=plan.home, networks=tuple(networks or ["none"]), config=str(file.resolve()) if file else "")
 
 

@@ -152,7 +152,7 @@ class _Facts(NamedTuple):
 
     def seconds_to_an_end(self, now: float) -> float:
         """Return the seconds until one of the tokens ends."""
-        return min((one.until for one in self.tokens if one.until > now), default=inf) - now
+        return min((token.until for token in self.tokens if token.until > now), default=inf) - now
 
 
 def read_rights(plan: Plan, settings: RosSettings, now: float, owner: SecretStr | None) -> WireRights:

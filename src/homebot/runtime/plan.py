@@ -152,12 +152,16 @@ class Plan:
     @property
     def own_gateways(self) -> tuple[str, ...]:
         """The names of the gateways of this machine."""
-        return tuple(one.name for one in self.gateways if one.kind.other_machine(one.name, one.settings) is None)
+        return tuple(
+            gateway.name
+            for gateway in self.gateways
+            if gateway.kind.other_machine(gateway.name, gateway.settings) is None
+        )
 
     @property
     def other_machines(self) -> Mapping[str, Path]:
         """The machines with gateways of this house, by name, with the files of their secrets."""
-        found = (one.kind.other_machine(one.name, one.settings) for one in self.gateways)
+        found = (gateway.kind.other_machine(gateway.name, gateway.settings) for gateway in self.gateways)
         return dict(filter(None, found))
 
     @property

@@ -181,7 +181,7 @@ class Runtime:
         self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
         self._plan = self._make_plan(self.config)
         self._needed = tuple(
-            one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
+            service for gateway in self._plan.gateways for service in gateway.kind.host_services(gateway.settings)
         )
         is_all_simulated = self._house is not None and not self._house.may_meet_real_devices(self._plan)
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
@@ -342,7 +342,8 @@ class Runtime:
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(
-            replace(one, settings=one.kind.resolve(one.settings, self._context)) for one in self._plan.gateways
+            replace(gateway, settings=gateway.kind.resolve(gateway.settings, self._context))
+            for gateway in self._plan.gateways
         )
         zone = await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
         home_time.set(lambda: datetime.fromtimestamp(self._clock.now(), zone))
@@ -402,7 +403,9 @@ class Runtime:
         own = {f"/{name}" for name in OWN_NODES}
         services = self.graph.get_endpoints(kind=EntityKind.SERVICE)
         lacking = [
-            one.name for one in services if one.node in own and is_own(one.name) and row_of_service(one.name) is None
+            service.name
+            for service in services
+            if service.node in own and is_own(service.name) and row_of_service(service.name) is None
         ]
         if lacking:
             raise UsageError(f"services without a right: {', '.join(lacking)}; add them to CORE_SERVICES")

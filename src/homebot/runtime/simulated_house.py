@@ -76,7 +76,7 @@ class HouseOfRun:
 
     def may_meet_real_devices(self, plan: Plan) -> bool:
         """Return whether a configured gateway may find devices outside the house."""
-        return any(one.name in self._configured and not _is_host(one) for one in plan.gateways)
+        return any(gateway.name in self._configured and not _is_host(gateway) for gateway in plan.gateways)
 
     def places(self) -> Places:
         """Return the devices in their rooms; with a robot, also the rooms that have an extent, and their doors."""
@@ -180,4 +180,4 @@ def _facts(name: str, placed: Placed) -> Iterator[OwnerFact]:
 
 
 def _is_host(gateway: PlannedComponent[Gateway]) -> bool:
-    return any(one.kind is SimulatedHouse.Host for one in gateway.kind.host_services(gateway.settings))
+    return any(service.kind is SimulatedHouse.Host for service in gateway.kind.host_services(gateway.settings))

@@ -92,7 +92,7 @@ def crash_of(owner: str, error: BaseException) -> Exception:
     if isinstance(error, KeyboardInterrupt):
         raise error
     if isinstance(error, BaseExceptionGroup):
-        return ExceptionGroup(error.message, [crash_of(owner, one) for one in error.exceptions])
+        return ExceptionGroup(error.message, [crash_of(owner, exception) for exception in error.exceptions])
     crash = ExitError(owner, error) if isinstance(error, SystemExit) else AbortError(owner, error)
     crash.__cause__ = error
     return crash

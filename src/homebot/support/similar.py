@@ -20,8 +20,10 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
 
     wanted = fold(str(name))  # perhaps from an app, which may pass anything
     names = {fold(one): one for one in sorted(set(known), reverse=True)}
-    found = get_close_matches(wanted, names, n=_MOST, cutoff=cutoff)
-    return [names[one] for one in found or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MOST]]
+    matches = get_close_matches(wanted, names, n=_MOST, cutoff=cutoff)
+    return [
+        names[match] for match in matches or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MOST]
+    ]
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float = _CUTOFF) -> str:

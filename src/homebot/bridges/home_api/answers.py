@@ -51,15 +51,15 @@ async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAns
     devices = await all_listed(home)
     rooms: dict[str, Counter[str]] = {}
     spelled: dict[str, str] = {}  # makers write a room differently
-    for one in devices:
-        room = spelled.setdefault(fold(one.room), printable(one.room, _WIDEST) or "(no room)")
-        rooms.setdefault(room, Counter())[one.type] += 1
+    for device in devices:
+        room = spelled.setdefault(fold(device.room), printable(device.room, _WIDEST) or "(no room)")
+        rooms.setdefault(room, Counter())[device.type] += 1
     return shapes.HomeAnswer(
         home=home.home,
         devices=len(devices),
         rooms={room: dict(rooms[room]) for room in sorted(rooms)},
-        unreachable=tuple([one.id for one in devices if not one.is_reachable][:_MOST_NAMED]),
-        waiting_for_approval=tuple([one.id for one in devices if one.waits][:_MOST_NAMED]),
+        unreachable=tuple([device.id for device in devices if not device.is_reachable][:_MOST_NAMED]),
+        waiting_for_approval=tuple([device.id for device in devices if device.waits][:_MOST_NAMED]),
     )
 
 
@@ -83,7 +83,7 @@ async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shape
     asks: tuple[str, ...] = ()
     if home.offers(names.GET_UNAPPROVED):  # not where nothing is controlled
         found = await home.call(names.GET_UNAPPROVED, {"device": device.id})
-        asks = tuple(one.value for one in cast("UnapprovedResponse", found).reasons)
+        asks = tuple(reason.value for reason in cast("UnapprovedResponse", found).reasons)
     return shapes.DeviceDetails(
         **(_line(answer.devices[0]).model_dump() if answer.devices else {"id": device.id, "type": ""}),
         state=state_text(device),
@@ -113,7 +113,7 @@ async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.Outc
             tasks.start_soon(send, device, target)
     if len(problems) == len(answers):
         raise problems[0]
-    worst = max(answers, key=lambda one: _BEST_FIRST.index(one.outcome))
+    worst = max(answers, key=lambda answer: _BEST_FIRST.index(answer.outcome))
     return worst if len(answers) == 1 else worst.model_copy(update={"devices": tuple(answers)})
 
 
@@ -132,9 +132,9 @@ def outcome_of(
     answer: CommandDevicesResponse, ident: str, name_of: Callable[[CommandedPart], str]
 ) -> shapes.OutcomeAnswer:
     """Return *answer* as that to a command to *ident*; a refusal of all for want of a right is a problem."""
-    results = [one.result for one in answer.results]
-    worst = next(one for one in results if one.outcome == answer.outcome)
-    if all(one.policy == CLIENT_RIGHTS for one in results):
+    results = [result.result for result in answer.results]
+    worst = next(result for result in results if result.outcome == answer.outcome)
+    if all(result.policy == CLIENT_RIGHTS for result in results):
         raise ProblemError(HTTPStatus.FORBIDDEN, worst.reason)
     return shapes.OutcomeAnswer(
         id=ident,
@@ -144,7 +144,7 @@ def outcome_of(
         policy=worst.policy,
         reason=worst.reason,
         command_id=worst.command_id,
-        parts={name_of(one): one.result.text for one in answer.results} if len(results) > 1 else {},
+        parts={name_of(result): result.result.text for result in answer.results} if len(results) > 1 else {},
     )
 
 
@@ -157,11 +157,11 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
         wanted = cast("ExplainMissingStateResponse", await call_or_fail(home, names.EXPLAIN_MISSING_STATE, request))
         is_so, (reason, steps) = wanted.is_so, _why_not(wanted, now)
     else:
-        found = cast("ExplainDeviceResponse", await call_or_fail(home, names.EXPLAIN_DEVICE, {"device": device.id}))
-        named = {device.id: device.name, **{one.key: one.value for one in found.names}}
-        steps = [" ".join(one).strip() for one in chain_lines(chains_of(found.entries), named, now)]
-        reason = finding_text(found, named, now)
-        since = iso(found.changed_at) if found.changed_at.sec else ""
+        response = cast("ExplainDeviceResponse", await call_or_fail(home, names.EXPLAIN_DEVICE, {"device": device.id}))
+        named = {device.id: device.name, **{name.key: name.value for name in response.names}}
+        steps = [" ".join(line).strip() for line in chain_lines(chains_of(response.entries), named, now)]
+        reason = finding_text(response, named, now)
+        since = iso(response.changed_at) if response.changed_at.sec else ""
     return shapes.WhyAnswer(
         id=device.id,
         state=state_text(device),
@@ -178,7 +178,9 @@ def _why_not(wanted: ExplainMissingStateResponse, now: float) -> tuple[str, list
     if wanted.is_so:
         return "it is so; a question without a state has the reason", []
     chains = chains_of(wanted.entries)
-    steps = [f"{clock_text(one[0].at, now)} {issuer_text(one[0].issuer)}: {result_text(one, now)}" for one in chains]
+    steps = [
+        f"{clock_text(chain[0].at, now)} {issuer_text(chain[0].issuer)}: {result_text(chain, now)}" for chain in chains
+    ]
     reason = wanted.problem or (steps[-1] if steps else "no command asked for that")
     if chains and was_obeyed(chains[-1]):
         reason += "; it changed after that: a question without a state has the reason"
@@ -194,13 +196,13 @@ async def call_or_fail(home: HomeCalls, service: str, request: Mapping[str, obje
 
 
 def _line(device: ListedDevice) -> shapes.DeviceLine:
-    often = Counter(one.capability for one in device.states)
+    often = Counter(state.capability for state in device.states)
     values: dict[str, shapes.ShortValue] = {}
-    for one in device.states:
-        name = "on" if one.capability == "on_off" else one.capability
-        value = short_value(one.value)
+    for state in device.states:
+        name = "on" if state.capability == "on_off" else state.capability
+        value = short_value(state.value)
         if value is not None and name not in shapes.DeviceLine.model_fields:
-            values[name if often[one.capability] == 1 else f"{one.part}.{name}"] = value
+            values[name if often[state.capability] == 1 else f"{state.part}.{name}"] = value
     return shapes.DeviceLine(
         id=device.id,
         type=device.type,
@@ -227,6 +229,10 @@ def short_value(value: object) -> shapes.ShortValue | None:
 
 def _takes(device: Device) -> dict[str, str]:
     found: dict[str, str] = {}
-    for one in (one for part in main_parts(device) for one in part.part.capabilities if one.settable):
-        found[one.name] = span(one) or ("on, off" if CAPABILITIES.get(one.name, OWN).kind == "bool" else "any")
+    for capability in (
+        capability for part in main_parts(device) for capability in part.part.capabilities if capability.settable
+    ):
+        found[capability.name] = span(capability) or (
+            "on, off" if CAPABILITIES.get(capability.name, OWN).kind == "bool" else "any"
+        )
     return found

@@ -84,7 +84,7 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
     """Return the devices with the id, with or without a part, or the name *text*; one with the id alone."""
     ident = text.partition("#")[0]
     terms = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text)))))
-    found = await _found(home, {"query": [message_to_json(one) for one in terms]})
+    found = await _found(home, {"query": [message_to_json(term) for term in terms]})
     return [one for one in found if one.id == ident] or found
 
 

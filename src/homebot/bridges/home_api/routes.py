@@ -55,7 +55,7 @@ def openapi_text() -> bytes:
     """Return the description as JSON."""
     models: list[type[BaseModel]] = [shapes.Problem, *(one.answer for one in all_routes())]
     models += [one.question for one in all_routes() if one.method == "POST"]
-    _, schemas = models_json_schema([(one, "serialization") for one in models], ref_template=_REFERENCE)
+    _, schemas = models_json_schema([(model, "serialization") for model in models], ref_template=_REFERENCE)
     paths: dict[str, Any] = {}
     for route in all_routes():
         paths.setdefault(route.path, {})[route.method.lower()] = _operation(route)
@@ -148,8 +148,8 @@ def problem_body(status: HTTPStatus, detail: str) -> ApiAnswer:
     return ApiAnswer(status, "application/problem+json", _text(problem))
 
 
-def _text(found: BaseModel) -> bytes:
-    return found.model_dump_json(exclude_defaults=True).encode() + b"\n"
+def _text(model: BaseModel) -> bytes:
+    return model.model_dump_json(exclude_defaults=True).encode() + b"\n"
 
 
 def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:

@@ -160,8 +160,8 @@ class _GatewayExport:
         return message_to_cdr(response)
 
     def _services(self) -> tuple[str, ...]:
-        found = self._node.graph.get_endpoints(kind=EntityKind.SERVICE, node=self._names.node)
-        return tuple(one.name.rpartition("/")[2] for one in found)
+        endpoints = self._node.graph.get_endpoints(kind=EntityKind.SERVICE, node=self._names.node)
+        return tuple(endpoint.name.rpartition("/")[2] for endpoint in endpoints)
 
     def _wake(self) -> None:
         self._news.set()

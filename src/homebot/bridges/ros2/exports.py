@@ -85,7 +85,9 @@ class Exports:
 
     def _offer_or_withdraw(self, kind: EntityKind, name: str) -> None:
         others = [
-            one for one in self._node.graph.get_endpoints(kind=kind, name=name) if one.node != self._node.full_name
+            endpoint
+            for endpoint in self._node.graph.get_endpoints(kind=kind, name=name)
+            if endpoint.node != self._node.full_name
         ]
         present = self._open.get((kind, name))
         if others and present is None:
@@ -124,7 +126,7 @@ class Exports:
         name, node = publishers[0].name, self._node
         message_type = node.graph.get_message_type(name)
         assert message_type is not None, "a topic with a publisher has a type"  # noqa: S101 - for mypy
-        offered = [one.qos for one in publishers if one.qos is not None]
+        offered = [publisher.qos for publisher in publishers if publisher.qos is not None]
         is_latched = all(one.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in offered)
         durability = DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE
         reliability = max(one.reliability for one in offered)

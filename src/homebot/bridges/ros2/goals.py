@@ -94,12 +94,12 @@ async def _cancel(client: _Client, request: CancelGoalRequest) -> Message:
     wanted, at = request.goal_info.goal_id, request.goal_info.stamp.to_seconds()
     is_one = wanted.uuid != _NO_ID and not at
     latest = -math.inf if is_one else at or math.inf
-    chosen = [one for one in client.goals if one.goal_id == wanted or one.stamp.to_seconds() <= latest]
+    chosen = [goal for goal in client.goals if goal.goal_id == wanted or goal.stamp.to_seconds() <= latest]
     answers = [await one.cancel() for one in chosen]
     unknown = CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID if is_one else CancelGoalResponse.ERROR_NONE
     return CancelGoalResponse(
-        return_code=min((one.return_code for one in answers), default=unknown),
-        goals_canceling=tuple(chain.from_iterable(one.goals_canceling for one in answers)),
+        return_code=min((answer.return_code for answer in answers), default=unknown),
+        goals_canceling=tuple(chain.from_iterable(answer.goals_canceling for answer in answers)),
     )
 
 

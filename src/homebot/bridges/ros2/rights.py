@@ -120,8 +120,8 @@ class WireRights:
 
     def access_control(self) -> dict[str, object]:
         """Return the rules as Zenoh's configuration."""
-        rules = [one for one in self.rules if one.keys]
-        users = [{"usernames": [one.user]} if one.user else {} for one in rules]
+        rules = [rule for rule in self.rules if rule.keys]
+        users = [{"usernames": [rule.user]} if rule.user else {} for rule in rules]
         ids = [{"id": str(number)} for number in range(len(users))]
         return {
             "enabled": True,

@@ -94,7 +94,7 @@ class RobotsOnWire:
         if self._accesses and not self.are_several:
             robot = next(iter(self._accesses))
         if robot not in self._accesses:
-            known = ", ".join(f"/{one}/…" for one in self._accesses) or "none: name it in import of [ros]"
+            known = ", ".join(f"/{access}/…" for access in self._accesses) or "none: name it in import of [ros]"
             raise PeerError(f"the node {node or 'without a token'} belongs to no robot; robots have {known}")
         if self._has_ended(robot):
             raise PeerError(f"the token {self._accesses[robot].name} has ended; its table says until when")

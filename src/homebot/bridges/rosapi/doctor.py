@@ -113,7 +113,7 @@ class _Doctor:
 
     async def _all_health(self) -> dict[str, HealthResponse]:
         """Return the health of each node."""
-        services = [one.name for one in self._node.graph.get_services_of_type(GetHealth.ros_type)]
+        services = [service.name for service in self._node.graph.get_services_of_type(GetHealth.ros_type)]
         return await _ask_all(self._health, services)
 
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
@@ -144,7 +144,7 @@ class _Doctor:
 
     def _gateways(self) -> list[str]:
         publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
-        topics = {one.name for one in publishers if one.ros_type == GatewayState.ros_type}
+        topics = {publisher.name for publisher in publishers if publisher.ros_type == GatewayState.ros_type}
         return sorted(topic.split("/")[2] for topic in topics if re.fullmatch("/gateway/[^/]+/state", topic))
 
     async def _state(self, gateway: str) -> GatewayState | None:
@@ -183,8 +183,8 @@ class _Doctor:
 
     async def _alert_findings(self, kind: AlertKind, now: float, lost: Iterable[str]) -> list[Finding]:
         found = await self._find(kind.query(lost), MOST_SHOWN)
-        alerts = [alert for one in found.results for alert in alerts_of((kind,), one.device, now, lost)]
-        shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
+        alerts = [alert for result in found.results for alert in alerts_of((kind,), result.device, now, lost)]
+        shown = sorted((alert for alert in alerts if alert.is_shown(now)), key=attrgetter("target"))
         total = found.total if found.total > MOST_SHOWN else 0
         return [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
 
@@ -192,12 +192,13 @@ class _Doctor:
         """Return the alerts of the house, and the other findings about devices."""
         findings = [one for kind in ALERTS for one in await self._alert_findings(kind, now, lost)]
         vacuums = (
-            _DeviceCheck(FindingKind.VACUUM, f'"origin"={one.origin}', self._table, MOST_SHOWN) for one in map_readers()
+            _DeviceCheck(FindingKind.VACUUM, f'"origin"={reader.origin}', self._table, MOST_SHOWN)
+            for reader in map_readers()
         )
         for check, query, detail, most in (*_DEVICE_CHECKS, *_unused(), *vacuums):
             found = await self._find(parse_query(query), most)
             rows = sorted(
-                (one.device.id, text) for one in found.results if (text := detail(one.device, now)) is not None
+                (result.device.id, text) for result in found.results if (text := detail(result.device, now)) is not None
             )
             if rows:
                 findings.append(_finding(query, check.finding(rows), found.total - len(found.results) + len(rows)))
@@ -205,8 +206,8 @@ class _Doctor:
 
     def _table(self, device: Device, _now: float) -> str | None:
         """Return the table that makes the vacuum *device* a robot, if it is none."""
-        topics = [topic.split("/") for one in device.parts for topic in (*one.part.reads, *one.part.writes)]
-        for base, name in sorted((one[0], one[1]) for one in topics if len(one) > 2):
+        topics = [topic.split("/") for part in device.parts for topic in (*part.part.reads, *part.part.writes)]
+        for base, name in sorted((topic[0], topic[1]) for topic in topics if len(topic) > 2):
             robot = re.sub(r"[^a-z0-9]+", "_", fold(name)).strip("_")
             table = f"[robots.{robot if robot[:1].isalpha() else f'vacuum_{robot}'}]"
             return None if f"{base}/{name}" in self._vacuums else f'add {table} with vacuum = "{base}/{name}"'
@@ -284,18 +285,18 @@ def _health_rows(
 def _count_rows(
     counts: Iterable[Count], before: Mapping[str, int], *, everything: bool
 ) -> Iterator[tuple[FindingKind, Row]]:
-    for one in counts:
-        words, new = one.name.replace("_", " "), one.count - before.get(one.name, 0)
-        if new > 0 and one.severity is Severity.LOSS:
+    for count in counts:
+        words, new = count.name.replace("_", " "), count.count - before.get(count.name, 0)
+        if new > 0 and count.severity is Severity.LOSS:
             yield FindingKind.LOSS, (words, str(new))
-        elif everything or (one.count and one.severity is not Severity.NORMAL):
-            yield FindingKind.COUNT, (words, str(one.count))
+        elif everything or (count.count and count.severity is not Severity.NORMAL):
+            yield FindingKind.COUNT, (words, str(count.count))
 
 
-def _failure(one: PartFailure, now: float) -> Row:
-    times = "once" if one.count == 1 else f"{one.count} times"
-    outcome = f"; now {one.outcome}" if one.outcome else ""
-    return (one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}")
+def _failure(failure: PartFailure, now: float) -> Row:
+    times = "once" if failure.count == 1 else f"{failure.count} times"
+    outcome = f"; now {failure.outcome}" if failure.outcome else ""
+    return (failure.part, f"{failure.what} {times}, {ago(failure.last, now)}: {failure.why}{outcome}")
 
 
 class _DeviceCheck(NamedTuple):
@@ -319,28 +320,32 @@ def _dispute(device: Device, _now: float) -> str:
 
 def _unread(device: Device, now: float) -> str | None:
     """Return the values of *device* in the last day that could not be read."""
-    found = [one for one in device.facts if one.name == UNREADABLE]
-    last = max(found, key=lambda one: one.said_at.to_seconds(), default=None)
+    facts = [fact for fact in device.facts if fact.name == UNREADABLE]
+    last = max(facts, key=lambda fact: fact.said_at.to_seconds(), default=None)
     if last is None or last.said_at.to_seconds() < now - _DAY:
         return None
-    more = f" (and {len(found) - 1} more: homebot show '{device.id}')" if len(found) > 1 else ""
+    more = f" (and {len(facts) - 1} more: homebot show '{device.id}')" if len(facts) > 1 else ""
     return f"{ago(last.said_at, now)}: {last.value}{more}"
 
 
 def _step(shared: Collection[str], device: Device, _now: float) -> str:
     """Return the next step with *device*, rather with a gateway of its own than with one of *shared* ones."""
-    needed = {(one.gateway, one.key): one.value for one in device.facts if one.name == NEEDS_GATEWAY}
-    steps = [(needed.get((one.gateway, one.key)) in shared, one.value) for one in device.facts if one.name == NEXT_STEP]
+    needed = {(fact.gateway, fact.key): fact.value for fact in device.facts if fact.name == NEEDS_GATEWAY}
+    steps = [
+        (needed.get((fact.gateway, fact.key)) in shared, fact.value) for fact in device.facts if fact.name == NEXT_STEP
+    ]
     return min(steps, default=(False, ""))[1]
 
 
 def _several_names(device: Device, _now: float) -> str:
-    return next((one.value for one in device.facts if one.name == SEVERAL_NAMES), "")
+    return next((fact.value for fact in device.facts if fact.name == SEVERAL_NAMES), "")
 
 
 def _unused() -> Iterator[_DeviceCheck]:
     """Yield the check for devices that no gateway uses; what has a gateway of its own needs no shared one."""
-    known = sorted((one for one in ecosystems() if one.gateway), key=attrgetter("is_shared", "gateway"))
+    known = sorted(
+        (ecosystem for ecosystem in ecosystems() if ecosystem.gateway), key=attrgetter("is_shared", "gateway")
+    )
     own = sorted(one.removesuffix(".local.") for kind in known if not kind.is_shared for one in kind.service_types)
     no_own = "".join(f' and not "dns_sd_type"={one}' for one in own)
     needs = [f'"{NEEDS_GATEWAY}"={one.gateway}' for one in known]

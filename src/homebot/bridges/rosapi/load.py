@@ -86,14 +86,14 @@ class LoadMeter:
         self._until = now + _LASTS
         published: dict[str, int] = {}
         queues = []
-        for one in self._ends():
-            if isinstance(one, Publisher):
-                published[one.topic_name] = published.get(one.topic_name, 0) + one.published
+        for end in self._ends():
+            if isinstance(end, Publisher):
+                published[end.topic_name] = published.get(end.topic_name, 0) + end.published
                 continue
-            slowest, one.slowest = one.slowest or 0.0, 0.0
-            waiting = len(one.mailbox.queue)
+            slowest, end.slowest = end.slowest or 0.0, 0.0
+            waiting = len(end.mailbox.queue)
             queues.append(
-                QueueLoad(node=one.info.node, topic=one.topic_name, waiting=waiting, lost=one.losses, slowest=slowest)
+                QueueLoad(node=end.info.node, topic=end.topic_name, waiting=waiting, lost=end.losses, slowest=slowest)
             )
         lag, self._lag = self._lag, 0.0
         topics = tuple(TopicLoad(topic=topic, published=count) for topic, count in published.items())
@@ -105,9 +105,9 @@ class LoadMeter:
             await asyncio.sleep(_TICK)
             self._lag = max(self._lag, self._clock.monotonic() - due)
         self._until = -math.inf
-        for one in self._ends():
-            if isinstance(one, Subscription):
-                one.slowest = None
+        for end in self._ends():
+            if isinstance(end, Subscription):
+                end.slowest = None
 
     def _ends(self) -> Iterator[Publisher[Message] | Subscription[Message]]:
         for name in self._graph.get_node_names():

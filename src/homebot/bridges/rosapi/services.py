@@ -83,8 +83,8 @@ def _topics_of_type(graph: Graph, request: Any) -> tuple[str, ...]:
 
 
 def _type_of_topic(graph: Graph, request: Any) -> str:
-    found = graph.get_message_type(absolute_name(request.topic))
-    return found.ros_type if found else ""
+    message_type = graph.get_message_type(absolute_name(request.topic))
+    return message_type.ros_type if message_type else ""
 
 
 def _type_of_action(graph: Graph, request: Any) -> str:
@@ -167,7 +167,9 @@ def _served(fact: str, type_field: str) -> _Answerer:
     def answer(graph: Graph, request: Any) -> tuple[str, ...]:
         wanted = getattr(request, type_field)
         types = [known.ros_type for known in graph.get_service_types() if same_type(known.ros_type, wanted)]
-        return _visible(_unique(getattr(one, fact) for known in types for one in graph.get_services_of_type(known)))
+        return _visible(
+            _unique(getattr(service, fact) for known in types for service in graph.get_services_of_type(known))
+        )
 
     return answer
 
@@ -175,13 +177,13 @@ def _served(fact: str, type_field: str) -> _Answerer:
 def _users(kind: EntityKind) -> _Answerer:
     """Return the function that answers with the nodes that have an end of *kind* on a topic."""
     return lambda graph, asked: _unique(
-        one.node for one in graph.get_endpoints(kind=kind, name=absolute_name(asked.topic))
+        endpoint.node for endpoint in graph.get_endpoints(kind=kind, name=absolute_name(asked.topic))
     )
 
 
 def _nodes(graph: Graph) -> list[str]:
     """Return the full names of all nodes, also of those that a link shows."""
-    return sorted({one.name for one in graph.get_endpoints(kind=EntityKind.NODE)})
+    return sorted({endpoint.name for endpoint in graph.get_endpoints(kind=EntityKind.NODE)})
 
 
 def _visible(names: Iterable[str]) -> tuple[str, ...]:

@@ -97,7 +97,7 @@ class ClientAccess:
         """
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
-        own["rights"] = sorted(one.value for one in self.rights.kinds)
+        own["rights"] = sorted(kind.value for kind in self.rights.kinds)
         own["override"] = values.get("override") is True and not self.rights.robots
         own["trigger"] = {"kind": "program"} if self.is_program else {}  # only homebot's own nodes know more
         return {**values, **{name: own[name] for name in fields}} if fields else values

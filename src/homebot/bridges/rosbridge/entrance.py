@@ -222,10 +222,10 @@ class Entrance:
     async def _file(self, request: Request) -> Response | None:
         """Return the file of the page for *request*, or None."""
         etag, encodings = (", ".join(request.headers.get_all(one)) for one in ("If-None-Match", "Accept-Encoding"))
-        found = self._site and await self._site(request.path, etag, encodings)
-        if not found:
+        site = self._site and await self._site(request.path, etag, encodings)
+        if not site:
             return None
-        status, headers, body = found
+        status, headers, body = site
         return Response(status.value, status.phrase, Headers(headers), body)
 
     async def _check_token(self, connection: DoorConnection, token: str) -> Response | None:

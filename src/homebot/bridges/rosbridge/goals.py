@@ -70,7 +70,7 @@ class SentGoals:
             raise PeerError(f"{len(self._goals)} goals of this client are under way already")
         name = self._node.resolve_name(op.action, "action name")
         if self._node.graph.get_action_type(name) is None:
-            hint = similar_name(name, [one.name for one in self._node.graph.actions()], "/rosapi/action_servers")
+            hint = similar_name(name, [action.name for action in self._node.graph.actions()], "/rosapi/action_servers")
             raise PeerError(f"action {name} has no server now; {hint}")
         action_type = action_type_of(self._node.graph, name, op.action_type)
         request = self._goal_message(action_type.Goal, op.args)

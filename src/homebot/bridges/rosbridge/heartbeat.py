@@ -88,7 +88,7 @@ class OwnedLeases:
         """Return whether *owner* may have a lease."""
         now = self._now()
         self._leases = {key: one for key, one in self._leases.items() if one.until > now}
-        return any(one.owner is owner for one in self._leases.values())
+        return any(lease.owner is owner for lease in self._leases.values())
 
     def release(self, owner: object) -> None:
         """Release the leases of *owner*, which has left."""

@@ -309,8 +309,8 @@ def _op_in(fields: Mapping[str, object]) -> str:
 
 def _id_in(fields: Mapping[str, object]) -> Identifier:
     """Return the identifier for the answer; None if it has none that is valid."""
-    found: Any = fields.get("id")
-    return found if _is_identifier(found) else None
+    field: Any = fields.get("id")
+    return field if _is_identifier(field) else None
 
 
 def _is_identifier(value: object) -> bool:

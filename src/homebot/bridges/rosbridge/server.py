@@ -177,7 +177,7 @@ class Door:
                 f"here need --door {self._port}, or state a port in [door]",
                 port=self._port,
             )
-        addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in server.sockets))
+        addresses = tuple(dict.fromkeys(socket.getsockname()[0] for socket in server.sockets))
         self._announce(NetworkService(service_type=SERVICE_TYPE, addresses=addresses, port=self._port))
         try:
             async with anyio.create_task_group() as tasks:
@@ -266,7 +266,7 @@ class Door:
         most, kept = self._settings.max_clients, 0 if access.rights.has(Right.MANAGE) else _KEPT
         if self.client_count >= most - min(kept, most // 8):
             return _FULL
-        own = [one.client for one in self._sessions.values() if one.client.access.name == access.name]
+        own = [session.client for session in self._sessions.values() if session.client.access.name == access.name]
         if sum(one.address.rpartition(":")[0] == host for one in own) >= most - most // 4:
             return f"too many clients with the token {access.name} are connected from this address"
         return ""

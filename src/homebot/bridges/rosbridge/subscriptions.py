@@ -162,7 +162,9 @@ class Feed:
         self.requests[op.id] = op
         node = self._node
         publishers = node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=node.resolve_name(self._topic))
-        all_keep = all(one.qos and one.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in publishers)
+        all_keep = all(
+            publisher.qos and publisher.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for publisher in publishers
+        )
         if not publishers or not all_keep or op.qos.durability == "volatile":
             return
         depth = min(op.qos.depth or self._qos.depth, self._qos.depth)

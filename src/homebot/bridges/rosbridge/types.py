@@ -99,8 +99,8 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
 
 def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
     """Return the action type called *ros_type*; see :func:`find_message_type`."""
-    named = (one for one in graph.actions() if same_type(one.ros_type, ros_type))
-    known = (found for one in named if (found := graph.get_action_type(one.name)) is not None)
+    named = (action for action in graph.actions() if same_type(action.ros_type, ros_type))
+    known = (action_type for one in named if (action_type := graph.get_action_type(one.name)) is not None)
     return _find(graph, ros_type, known, lambda interfaces: interfaces.find_action(ros_type))
 
 

@@ -43,7 +43,7 @@ def _info(door: DoorClient, options: argparse.Namespace) -> int:
     name = absolute_name(options.action)
     print(f"Action: {name} [{type_of(door, 'action', name)}]")
     for kind in ("action client", "action server"):
-        nodes = [one.node for one in entities(door, kind=kind, name=name)]
+        nodes = [entity.node for entity in entities(door, kind=kind, name=name)]
         print(f"{kind.capitalize()}s: {len(nodes)}", *nodes, sep="\n    ")
     return 0
 

@@ -85,7 +85,7 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
     answer = cast("AppsResponse", JsonMessage(door.call(LIST_APPS, {})))
     apps = answer.apps
     if options.json:
-        print(list_text([json_text(_json(one)) for one in apps]))
+        print(list_text([json_text(_json(app)) for app in apps]))
     elif apps:
         now, zone = house_time(door), zone_of(answer.zone)
         print_table(("APP", "STATE", "JOB", "NEXT", ""), [row for app in apps for row in _rows(app, now, zone)])

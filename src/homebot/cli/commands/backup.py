@@ -222,7 +222,7 @@ def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list
     folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     (staged / "data").rename(folder)
     names = [one.removeprefix("config/") for one in manifest.files if one.startswith("config/")]
-    take_folder(folder, manifest.home, into / next((one for one in names if one.endswith(".toml")), DEFAULT_CONFIG))
+    take_folder(folder, manifest.home, into / next((name for name in names if name.endswith(".toml")), DEFAULT_CONFIG))
     if os.name == "posix" and os.geteuid() == 0:  # the service's user must be able to write them
         owner = data_directory().stat()
         for path in (folder.parent, folder, *folder.iterdir()):

@@ -84,8 +84,8 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
     except ConfigError as exc:
         yield from _finding(FindingKind.CONFIGURATION, _of_errors((exc,)))
         return
-    missing = tuple(one for one in errors if INSTALL_EXTRA in one.reason)
-    yield from _finding(FindingKind.CONFIGURATION, _of_errors(one for one in errors if one not in missing))
+    missing = tuple(error for error in errors if INSTALL_EXTRA in error.reason)
+    yield from _finding(FindingKind.CONFIGURATION, _of_errors(error for error in errors if error not in missing))
     yield from _finding(FindingKind.EXTRA, _of_errors(missing))
     yield from _finding(FindingKind.SECRET, _readable_secrets(tables, path.parent))
     if errors:
@@ -108,7 +108,7 @@ def _finding(kind: FindingKind, rows: Iterable[Row], where: str = "") -> Iterato
 
 
 def _of_errors(errors: Iterable[ConfigError]) -> Iterator[Row]:
-    return (("", str(one)) for one in errors)
+    return (("", str(error)) for error in errors)
 
 
 def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[Row]:
@@ -128,7 +128,7 @@ def _taken_ports(plan: Plan) -> Iterator[Row]:
 
 def _folder_problem(folder: Path) -> Iterator[Row]:
     """Yield why files cannot be stored in *folder*, which is created at the first start."""
-    there = next(one for one in (folder, *folder.parents) if one.exists())
+    there = next(parent for parent in (folder, *folder.parents) if parent.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         yield ("", f"{there} cannot be written by this user, but files have to be stored in {folder}")
     elif problem := why_not_trusted(there):

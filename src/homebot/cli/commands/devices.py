@@ -117,7 +117,7 @@ def _row(device: Device, now: float, waiting: Container[str]) -> tuple[str, ...]
 
 
 def _command_topic(device: Device) -> str:
-    for one in device.endpoints:
-        if is_topic(one.command_address):
-            return one.command_address
+    for endpoint in device.endpoints:
+        if is_topic(endpoint.command_address):
+            return endpoint.command_address
     return next((topic for part in main_parts(device) for topic in part.part.writes), "")

@@ -120,15 +120,15 @@ def _print_outcomes(answer: CommandDevicesResponse, home: str) -> None:
         print(printable(answer.message))
         return
     where = f" in {home}"
-    for one in answer.results:
+    for result in answer.results:
         place = where if count == 1 else ""
-        text = one.result.text
-        if one.result.outcome == Superseded.kind:
-            text += f"; `homebot why {shlex.quote(one.name)}` names its issuer"
-        if one.result.policy == "lease":
+        text = result.result.text
+        if result.result.outcome == Superseded.kind:
+            text += f"; `homebot why {shlex.quote(result.name)}` names its issuer"
+        if result.result.policy == "lease":
             text += "; `--override` commands it all the same, as by hand"
-        print(f"{printable(one.name)}{place}: {printable(text, _WIDEST)}")
+        print(f"{printable(result.name)}{place}: {printable(text, _WIDEST)}")
     if count > 1:
-        done = sum(has_succeeded(one.result.outcome) for one in answer.results)
+        done = sum(has_succeeded(result.result.outcome) for result in answer.results)
         worst = f"; worst outcome: {answer.outcome.replace('_', ' ')}" if done < count else ""
         print(f"{done} of {count}{where} succeeded{worst}")

@@ -72,13 +72,13 @@ def _check_offline(options: argparse.Namespace) -> int:
 def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     asked = {"counts": options.counts, "gateways_only": options.gateways}
     fields = door.call("/rosapi/doctor", asked, timeout=_LONGEST)
-    found = cast("ExamineResponse", JsonMessage(fields))
+    response = cast("ExamineResponse", JsonMessage(fields))
     texts = [f"home {printable(door.home)} on {door.where}"]
-    texts += [] if found.gateways else ["no gateway runs; one with a table such as [gateways.mqtt] finds devices"]
-    texts += [one.text for one in found.gateways if one.state == "active"]
-    texts.append(f"devices: {found.devices}, unconfirmed: {found.unconfirmed}")
-    states = {one.name: one.state for one in found.gateways}
-    counts = {"devices": found.devices, "unconfirmed": found.unconfirmed}
+    texts += [] if response.gateways else ["no gateway runs; one with a table such as [gateways.mqtt] finds devices"]
+    texts += [gateway.text for gateway in response.gateways if gateway.state == "active"]
+    texts.append(f"devices: {response.devices}, unconfirmed: {response.unconfirmed}")
+    states = {gateway.name: gateway.state for gateway in response.gateways}
+    counts = {"devices": response.devices, "unconfirmed": response.unconfirmed}
     facts = {"home": door.home, "door": door.where, "gateways": states, **counts}
     return _show("\n".join(texts), facts, cast("list[dict[str, object]]", fields["findings"]), options)
 

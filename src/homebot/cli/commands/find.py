@@ -53,9 +53,10 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
     if options.json:
         waiting = unapproved(door)
         results = [
-            device_json(one.device, waiting) | {"score": one.score, "reasons": one.reasons} for one in found.results
+            device_json(result.device, waiting) | {"score": result.score, "reasons": result.reasons}
+            for result in found.results
         ]
-        print(list_text([json_text(one) for one in results]))
+        print(list_text([json_text(result) for result in results]))
         return 0 if results else 1
     if not found.results:
         print(why_none(found, query))
@@ -70,31 +71,31 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
 def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
     """Return the matches of *query*, or else the devices with that name: words of a name may be query words."""
     try:
-        found = find_devices(door, query, limit)
+        devices = find_devices(door, query, limit)
     except PeerError:
         if named := _named(door, query, limit):
             return named
         raise
-    return found if found.results else _named(door, query, limit) or found
+    return devices if devices.results else _named(door, query, limit) or devices
 
 
 def _named(door: DoorClient, name: str, limit: int) -> QueryDevicesResponse | None:
     query = f"name={quoted(name)}"
-    found = find_devices(door, query, limit) if len(query) <= MAX_QUERY else None
-    return found if found and found.results else None
+    devices = find_devices(door, query, limit) if len(query) <= MAX_QUERY else None
+    return devices if devices and devices.results else None
 
 
-def _show_left_out(found: QueryDevicesResponse) -> None:
-    for one in found.left_out:
+def _show_left_out(response: QueryDevicesResponse) -> None:
+    for one in response.left_out:
         print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
 
 
-def _show(found: QueryDevicesResponse, *, why: bool) -> None:
+def _show(response: QueryDevicesResponse, *, why: bool) -> None:
     rows: list[tuple[str, ...]] = [
-        (one.id, one.name, types(one), one.area, state_text(one), life(one))
-        for one in (result.device for result in found.results)
+        (device.id, device.name, types(device), device.area, state_text(device), life(device))
+        for device in (result.device for result in response.results)
     ]
-    reasons = [one.reasons for one in found.results]
+    reasons = [result.reasons for result in response.results]
     if not why:
         print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("NAME",), in_colour="AVAILABILITY")
     elif is_terminal():
@@ -105,5 +106,5 @@ def _show(found: QueryDevicesResponse, *, why: bool) -> None:
         print(head)
         for line, some in zip(lines, reasons, strict=True):
             print("\n    ".join([line, *some]))
-    if hidden := found.total - len(found.results):
+    if hidden := response.total - len(response.results):
         print(f"… and {hidden} more; --limit shows more of them")

@@ -49,9 +49,9 @@ def _groups(door: DoorClient, name: str = "") -> tuple[GroupInfo, ...]:
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
     groups = _groups(door)
     if options.json:
-        print(list_text([json_text(fields_of(one)) for one in groups]))
+        print(list_text([json_text(fields_of(group)) for group in groups]))
     elif groups:
-        rows = [(printable(one.name), _kind(one), str(len(one.members)), _message(one)) for one in groups]
+        rows = [(printable(group.name), _kind(group), str(len(group.members)), _message(group)) for group in groups]
         print_table(("GROUP", "OF", "MEMBERS", "ONE MESSAGE TO"), rows, if_any=("ONE MESSAGE TO",))
     else:
         print("there is no group; a table [[groups]] in homebot.toml makes one, see `homebot group --help`")
@@ -61,18 +61,20 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
 def _show(door: DoorClient, options: argparse.Namespace) -> int:
     groups = _groups(door, options.name)
     if options.json:
-        print(list_text([json_text(fields_of(one)) for one in groups]))
+        print(list_text([json_text(fields_of(group)) for group in groups]))
         return 0
-    for one in groups:
-        print_line(f"{printable(one.name)}, a group of {_kind(one)}{f': {printable(one.query)}' if one.query else ''}")
-        for member in one.members:
+    for group in groups:
+        print_line(
+            f"{printable(group.name)}, a group of {_kind(group)}{f': {printable(group.query)}' if group.query else ''}"
+        )
+        for member in group.members:
             print_line(f"  {printable(member.value)} ({printable(member.key)})")
-        if not one.members:
+        if not group.members:
             print_line("  no device is a member")
-        if not one.is_complete:
+        if not group.is_complete:
             print_line("  its gateway lists members that homebot does not know, so each is told by itself")
         print_line(
-            f"one message reaches all: {_message(one)}" if one.reached_by else "each member gets its own message"
+            f"one message reaches all: {_message(group)}" if group.reached_by else "each member gets its own message"
         )
     return 0
 

@@ -106,7 +106,7 @@ def identify(options: argparse.Namespace, *, is_check: bool) -> int:
 
 def _print_look(values: Mapping[str, object]) -> None:
     feedback = cast("IdentifyDeviceFeedback", JsonMessage(values))
-    likely = sorted(feedback.candidates, key=lambda one: one.probability, reverse=True)[:_MOST_SHOWN]
+    likely = sorted(feedback.candidates, key=lambda candidate: candidate.probability, reverse=True)[:_MOST_SHOWN]
     texts = [f"{printable(one.name, _LONGEST_NAME)} {one.probability:.0%}" for one in likely]
     look = feedback.look
     print(f"{look.at:5.1f} s  {look.value:8.4g}  {', '.join(texts)}, none {feedback.none:.0%}", flush=True)
@@ -115,8 +115,8 @@ def _print_look(values: Mapping[str, object]) -> None:
 def _print_result(result: IdentifyDeviceResult) -> None:
     if not result.candidates:
         raise PeerError(result.message)
-    width = max(len("seen"), *(len(printable(one.name, _LONGEST_NAME)) for one in result.candidates))
-    print(f"\n{'seen':{width}}  {_sparkline([one.value for one in result.looks])}")
+    width = max(len("seen"), *(len(printable(candidate.name, _LONGEST_NAME)) for candidate in result.candidates))
+    print(f"\n{'seen':{width}}  {_sparkline([look.value for look in result.looks])}")
     for place, one in enumerate(result.candidates):
         code = "".join("█" if look.levels[place] > _HALF else "·" for look in result.looks)
         effect = f"{one.effect:+.3g} ± {one.deviation:.2g}"
@@ -131,4 +131,4 @@ def _print_result(result: IdentifyDeviceResult) -> None:
 
 def _sparkline(values: Sequence[float]) -> str:
     least, most = min(values), max(values)
-    return "".join(_BARS[round((one - least) / ((most - least) or 1.0) * (len(_BARS) - 1))] for one in values)
+    return "".join(_BARS[round((value - least) / ((most - least) or 1.0) * (len(_BARS) - 1))] for value in values)

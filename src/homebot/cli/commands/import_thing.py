@@ -133,7 +133,7 @@ def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -
 
 
 def _is_of(device: Device, gateway: str, key: str) -> bool:
-    ways = [(one.gateway, one.key) for one in device.endpoints]
+    ways = [(endpoint.gateway, endpoint.key) for endpoint in device.endpoints]
     ways += [(route.gateway, route.key) for part in device.parts for route in part.routes]
     return (gateway, key) in ways
 
@@ -145,7 +145,7 @@ def to_device(record: Device) -> Device:
 
 def thing_text(device: Device, broker: str) -> str:
     """Return the Thing Description of *device*; *broker* is the address of its gateways' broker."""
-    gateways = {one.gateway for one in device.endpoints}
+    gateways = {endpoint.gateway for endpoint in device.endpoints}
     gateways |= {route.gateway for part in device.parts for route in part.routes}
     return json.dumps(thing_format().describe(device, dict.fromkeys(gateways, broker)), indent=2)
 

@@ -61,22 +61,22 @@ def _journal(door: DoorClient, options: argparse.Namespace) -> int:
         door.subscribe(JOURNAL_ENTRIES)
     since = max(0.0, now - options.since) if options.since is not None else 0.0
     request = {"device": device, "command": options.command_id, "since": from_seconds(since), "limit": options.limit}
-    found = cast("ReadJournalResponse", client.ask(READ_JOURNAL, request))
+    response = cast("ReadJournalResponse", client.ask(READ_JOURNAL, request))
     printer = _EntryPrinter(client, now, as_json=options.json)
-    for entry in found.entries:
+    for entry in response.entries:
         printer.print(entry)
     if options.follow:
         _follow(door, client, printer, device, options.command_id)
     elif not options.json:
-        _print_missing(found, now, is_filtered=bool(since or device or options.command_id))
+        _print_missing(response, now, is_filtered=bool(since or device or options.command_id))
     return 0
 
 
-def _print_missing(found: ReadJournalResponse, now: float, *, is_filtered: bool) -> None:
-    if not found.entries:
+def _print_missing(response: ReadJournalResponse, now: float, *, is_filtered: bool) -> None:
+    if not response.entries:
         print("nothing in the journal fits" if is_filtered else "the journal is empty")
-    elif not found.complete:
-        print(f"… there are older ones; the journal begins {ago(found.begins, now)}; --limit shows more")
+    elif not response.complete:
+        print(f"… there are older ones; the journal begins {ago(response.begins, now)}; --limit shows more")
 
 
 def _follow(door: DoorClient, client: JournalClient, printer: _EntryPrinter, device: str, command: str) -> Never:

@@ -55,10 +55,10 @@ def _leases(door: DoorClient, options: argparse.Namespace) -> int:
     device = named_device(door, options.device).id if options.device else ""
     parts = cast("LeasesResponse", JsonMessage(door.call(GET_LEASES, {"device": device}))).parts
     if options.json:
-        print(list_text([json_text(_json(one)) for one in parts]))
+        print(list_text([json_text(_json(part)) for part in parts]))
     elif parts:
         now, labels = house_time(door), _labels(door, parts)
-        rows = [row for one in parts for row in _rows(labels[one.device, one.part], one, now)]
+        rows = [row for part in parts for row in _rows(labels[part.device, part.part], part, now)]
         print_table(_HEAD, rows, if_any=("BECAUSE", "OUTRANKED"))
     else:
         print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
@@ -69,8 +69,8 @@ def _release(door: DoorClient, options: argparse.Namespace) -> int:
     device = named_device(door, options.device).id
     parts = cast("LeasesResponse", JsonMessage(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
     for held in parts:
-        for one in held.holders:
-            by = f"{printable(one.by, 60)} ({issuer_text(one.issuer)})"
+        for holder in held.holders:
+            by = f"{printable(holder.by, 60)} ({issuer_text(holder.issuer)})"
             print(f"{printable(device)} is no longer held {settings_text([held.setting])} by {by}")
     if not parts:
         raise PeerError(f"nobody holds {printable(device)}")
@@ -79,12 +79,12 @@ def _release(door: DoorClient, options: argparse.Namespace) -> int:
 
 def _labels(door: DoorClient, parts: Iterable[HeldPart]) -> dict[tuple[str, str], str]:
     """Return the ids of the held devices, each with its part if several take commands."""
-    places = [(one.device, one.part) for one in parts]
+    places = [(part.device, part.part) for part in parts]
     answer = JsonMessage(door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})}))
     simple = {
-        one.id
-        for one in cast("list[Device]", answer.devices)
-        if sum(any(can.settable for can in part.part.capabilities) for part in one.parts) < _SEVERAL
+        device.id
+        for device in cast("list[Device]", answer.devices)
+        if sum(any(can.settable for can in part.part.capabilities) for part in device.parts) < _SEVERAL
     }
     return {
         (device, part): printable(f"{device}#{part}" if part and device not in simple else device)
@@ -121,12 +121,12 @@ def _json(held: HeldPart) -> dict[str, object]:
         "value": plain_value(held.setting.value),
         "holders": [
             {
-                "by": one.by,
-                "issuer": one.issuer,
-                "until": iso(one.until) if one.until.sec else None,
-                "because": trigger_text(one.trigger, {}),
+                "by": holder.by,
+                "issuer": holder.issuer,
+                "until": iso(holder.until) if holder.until.sec else None,
+                "because": trigger_text(holder.trigger, {}),
             }
-            for one in held.holders
+            for holder in held.holders
         ],
         "outranked_until": iso(held.outranked_until) if is_outranked else None,
         "saw": held.saw,

@@ -35,11 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    others = Counter(one.name for one in entities(door, kind="node", elsewhere=True))
-    for one in entities(door, kind="node"):
-        others[one.name] -= 1  # a node here may have the same name
-        if options.all or not is_hidden(one):
-            print(f"{one.name}  (elsewhere)" if others[one.name] >= 0 else one.name)
+    others = Counter(entity.name for entity in entities(door, kind="node", elsewhere=True))
+    for entity in entities(door, kind="node"):
+        others[entity.name] -= 1  # a node here may have the same name
+        if options.all or not is_hidden(entity):
+            print(f"{entity.name}  (elsewhere)" if others[entity.name] >= 0 else entity.name)
     return 0
 
 
@@ -47,11 +47,11 @@ def _info(door: DoorClient, options: argparse.Namespace) -> int:
     name = absolute_name(options.node)
     ends = [*entities(door, node=name), *entities(door, node=name, elsewhere=True)]
     if not ends:
-        known = [one.name for one in entities(door, kind="node")]
+        known = [entity.name for entity in entities(door, kind="node")]
         raise not_found("node", name, known)
     print(name)
     for kind, title in _SECTIONS.items():
         print(f"  {title}:")
-        for line in sorted({f"    {one.name}: {one.type}" for one in ends if one.kind == kind and not is_hidden(one)}):
+        for line in sorted({f"    {end.name}: {end.type}" for end in ends if end.kind == kind and not is_hidden(end)}):
             print(line)
     return 0

@@ -212,7 +212,7 @@ def _approve(door: DoorClient, device: Device, options: argparse.Namespace) -> N
 def _forget(door: DoorClient, device: Device, options: argparse.Namespace) -> None:
     publisher = GatewayPublisher(door)
     if options.purge:  # before anything is changed, so that nothing is half done
-        for gateway in sorted({one.gateway for one in device.endpoints}):
+        for gateway in sorted({endpoint.gateway for endpoint in device.endpoints}):
             publisher.check(gateway)
     answer = cast("ForgetDeviceResponse", door.ask(FORGET_DEVICE, {"device": device.id}))
     returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
@@ -227,7 +227,7 @@ def _forget(door: DoorClient, device: Device, options: argparse.Namespace) -> No
 
 
 def _merge(door: DoorClient, options: argparse.Namespace) -> int:
-    ids = [named_device(door, one).id for one in options.devices]
+    ids = [named_device(door, name).id for name in options.devices]
     answer = cast("MergeDevicesResponse", door.ask(MERGE_DEVICES, {"devices": ids}))
     if len(ids) == 1:
         print(f"all endpoints of {printable(answer.device)} get its commands now")
@@ -239,7 +239,7 @@ def _merge(door: DoorClient, options: argparse.Namespace) -> int:
 def _pair(door: DoorClient, device: Device, options: argparse.Namespace) -> None:
     if options.remove and options.code:
         raise UsageError("--remove takes no code")
-    served = {one.name for one in entities(door, kind="service")}
+    served = {entity.name for entity in entities(door, kind="service")}
     endpoint = next((one for one in device.endpoints if PairingNames(one.gateway).pair in served), None)
     if endpoint is None:
         raise PeerError(f"{printable(device.id)} needs no pairing: no running gateway that knows it pairs devices")

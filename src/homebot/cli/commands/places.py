@@ -126,9 +126,9 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
-    absent = [(printable(one.key), printable(one.value)) for one in devices]
+    absent = [(printable(device.key), printable(device.value)) for device in devices]
     if rooms:
-        rows = [(one["name"], one["floor"], ", ".join(one["doors"]), str(one["devices"])) for one in rooms]
+        rows = [(room["name"], room["floor"], ", ".join(room["doors"]), str(room["devices"])) for room in rooms]
         print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
     elif not absent:
         print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
@@ -156,7 +156,7 @@ def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     for room in places.rooms:
         announced.pop(fold(room.name), None)
         count = counts[fold(room.name)]
-        shape: list[object] = [{"x": [*one.x], "y": [*one.y], "is_hole": one.is_hole} for one in room.areas]
+        shape: list[object] = [{"x": [*area.x], "y": [*area.y], "is_hole": area.is_hole} for area in room.areas]
         rooms.append({"name": room.name, "floor": room.floor, "doors": [*room.doors], "devices": count, "areas": shape})
     return rooms + [
         {"name": name, "floor": "", "doors": [], "devices": counts[key], "areas": []}

@@ -63,11 +63,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--log", action="store_true", help="show the log of the apps")
 
 
-def difference_text(one: DifferentCommand, start: float, names: Mapping[str, str]) -> str:
+def difference_text(command: DifferentCommand, start: float, names: Mapping[str, str]) -> str:
     """Return a difference as a line that begins with ``+`` or ``-``."""
-    where = "in the replay" if one.kind == "gone" else "in the recording"
-    refused = f"; refused {where} by {printable(one.refused)}" if one.refused else ""
-    return f"{_SIGNS[one.kind]} {command_text(replace(one.given, result=None), start, names)}{refused}"
+    where = "in the replay" if command.kind == "gone" else "in the recording"
+    refused = f"; refused {where} by {printable(command.refused)}" if command.refused else ""
+    return f"{_SIGNS[command.kind]} {command_text(replace(command.given, result=None), start, names)}{refused}"
 
 
 def command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
@@ -106,8 +106,12 @@ def _replay(options: argparse.Namespace) -> int:
     if not options.diff:
         if not replayed.commands:
             print("homebot: no app gave a command; --app names another", file=sys.stderr)
-        for one in replayed.commands:
-            print(json.dumps(_command_json(one, start, names)) if options.json else command_text(one, start, names))
+        for command in replayed.commands:
+            print(
+                json.dumps(_command_json(command, start, names))
+                if options.json
+                else command_text(command, start, names)
+            )
         return 0
     diff = command_diff(recording.commands, replayed.commands, replayed.issuers, recording.ends_at)
     _print_diff(diff, start, names, as_json=options.json)
@@ -153,8 +157,8 @@ def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -
     }
 
 
-def _difference_json(one: DifferentCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
-    return {"difference": one.kind, "refused": one.refused, **_command_json(one.given, start, names)}
+def _difference_json(command: DifferentCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
+    return {"difference": command.kind, "refused": command.refused, **_command_json(command.given, start, names)}
 
 
 def _name(given: TimedCommand, names: Mapping[str, str]) -> str:

@@ -76,7 +76,7 @@ def _make_certificate(folder: Path, names: list[str]) -> int:
     known = names or [host, f"{host.removesuffix('.local')}.local"]
     files = folder / "router.crt", folder / "router.key"
     make_certificate(*files, known, time.time())
-    cert_file, key_file = (json.dumps(one.name) for one in files)
+    cert_file, key_file = (json.dumps(file.name) for file in files)
     print(f"{files[0]} is for {', '.join(known)} and this computer; {files[1]}, which only you can read, is its key")
     print(
         f'add to [ros] in homebot.toml:\n\nlisten = "tls/0.0.0.0:7447"\ncert_file = {cert_file}\nkey_file = {key_file}'

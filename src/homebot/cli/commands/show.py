@@ -81,18 +81,20 @@ def _describe(
     print_rows([*_overview(device, now), *limits])
     _print_parts(device, now, ineffective)
     if len(device.endpoints) > 1:
-        _section("gateways", [_endpoint(one, now) for one in device.endpoints])
+        _section("gateways", [_endpoint(endpoint, now) for endpoint in device.endpoints])
     _section("addresses", _addresses(device))
-    _section("identifiers", [(one,) for one in device.identifiers])
+    _section("identifiers", [(identifier,) for identifier in device.identifiers])
     _section("facts", _facts(device, now))
     _section("merged into one device, because", [(one,) for one in device.evidence])
-    _section("disputed", [(one,) for one in device.conflicts])
-    _section("why a search for its name finds it", [(one,) for one in reasons])
+    _section("disputed", [(conflict,) for conflict in device.conflicts])
+    _section("why a search for its name finds it", [(reason,) for reason in reasons])
 
 
 def _print_parts(device: Device, now: float, ineffective: Collection[tuple[str, str]]) -> None:
-    values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
-    prefer = next((one.value.split(", ") for one in device.facts if (one.name, one.convention) == (PREFER, OWNER)), [])
+    values = {(state.part, state.capability): state for state in (*device.states, *device.events)}
+    prefer = next(
+        (fact.value.split(", ") for fact in device.facts if (fact.name, fact.convention) == (PREFER, OWNER)), []
+    )
     for part in device.parts:
         title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
         ranks = {gateway: f", number {number} that you prefer" for number, gateway in enumerate(prefer, 1)}
@@ -101,13 +103,13 @@ def _print_parts(device: Device, now: float, ineffective: Collection[tuple[str, 
 
 
 def _addresses(device: Device) -> list[tuple[str, ...]]:
-    found = [(one.gateway, "publishes on", one.address) for one in device.endpoints]
-    found += [(one.gateway, "takes commands on", one.command_address) for one in device.endpoints]
+    found = [(endpoint.gateway, "publishes on", endpoint.address) for endpoint in device.endpoints]
+    found += [(endpoint.gateway, "takes commands on", endpoint.command_address) for endpoint in device.endpoints]
     return [one for one in found if is_topic(one[-1])]
 
 
 def _facts(device: Device, now: float) -> list[tuple[str, ...]]:
-    facts: list[tuple[str, ...]] = [(one.name, one.value, _by(one), ago(one.said_at, now)) for one in device.facts]
+    facts: list[tuple[str, ...]] = [(fact.name, fact.value, _by(fact), ago(fact.said_at, now)) for fact in device.facts]
     return facts or [(one.key, one.value, "", "") for one in device.metadata]
 
 
@@ -118,7 +120,7 @@ def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
         yield "area", device.area + outer
     if device.tags:
         yield "tags", ", ".join(device.tags)
-    others = [one for one in device.names if one != device.name]
+    others = [name for name in device.names if name != device.name]
     if others:
         yield "other names", ", ".join(others)
     seen = f"last seen {ago(device.last_seen, now)}, first {ago(device.first_seen, now)}"

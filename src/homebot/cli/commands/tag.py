@@ -106,24 +106,24 @@ def _read(door: DoorClient, options: argparse.Namespace) -> int:
 
 def _scan(door: DoorClient, options: argparse.Namespace) -> int:
     request = {"text": options.code}
-    found = cast("ScanCodeResponse", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
-    if not found.success:
-        raise PeerError(found.message)
-    print(printable(found.message))
-    for what, text in (("device", found.device), ("area", found.area)):
+    response = cast("ScanCodeResponse", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
+    if not response.success:
+        raise PeerError(response.message)
+    print(printable(response.message))
+    for what, text in (("device", response.device), ("area", response.area)):
         if text:
             print(f"  {what}: {printable(text)}")
     if options.teach:
-        _teach(door, found, options.gateway)
+        _teach(door, response, options.gateway)
     return 0
 
 
-def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
-    if not (found.device and found.area):
+def _teach(door: DoorClient, response: ScanCodeResponse, gateway: str) -> None:
+    if not (response.device and response.area):
         raise PeerError("the code does not name both a device and its room")
-    request = {"device": found.device, "gateway": gateway, "room": found.area}
+    request = {"device": response.device, "gateway": gateway, "room": response.area}
     answer = cast("TeachPlaceResponse", door.ask(TEACH_PLACE, request))
-    print(f"{printable(found.device)} is in {printable(answer.room)} now")
+    print(f"{printable(response.device)} is in {printable(answer.room)} now")
 
 
 def _write(door: DoorClient, options: argparse.Namespace) -> int:

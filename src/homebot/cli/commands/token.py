@@ -93,19 +93,19 @@ def _check_end(name: str, plan: Plan) -> None:
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    found = cast("ListTokensResponse", JsonMessage(door.call(LIST_TOKENS)))
+    response = cast("ListTokensResponse", JsonMessage(door.call(LIST_TOKENS)))
     if options.json:
-        print(list_text([json_text(_json(one)) for one in found.tokens]))
+        print(list_text([json_text(_json(token)) for token in response.tokens]))
         return 0
-    now, unused = house_time(door), f"not since {_moment(to_seconds(found.since))}, the start of homebot"
+    now, unused = house_time(door), f"not since {_moment(to_seconds(response.since))}, the start of homebot"
     rows = [
         (
-            one.name,
-            ", ".join(one.scope) or "every right",
-            f"{_moment(one.until)}{' (over)' * (one.until <= now)}" if one.until else "",
-            "now" if one.is_connected else ago(one.used_at, now) if one.used_at.sec else unused,
+            token.name,
+            ", ".join(token.scope) or "every right",
+            f"{_moment(token.until)}{' (over)' * (token.until <= now)}" if token.until else "",
+            "now" if token.is_connected else ago(token.used_at, now) if token.used_at.sec else unused,
         )
-        for one in found.tokens
+        for token in response.tokens
     ]
     if rows:
         print_table(("TOKEN", "RIGHTS", "UNTIL", "LAST USED"), rows, if_any=("UNTIL",))

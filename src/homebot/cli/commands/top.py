@@ -57,18 +57,18 @@ def _top(door: DoorClient, options: argparse.Namespace) -> int:
         return 0
     for load in found:
         if not options.json:
-            print_table(HEADINGS, [one.cells() for one in load.rows])
+            print_table(HEADINGS, [row.cells() for row in load.rows])
             print_line(load.title)
             break
         print(json.dumps(load.as_json()), flush=True)
     return 0
 
 
-def _frames(found: Iterator[Load], where: str) -> Iterator[tuple[str, list[tuple[str, ...]]]]:
+def _frames(loads: Iterator[Load], where: str) -> Iterator[tuple[str, list[tuple[str, ...]]]]:
     order: list[str] = []
-    for number, load in enumerate(found):
+    for number, load in enumerate(loads):
         if number % _SORTED_EVERY == 0:
-            order = [one.topic for one in load.rows]
+            order = [row.topic for row in load.rows]
         yield f"{where}: {load.title}", [one.cells() for one in load.in_order_of(order)]
 
 
@@ -128,27 +128,27 @@ class Load:
     @property
     def title(self) -> str:
         """The total load in one line."""
-        rate, lost = sum(one.rate for one in self.rows), sum(one.lost for one in self.rows)
-        waiting = sum(one.waiting for one in self.rows)
+        rate, lost = sum(row.rate for row in self.rows), sum(row.lost for row in self.rows)
+        waiting = sum(row.waiting for row in self.rows)
         return f"{rate:.1f} messages/s, {waiting} waiting, {lost} lost; loop lag {self.lag * _MILLI:.1f} ms"
 
     def in_order_of(self, topics: Sequence[str]) -> tuple[TopicRow, ...]:
         """Return the rows in the order of *topics*, followed by all others."""
         places = {topic: place for place, topic in enumerate(topics)}
-        return tuple(sorted(self.rows, key=lambda one: places.get(one.topic, len(places))))
+        return tuple(sorted(self.rows, key=lambda row: places.get(row.topic, len(places))))
 
     def as_json(self) -> dict[str, object]:
         """Return a JSON object, with times in seconds."""
-        return {"lag": self.lag, "topics": [asdict(one) for one in self.rows]}
+        return {"lag": self.lag, "topics": [asdict(row) for row in self.rows]}
 
 
 def _row(topic: str, rate: float, queues: Sequence[Mapping[str, object]]) -> TopicRow:
-    most = max(queues, key=lambda one: (_number(one, "slowest"), _number(one, "waiting")), default={})
+    most = max(queues, key=lambda queue: (_number(queue, "slowest"), _number(queue, "waiting")), default={})
     return TopicRow(
         topic,
         rate,
-        int(max((_number(one, "waiting") for one in queues), default=0)),
-        int(sum(_number(one, "lost") for one in queues)),
+        int(max((_number(queue, "waiting") for queue in queues), default=0)),
+        int(sum(_number(queue, "lost") for queue in queues)),
         _number(most, "slowest"),
         str(most.get("node", "")),
     )

@@ -103,10 +103,10 @@ def _info(door: DoorClient, options: argparse.Namespace) -> int:
     ends = entities(door, name=absolute_name(options.topic))
     print(f"Type: {ros_type}")
     for kind, title in _ENDS.items():
-        users = [one for one in ends if one.kind == kind]
+        users = [end for end in ends if end.kind == kind]
         print(f"{title} count: {len(users)}")
         if options.verbose:
-            print("".join(f"\n{_details(one, title)}" for one in users), end="\n" if users else "")
+            print("".join(f"\n{_details(user, title)}" for user in users), end="\n" if users else "")
     return 0
 
 
@@ -182,7 +182,7 @@ def _pub(door: DoorClient, options: argparse.Namespace) -> int:
     ros_type = options.type or topic_type(door, options.topic)
     if not ros_type:
         raise no_such_topic(door, options.topic)
-    gateway = found[1] if (found := _OUT.fullmatch(options.topic)) else ""
+    gateway = match[1] if (match := _OUT.fullmatch(options.topic)) else ""
     publisher = GatewayPublisher(door) if gateway else None
     if publisher is not None:
         publisher.check(gateway)

@@ -107,10 +107,10 @@ class _WatchedHouse:
     def _learn(self, device: Device) -> None:
         self._ids.add(device.id)
         self.names[device.id] = device.name or device.id
-        takes = [one for one in device.parts if any(can.settable for can in one.part.capabilities)]
+        takes = [part for part in device.parts if any(can.settable for can in part.part.capabilities)]
         if len(takes) > 1:
             self.names |= {f"{device.id}#{one.id}": f"{device.name} {one.part.name}" for one in takes if one.part.name}
-        self._minor |= {(device.id, one.id) for one in device.parts if one.part.category}
+        self._minor |= {(device.id, part.id) for part in device.parts if part.part.category}
         self.lines.learn(device.id, device.states)
 
 

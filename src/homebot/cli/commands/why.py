@@ -92,11 +92,11 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
         _print_sent(sent, house_time(door))
         return 0
     client = JournalClient(door, device)
-    found = cast("ExplainDeviceResponse", client.ask(EXPLAIN_DEVICE, {"device": device.id}))
+    response = cast("ExplainDeviceResponse", client.ask(EXPLAIN_DEVICE, {"device": device.id}))
     if options.json:
-        print(json_text(_json(device, found, client)))
+        print(json_text(_json(device, response, client)))
     else:
-        _print(device, found, client, house_time(door))
+        _print(device, response, client, house_time(door))
         _print_sent(sent, house_time(door))
     return 0
 
@@ -106,7 +106,7 @@ def sent_by_routines(door: DoorClient, robot: str) -> list[tuple[RoutineNote, st
     step = re.compile(rf"['\"]{re.escape(robot)} (?:go|goes|drive|drives) to ", re.IGNORECASE)
     with suppress(PeerError):  # an older homebot has none
         routines = cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {}))).routines
-        found = [(note, one.name) for one in routines for note in one.notes if step.search(note.text)]
+        found = [(note, routine.name) for routine in routines for note in routine.notes if step.search(note.text)]
         return sorted(found, key=lambda one: to_seconds(one[0].at))
     return []
 
@@ -116,32 +116,34 @@ def _print_sent(sent: Sequence[tuple[RoutineNote, str]], now: float) -> None:
         print_line(f"The routine {printable(routine)}: {printable(note.text, 300)}, {ago_text(note.at, now)}.")
 
 
-def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, now: float) -> None:
+def _print(device: Device, response: ExplainDeviceResponse, client: JournalClient, now: float) -> None:
     _print_state(device)
-    print(finding_text(found, client.names, now))
-    chains = chains_of(found.entries)
-    if chains and found.finding not in {"change", "event"}:
+    print(finding_text(response, client.names, now))
+    chains = chains_of(response.entries)
+    if chains and response.finding not in {"change", "event"}:
         print()
         print_rows([*chain_lines(chains, client.names, now)])
-    for fight in found.fights:
+    for fight in response.fights:
         print_line(f"{printable(fight.text)}, the last {ago_text(fight.newest, now)}.", "yellow")
     for fact in device.facts:
         if fact.name == UNREADABLE:
             print_line(f"Not understood, {ago_text(fact.said_at, now)}: {printable(fact.value, 400)}.", "yellow")
-    for route in dict.fromkeys(one.value for one in found.ineffective):
+    for route in dict.fromkeys(one.value for one in response.ineffective):
         print_line(f"The last commands via {printable(route)} had no effect: another route is tried first.", "yellow")
 
 
-def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -> dict[str, object]:
+def _json(device: Device, response: ExplainDeviceResponse, client: JournalClient) -> dict[str, object]:
     return {
         "device": device.id,
         "name": device.name,
         "state": state_text(device),
-        "since": iso(found.changed_at) if found.changed_at.sec else None,
-        "explained": found.finding == "command",
-        "chain": chain_json(found.entries, client.names) if found.finding != "none" else [],
-        "ineffective_routes": [{"part": one.key, "route": one.value} for one in found.ineffective],
-        "fights": [{"apps": list(one.issuers), "text": one.text, "last": iso(one.newest)} for one in found.fights],
+        "since": iso(response.changed_at) if response.changed_at.sec else None,
+        "explained": response.finding == "command",
+        "chain": chain_json(response.entries, client.names) if response.finding != "none" else [],
+        "ineffective_routes": [{"part": one.key, "route": one.value} for one in response.ineffective],
+        "fights": [
+            {"apps": list(fight.issuers), "text": fight.text, "last": iso(fight.newest)} for fight in response.fights
+        ],
     }
 
 
@@ -151,14 +153,14 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
     device = named_device(door, options.device)
     client = JournalClient(door, device)
     request = {"device": device.id, "state": options.state}
-    found = cast("ExplainMissingStateResponse", client.ask(EXPLAIN_MISSING_STATE, request))
-    asked = chains_of(found.entries)
+    response = cast("ExplainMissingStateResponse", client.ask(EXPLAIN_MISSING_STATE, request))
+    asked = chains_of(response.entries)
     if options.json:
         chains = [chain_json(one, client.names) for one in asked]
         shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
-        print(json_text({**shown, "is_so": found.is_so, "asked": chains}))
+        print(json_text({**shown, "is_so": response.is_so, "asked": chains}))
     else:
-        _print_why_not(door, options, device, client, found)
+        _print_why_not(door, options, device, client, response)
     return 0
 
 
@@ -167,28 +169,28 @@ def _print_why_not(
     options: argparse.Namespace,
     device: Device,
     client: JournalClient,
-    found: ExplainMissingStateResponse,
+    response: ExplainMissingStateResponse,
 ) -> None:
-    asked, now = chains_of(found.entries), house_time(door)
+    asked, now = chains_of(response.entries), house_time(door)
     _print_state(device)
-    if found.is_so:
+    if response.is_so:
         print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
     if asked:
-        _print_asked(asked, client, options, device, now, 1 if found.is_so else _MOST)
-        if not found.is_so and was_obeyed(asked[-1]):
+        _print_asked(asked, client, options, device, now, 1 if response.is_so else _MOST)
+        if not response.is_so and was_obeyed(asked[-1]):
             print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
-    elif not found.is_so:
-        print(_unasked(device, options, found, now))
-    if not found.is_so:
+    elif not response.is_so:
+        print(_unasked(device, options, response, now))
+    if not response.is_so:
         _print_held_back(door, device, now)
 
 
 def _print_held_back(door: DoorClient, device: Device, now: float) -> None:
     """Print which routines for *device* are switched off, or were held back by a condition the last time."""
     with suppress(PeerError):  # an older homebot has none
-        for one in cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"device": device.id}))).routines:
-            name, note = printable(one.name), one.notes[-1] if one.notes else None
-            if not one.enabled:
+        for routine in cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"device": device.id}))).routines:
+            name, note = printable(routine.name), routine.notes[-1] if routine.notes else None
+            if not routine.enabled:
                 print_line(f"The routine {name} is disabled: homebot routine enable {shlex.quote(name)}")
             elif note is not None and note.text.startswith("held back"):
                 print_line(f"The routine {name} was {printable(note.text, 300)}, {ago_text(note.at, now)}.")
@@ -205,14 +207,14 @@ def _print_asked(
         print(f"  … the last {most} of {len(asked)}; all: homebot journal {_quoted(device)}")
 
 
-def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingStateResponse, now: float) -> str:
+def _unasked(device: Device, options: argparse.Namespace, response: ExplainMissingStateResponse, now: float) -> str:
     """Return why *device* is not in the wanted state if the journal has no command for it."""
-    if found.problem:
-        return printable(found.problem)
-    begins = found.begins
+    if response.problem:
+        return printable(response.problem)
+    begins = response.begins
     since = f" since the journal began, {ago_text(begins, now)}" if begins.sec else ""
     empty = "" if begins.sec else ": the journal is empty"
-    how = f" To ask for it: homebot do {_quoted(device)} {printable(found.word)}" if found.word else ""
+    how = f" To ask for it: homebot do {_quoted(device)} {printable(response.word)}" if response.word else ""
     return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
 
 

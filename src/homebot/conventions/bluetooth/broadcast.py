@@ -56,7 +56,7 @@ def full_uuid(text: str) -> str:
         ValueError: It is none.
     """
     digits = text.strip().lower().removeprefix("0x").replace("-", "")
-    if any(one not in "0123456789abcdef" for one in digits) or len(digits) not in {_SHORT, _MEDIUM, 32}:
+    if any(digit not in "0123456789abcdef" for digit in digits) or len(digits) not in {_SHORT, _MEDIUM, 32}:
         raise ValueError(f"{text!r} is not a UUID; write 4, 8 or 32 hexadecimal digits")
     if len(digits) <= _MEDIUM:
         return f"{digits:0>8}{_BASE}"

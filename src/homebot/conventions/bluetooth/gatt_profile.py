@@ -143,7 +143,7 @@ class GattProfile(BaseModel):
         if fields["level"] > self.level_max:
             raise WireError(f"it reported the level {fields['level']} above {self.level_max}", data)
         state.update(fields)
-        return self._values(state, {one.name for one in self.part().capabilities if one.readable})
+        return self._values(state, {capability.name for capability in self.part().capabilities if capability.readable})
 
     def write(self, capability: str, value: PlainValue, state: GattState) -> bytes:
         """Return the frame that sets a capability, with other fields from *state*, which is updated.
@@ -194,7 +194,7 @@ class GattProfile(BaseModel):
             is_dark = "on_off" in readable and not is_on
             found["level"] = 0.0 if is_dark else round(fields["level"] * 100 / self.level_max, 1)
         if "color" in readable:
-            channels = tuple(float(fields[one]) for one in _CHANNELS)
+            channels = tuple(float(fields[channel]) for channel in _CHANNELS)
             found["color"] = to_hue_saturation("rgb", channels, _WHITE)
         return found
 

@@ -81,4 +81,4 @@ class Presence:
         """
         longest = sorted(self._gaps)[-2:]
         wanted = max(silence, INTERVALS * (longest[0] if longest else 0.0))
-        return next((one for one in _STEPS if one >= wanted), max(_STEPS[-1], silence))
+        return next((step for step in _STEPS if step >= wanted), max(_STEPS[-1], silence))

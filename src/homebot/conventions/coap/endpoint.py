@@ -83,7 +83,11 @@ def endpoint_of_link(link: WebLink) -> CoapEndpoint:
         is_registered=True,
         lifetime=float(lifetime) if lifetime.isdecimal() and len(lifetime) < 10 else 0.0,
         facts={fact: clean_text(link.get(key)) for key, fact in _FACTS.items() if link.get(key)},
-        identifiers=tuple(one for one in identifiers([name]) if not one.startswith("id:") or one.startswith("id:urn:")),
+        identifiers=tuple(
+            identifier
+            for identifier in identifiers([name])
+            if not identifier.startswith("id:") or identifier.startswith("id:urn:")
+        ),
     )
 
 

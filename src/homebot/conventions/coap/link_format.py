@@ -103,7 +103,7 @@ def _next_attribute(text: str, at: int) -> tuple[str, str, int]:
     at = name.end()
     if at >= len(text) or text[at] != "=":
         return name[1], "", at
-    found = _VALUE.match(text, at)
-    if found is None:
+    match = _VALUE.match(text, at)
+    if match is None:
         raise WireError(f"the value of {name[1][:40]} of a link does not end")
-    return name[1], found[2].strip() if found[1] is None else _ESCAPED.sub(r"\1", found[1]), found.end()
+    return name[1], match[2].strip() if match[1] is None else _ESCAPED.sub(r"\1", match[1]), match.end()

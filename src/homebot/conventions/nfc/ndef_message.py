@@ -110,13 +110,13 @@ def write_ndef(*records: NdefRecord) -> bytes:
     ndef = _ndef()
 
     made = []
-    for one in records:
-        if one.kind == "uri":
-            made.append(ndef.UriRecord(one.text()))
-        elif one.kind == "text":
-            made.append(ndef.TextRecord(one.text()))
+    for record in records:
+        if record.kind == "uri":
+            made.append(ndef.UriRecord(record.text()))
+        elif record.kind == "text":
+            made.append(ndef.TextRecord(record.text()))
         else:
-            made.append(ndef.Record(f"{_EXTERNAL if one.kind == 'external' else ''}{one.type}", "", one.data))
+            made.append(ndef.Record(f"{_EXTERNAL if record.kind == 'external' else ''}{record.type}", "", record.data))
     return b"".join(ndef.message_encoder(made))
 
 

@@ -102,9 +102,9 @@ def pointer_of_code(text: str) -> Pointer:
 def pointer_of_records(records: Iterable[NdefRecord]) -> Pointer:
     """Return the pointer in all records of a tag together; invalid records are among its problems."""
     whole = Pointer()
-    for one in records:
+    for record in records:
         try:
-            said = _of_record(one)
+            said = _of_record(record)
         except WireError as exc:
             said = Pointer(problems=(str(exc),))
         whole = whole.joined(said)
@@ -162,7 +162,7 @@ def _of_address(uri: str) -> Pointer:
 
 def _of_text(text: str) -> Pointer:
     lines = [line.strip() for line in text[:_MAX_CODE].splitlines() if line.strip()]
-    area = next((clean_text(found[1], 100) for line in lines if (found := _AREA.fullmatch(line))), "")
+    area = next((clean_text(match[1], 100) for line in lines if (match := _AREA.fullmatch(line))), "")
     words = tuple(clean_text(line, _MAX_TEXT) for line in lines if not _AREA.fullmatch(line))[:4]
     return Pointer("text", words[0] if words else "", words=words, area=area)
 

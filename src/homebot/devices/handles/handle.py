@@ -142,7 +142,7 @@ class Handle:
     @property
     def told_at(self) -> float:
         """The time of the latest new value of the device, in seconds since the Unix epoch; 0 if there is none."""
-        return max((one.told_at.to_seconds() for one in self._view.current().states), default=0.0)
+        return max((state.told_at.to_seconds() for state in self._view.current().states), default=0.0)
 
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.

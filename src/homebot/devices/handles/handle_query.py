@@ -128,7 +128,7 @@ class HandleQuery(Generic[HandleT]):
 
     def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
         """Return the query for the devices that may have such a part; with a category, no type is required."""
-        found: list[Query] = [one for one in terms if not isinstance(one, Not)]  # another part may match it
+        found: list[Query] = [term for term in terms if not isinstance(term, Not)]  # another part may match it
         found += [FactIs("category", self._category)] if self._category else types
         return And((*found, *places) if self.near is None else (*found, *places, self.near))
 
@@ -139,7 +139,7 @@ class HandleQuery(Generic[HandleT]):
     @property
     def exact_values(self) -> tuple[str, ...]:
         """The capabilities that must have an exact value."""
-        return tuple([one.capability for one in self._terms if isinstance(one, StateIs) and one.operator == "="])
+        return tuple([term.capability for term in self._terms if isinstance(term, StateIs) and term.operator == "="])
 
     @property
     def near_search(self) -> Query | None:
@@ -224,7 +224,9 @@ def _check_value(term: Term) -> None:
 def _hint(kind: type[Handle], name: str) -> str:
     from homebot.devices.query.vocabulary import FIELDS  # noqa: PLC0415 - after a mistake alone
 
-    known = [one for one in inspect.signature(kind.where).parameters if one != "filters"] + list(_FILTER_TYPES)
+    known = [parameter for parameter in inspect.signature(kind.where).parameters if parameter != "filters"] + list(
+        _FILTER_TYPES
+    )
     meant = [FIELDS[name]] if FIELDS.get(name) in known else known
     return did_you_mean(FIELDS.get(name, name), meant, f"it takes {', '.join(sorted(known))}", _CUTOFF)
 

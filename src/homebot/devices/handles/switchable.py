@@ -227,7 +227,12 @@ class Fan(_Switchable):
 
     def _mode_off(self) -> str | None:
         """Return the preset that means off; None if there is none."""
-        options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
+        options = [
+            word
+            for capability in self.capabilities
+            if capability.name == "fan_mode" and capability.settable
+            for word in capability.options
+        ]
         return next((word for word in options if word.casefold() == _OFF), None)
 
 

@@ -203,7 +203,7 @@ def _request_text(entry: JournalEntry) -> str:
 
 
 def _facts(entry: JournalEntry) -> Mapping[str, object]:
-    return {one.name: plain_value(one.value) for verdict in entry.verdicts for one in verdict.facts}
+    return {fact.name: plain_value(fact.value) for verdict in entry.verdicts for fact in verdict.facts}
 
 
 def _setting_text(setting: Setting | Reading) -> str:
@@ -214,13 +214,13 @@ def _setting_text(setting: Setting | Reading) -> str:
 
 def chains_of(entries: Iterable[JournalEntry]) -> list[Chain]:
     """Group *entries* by command: entries of one command are adjacent, and a change is alone."""
-    found: list[Chain] = []
+    chains: list[Chain] = []
     for entry in entries:
-        if found and entry.command and found[-1][0].command == entry.command:
-            found[-1].append(entry)
+        if chains and entry.command and chains[-1][0].command == entry.command:
+            chains[-1].append(entry)
         else:
-            found.append([entry])
-    return found
+            chains.append([entry])
+    return chains
 
 
 def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
@@ -253,22 +253,22 @@ def _changed_along(chain: Chain) -> bool:
     return chain[0].kind == "requested" and bool(reported) and (chain[0].device, chain[0].part) not in reported
 
 
-def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
+def finding_text(response: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
     """Return a sentence that explains since when and why a device is in its state."""
-    goal = (f" {ago_text(one.at, now).capitalize()}: {entry_text(one, names)}." for one in found.goal)
-    return "".join((_finding_text(found, names, now), *goal))
+    goal = (f" {ago_text(one.at, now).capitalize()}: {entry_text(one, names)}." for one in response.goal)
+    return "".join((_finding_text(response, names, now), *goal))
 
 
-def _finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
-    chains = chains_of(found.entries)
-    if found.finding == "none":
+def _finding_text(response: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
+    chains = chains_of(response.entries)
+    if response.finding == "none":
         no_change = "It reported no change after the newest command."
         return no_change if chains else "Nobody commanded it, and it reported no change."
     reason = reason_text(chains[-1], names) if chains else _UNEXPLAINED
-    if found.finding == "event":
+    if response.finding == "event":
         event = chains[-1][-1].settings
         reason = f"{event[0].capability.replace('_', ' ')} {settings_text(event)}"
-    return _FINDINGS[found.finding].format(ago=ago_text(found.changed_at, now), reason=reason)
+    return _FINDINGS[response.finding].format(ago=ago_text(response.changed_at, now), reason=reason)
 
 
 def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
@@ -310,7 +310,7 @@ def _report_text(reports: Chain) -> str:
 def _doubt(chain: Chain) -> str:
     """Return the observation of a witness that contradicts the device's report; empty if there is none."""
     results = [one.results[0] for one in chain if one.kind == "outcome"]
-    return next((printable(one.saw) for one in results if one.saw and one.witness), "")
+    return next((printable(result.saw) for result in results if result.saw and result.witness), "")
 
 
 def _commanded(entry: JournalEntry) -> str:

@@ -32,7 +32,7 @@ def age(time: Time, now: float) -> str:
 def age_text(seconds: float) -> str:
     """Return a number of seconds in the largest unit that fits: ``4 min``."""
     seconds = max(0.0, seconds)
-    size, unit = next((one for one in _SPANS if seconds >= one[0]), _SPANS[-1])
+    size, unit = next((span for span in _SPANS if seconds >= span[0]), _SPANS[-1])
     return f"{seconds / size:.0f} {unit}"
 
 

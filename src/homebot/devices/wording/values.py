@@ -24,7 +24,7 @@ _DIGITS, _LARGE = 2, 10
 
 def state_text(device: Device) -> str:
     """Return the last known state in short form; ``unknown`` if there is none, empty if the device never reports."""
-    values = {(one.part, one.capability): plain_value(one.value) for one in device.states}
+    values = {(state.part, state.capability): plain_value(state.value) for state in device.states}
     shown, reports_nothing = [], True
     for part in main_parts(device):
         for capability in part.part.capabilities:
@@ -49,7 +49,7 @@ def types(device: Device) -> str:
     """Return the distinct types that the device offers; for a device that sends plain text, its own word."""
     if device.parts and device.service_type not in DEVICE_TYPES:
         return device.service_type
-    found = dict.fromkeys(type_text(one.part.service_type) for one in main_parts(device))
+    found = dict.fromkeys(type_text(part.part.service_type) for part in main_parts(device))
     return ", ".join(found) or device.service_type
 
 
@@ -60,7 +60,7 @@ def type_text(name: str) -> str:
 
 def main_parts(device: Device) -> Sequence[DevicePart]:
     """Return the main parts of the device; settings and diagnostics if there is nothing else."""
-    return [one for one in device.parts if not one.part.category] or device.parts
+    return [part for part in device.parts if not part.part.category] or device.parts
 
 
 def flag_texts(capability: str) -> tuple[str, str]:

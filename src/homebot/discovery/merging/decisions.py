@@ -41,7 +41,7 @@ class MergeDecisions:
 
     def split(self, identifiers: Iterable[str], keys: Iterable[SourceKey]) -> None:
         """Decide that *identifiers* are no evidence, and withdraw the merging of *keys*."""
-        ignored = {one for one in identifiers if not one.startswith(OWNER)} | self.ignored
+        ignored = {identifier for identifier in identifiers if not identifier.startswith(OWNER)} | self.ignored
         self._check("a split", len(ignored))
         self.ignored = ignored
         for key in keys:

@@ -73,12 +73,12 @@ class Identity(NamedTuple):
     @property
     def hardware(self) -> frozenset[str]:
         """Its identifiers that are hardware addresses."""
-        return frozenset(one for one in self.identifiers if one.startswith(_HARDWARE))
+        return frozenset(identifier for identifier in self.identifiers if identifier.startswith(_HARDWARE))
 
     @property
     def others(self) -> frozenset[str]:
         """Its other identifiers."""
-        return frozenset(one for one in self.identifiers if one.startswith("id:"))
+        return frozenset(identifier for identifier in self.identifiers if identifier.startswith("id:"))
 
 
 @final
@@ -271,11 +271,11 @@ class IdentityGraph:
         if identifier.startswith((OWNER, REPEATED)):
             return False
         holders = self._holders[identifier]
-        apart = {one.gateway: one for one in holders if one.is_told_apart}
-        if sum(one.is_told_apart for one in holders) > len(apart):
+        apart = {holder.gateway: holder for holder in holders if holder.is_told_apart}
+        if sum(holder.is_told_apart for holder in holders) > len(apart):
             return True
         others = dict.fromkeys(
-            name for one in holders if apart and one not in apart.values() for name in one.identifiers
+            name for holder in holders if apart and holder not in apart.values() for name in holder.identifiers
         )
         for name in others:
             known = self._holders[name]
@@ -309,8 +309,8 @@ def _always(_identifier: str, _holders: _Holders) -> bool:
 
 
 def _is_of_one_host(_identifier: str, holders: _Holders) -> bool:
-    is_one_network = len({one.gateway for one in holders}) == 1
-    return is_one_network and sum(bool(one.offers_parts) for one in holders) < _PAIR
+    is_one_network = len({holder.gateway for holder in holders}) == 1
+    return is_one_network and sum(bool(holder.offers_parts) for holder in holders) < _PAIR
 
 
 def _is_of_no_host(_identifier: str, holders: _Holders) -> bool:
@@ -324,7 +324,13 @@ def _is_of_one_hardware(identifier: str, holders: _Holders) -> bool:
     if any(one.isdisjoint(other) for one, other in combinations(known, 2)):
         return False
     hosts: dict[str, str] = {}  # of each gateway: names in two networks say nothing
-    named = [(one.gateway, name) for one in holders if one.offers_parts for name in one.others if name.startswith(HOST)]
+    named = [
+        (holder.gateway, name)
+        for holder in holders
+        if holder.offers_parts
+        for name in holder.others
+        if name.startswith(HOST)
+    ]
     return all(hosts.setdefault(gateway, name) == name for gateway, name in named)
 
 
@@ -339,15 +345,15 @@ _RULES: Final[tuple[tuple[str, float, Callable[[str, _Holders], bool]], ...]] = 
 """Prefix of an identifier, the most identities that it connects, and the test whether they are one device."""
 
 
-def _share_a_host(one: Identity, other: Identity) -> bool:
+def _share_a_host(identity: Identity, other: Identity) -> bool:
     """Return whether a shared hardware address is that of their host, which describes both in the same way."""
-    if (one.gateway, one.convention) != (other.gateway, other.convention):
+    if (identity.gateway, identity.convention) != (other.gateway, other.convention):
         return False
-    if None not in (both := {one.offers_parts, other.offers_parts}) and False in both:
+    if None not in (both := {identity.offers_parts, other.offers_parts}) and False in both:
         return False
-    if one.key or other.key:
+    if identity.key or other.key:
         return True
-    mine, others = one.others, other.others
+    mine, others = identity.others, other.others
     return bool(mine) and bool(others) and mine.isdisjoint(others)
 
 

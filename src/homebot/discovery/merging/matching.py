@@ -61,7 +61,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
         identifiers: The source's identifiers of the device, from which ids of parts are often made.
     """
     ids = [_words(part.id)[:MAX_WORDS] for part in parts]
-    known = frozenset(chain.from_iterable(_words(one.partition(":")[2]) for one in identifiers))
+    known = frozenset(chain.from_iterable(_words(identifier.partition(":")[2]) for identifier in identifiers))
     prefix, suffix = _shared_ends(set(ids))
     writes = Counter(chain.from_iterable([part.writes for part in parts]))
     reads = Counter(chain.from_iterable([part.reads for part in parts]))
@@ -73,7 +73,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
         found.append(
             Candidate(
                 part=part,
-                abilities={one.name: one for one in part.capabilities},
+                abilities={capability.name: capability for capability in part.capabilities},
                 name=fold(part.name),
                 words=words,
                 prefix=max(prefix, _leading(words, known | kinds)),
@@ -226,15 +226,15 @@ def _by_type(mine: _Numbered, theirs: _Numbered) -> _Pairs:
             yield 0, (group, number)
 
 
-def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
+def _is_one_of_its_type(candidate: Candidate, other: Candidate) -> bool:
     """Return whether type is evidence: always for loads; for sensors, if neither has a name of its own."""
-    if one.part.service_type.startswith("x_") or not _can_be_one(one, other):
+    if candidate.part.service_type.startswith("x_") or not _can_be_one(candidate, other):
         return False
-    if _are_told_apart(one.part, other.part):
+    if _are_told_apart(candidate.part, other.part):
         return False
-    if _is_load(one) or _is_load(other):
+    if _is_load(candidate) or _is_load(other):
         return True
-    return one.abilities.keys() == other.abilities.keys() and _may_have_one_name(one, other)
+    return candidate.abilities.keys() == other.abilities.keys() and _may_have_one_name(candidate, other)
 
 
 def _are_told_apart(one: Part, other: Part) -> bool:
@@ -247,36 +247,42 @@ def _are_told_apart(one: Part, other: Part) -> bool:
 def _is_of_one_program(topics: tuple[str, ...], others: tuple[str, ...]) -> bool:
     """Return whether the two share a topic, or one is below another."""
     return any(
-        f"{one}/".startswith(f"{other}/") or f"{other}/".startswith(f"{one}/") for one in topics for other in others
+        f"{topic}/".startswith(f"{other}/") or f"{other}/".startswith(f"{topic}/")
+        for topic in topics
+        for other in others
     )
 
 
-def _is_load(one: Candidate) -> bool:
+def _is_load(candidate: Candidate) -> bool:
     """Return whether it can be commanded; a gateway without topics has no command topics."""
-    return bool(one.part.writes) or any(capability.settable for capability in one.part.capabilities)
+    return bool(candidate.part.writes) or any(capability.settable for capability in candidate.part.capabilities)
 
 
-def _may_have_one_name(one: Candidate, other: Candidate) -> bool:
-    return one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
+def _may_have_one_name(candidate: Candidate, other: Candidate) -> bool:
+    return (
+        candidate.name == other.name
+        or (not candidate.name and _is_plain(other))
+        or (not other.name and _is_plain(candidate))
+    )
 
 
-def _is_plain(one: Candidate) -> bool:
-    return one.name in set(map(fold, one.abilities))
+def _is_plain(candidate: Candidate) -> bool:
+    return candidate.name in set(map(fold, candidate.abilities))
 
 
-def _can_be_one(one: Candidate, other: Candidate) -> bool:
+def _can_be_one(candidate: Candidate, other: Candidate) -> bool:
     """Return whether the capabilities and functions of the two are compatible."""
-    mine, theirs = one.abilities, other.abilities
+    mine, theirs = candidate.abilities, other.abilities
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
         return False
-    return _can_be_one_by_type(one, other)
+    return _can_be_one_by_type(candidate, other)
 
 
-def _can_be_one_by_type(one: Candidate, other: Candidate) -> bool:
-    mine, theirs = one.abilities, other.abilities
-    part, its_part = one.part, other.part
-    is_settable = _is_load(one) or _is_load(other)
+def _can_be_one_by_type(candidate: Candidate, other: Candidate) -> bool:
+    mine, theirs = candidate.abilities, other.abilities
+    part, its_part = candidate.part, other.part
+    is_settable = _is_load(candidate) or _is_load(other)
     if part.service_type != its_part.service_type:
         is_setting = SETTING in (part.service_type, its_part.service_type)
         return bool(mine) and mine.keys() == theirs.keys() and (is_setting or not is_settable)
@@ -285,15 +291,15 @@ def _can_be_one_by_type(one: Candidate, other: Candidate) -> bool:
     return (not part.category) == (not its_part.category)
 
 
-def _agree(one: Capability, other: Capability) -> bool:
+def _agree(capability: Capability, other: Capability) -> bool:
     """Return whether both can have the same values: in the same unit, and with options in common if any."""
-    if one.unit and other.unit and one.unit != other.unit:
+    if capability.unit and other.unit and capability.unit != other.unit:
         return False
-    if not (one.settable and other.settable and one.options and other.options):
+    if not (capability.settable and other.settable and capability.options and other.options):
         return True
-    if one.name == "option":
-        return set(one.options) == set(other.options)
-    return not set(one.options).isdisjoint(other.options)
+    if capability.name == "option":
+        return set(capability.options) == set(other.options)
+    return not set(capability.options).isdisjoint(other.options)
 
 
 def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:

@@ -64,7 +64,9 @@ def regroup(
     for keys in ordered:
         entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
         members = frozenset(keys)
-        keeps = next((one for one in entries if one.id not in kept and next(iter(one.sources)) in members), None)
+        keeps = next(
+            (entry for entry in entries if entry.id not in kept and next(iter(entry.sources)) in members), None
+        )
         if keeps is not None:
             kept.add(keeps.id)
         found.append((keys, keeps, entries))
@@ -72,8 +74,8 @@ def regroup(
 
 
 def _regrouped(keys: tuple[SourceKey, ...], keeps: Entry | None, entries: Iterable[Entry], kept: set[str]) -> Regrouped:
-    gone = () if keeps is None else tuple(one for one in entries if one.id not in kept)
-    return Regrouped(keys, keeps, gone, tuple(one for one in entries if one.id in kept and one is not keeps))
+    gone = () if keeps is None else tuple(entry for entry in entries if entry.id not in kept)
+    return Regrouped(keys, keeps, gone, tuple(entry for entry in entries if entry.id in kept and entry is not keeps))
 
 
 def find_panel(table: DeviceTable, entry: Entry) -> None:
@@ -85,7 +87,7 @@ def find_panel(table: DeviceTable, entry: Entry) -> None:
         entry.panel = _panel_of(entry, table.panels)
     sightings = [source.sighting for source in entry.sources.values()]
     panels = [one for one in sightings if any(part.service_type == "x_alarm_panel" for part in one.parts)]
-    new = {name for one in panels for name in one.identifiers} - table.panels
+    new = {name for panel in panels for name in panel.identifiers} - table.panels
     if not new or len(table.panels) >= _MAX_PANELS:
         return
     table.panels |= new
@@ -109,7 +111,7 @@ def _panel_of(entry: Entry, panels: Container[str]) -> str:
     if any(source.sighting.native for source in entry.sources.values()):
         return ""
     bridges = identifiers(bridge_of(source.sighting) for source in entry.sources.values())
-    return next((one for one in bridges if one in panels), "")
+    return next((bridge for bridge in bridges if bridge in panels), "")
 
 
 @final

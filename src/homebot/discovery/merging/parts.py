@@ -93,7 +93,7 @@ def _heard(ways: Sequence[Way]) -> tuple[list[Part], list[Part]]:
 
 def _is_below(topics: Sequence[str], known: Collection[str]) -> bool:
     """Return whether there are *topics*, and each is a *known* one or below one."""
-    return bool(topics) and all(any(f"{one}/".startswith(f"{above}/") for above in known) for one in topics)
+    return bool(topics) and all(any(f"{topic}/".startswith(f"{above}/") for above in known) for topic in topics)
 
 
 def _is_setting(part: Part) -> bool:
@@ -101,7 +101,7 @@ def _is_setting(part: Part) -> bool:
 
 
 def _settable(part: Part) -> dict[str, None]:
-    return {one.name: None for one in part.capabilities if one.settable}
+    return {capability.name: None for capability in part.capabilities if capability.settable}
 
 
 def _all_options(best: Capability, other: Capability) -> tuple[str, ...]:

@@ -81,7 +81,7 @@ def _claimed(
     ordered: Iterable[SourceRecord], endpoints: Sequence[EndpointKey], trusted: frozenset[EndpointKey]
 ) -> Sequence[EndpointKey]:
     """Return the endpoints that are not trusted; if none is there that is, the oldest counts, unless it can hurt."""
-    claimed = [one for one in endpoints if one not in trusted]
+    claimed = [endpoint for endpoint in endpoints if endpoint not in trusted]
     if not claimed or len(claimed) < len(endpoints):
         return claimed
     oldest = [source.sighting for source in ordered if endpoint_of(source) == claimed[0]]

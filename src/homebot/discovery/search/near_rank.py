@@ -74,16 +74,16 @@ def nearest(
     if not math.isinf(within):
         wanted = finder.within(start, lambda door: math.inf if math.isinf(crossing(door)) else 0.0, wanted, within)
         total = len(wanted)
-    found: list[NearDevice] = []
+    devices: list[NearDevice] = []
     for route in finder.nearest(start, crossing, wanted) if total else ():
         way = route.path + route.extra
-        if limit and len(found) >= limit and way + least >= found[limit - 1].cost:
+        if limit and len(devices) >= limit and way + least >= devices[limit - 1].cost:
             break
         own = tuple(terms(route.target))
-        insort(found, NearDevice(way + _metres(own), route.target, route, own))
-        if len(found) == total:
+        insort(devices, NearDevice(way + _metres(own), route.target, route, own))
+        if len(devices) == total:
             break
-    return (found[:limit] if limit else found), total
+    return (devices[:limit] if limit else devices), total
 
 
 def _metres(terms: Iterable[CostTerm]) -> float:

@@ -145,7 +145,7 @@ class Postings:
 
     def values_of(self, name: str) -> frozenset[str]:
         """Return all values of ``area``, ``tag``, ``gateway``, ``convention``, or of the type (``advertised``)."""
-        return frozenset(str(one[0]) for one in self._values_of.get(name, ()))
+        return frozenset(str(value[0]) for value in self._values_of.get(name, ()))
 
     def find(self, query: Query) -> Found:
         """Return the devices that match *query*, as a set not to be modified."""
@@ -188,11 +188,11 @@ class Postings:
     def _of_value(self, devices: Found, term: StateIs) -> Found:
         if len(devices) > _FEW or term.part:
             return devices & self._by_value(term)
-        return {one for one in devices if self.value(one, term) is not None}
+        return {device for device in devices if self.value(device, term) is not None}
 
     def _by_value(self, term: StateIs) -> Found:
         if term.part:
-            return {one for one in self._devices(("part", term.part)) if self.value(one, term) is not None}
+            return {device for device in self._devices(("part", term.part)) if self.value(device, term) is not None}
         found: list[set[str]] = []
         for service_type in term.types or self._types_with.get(term.capability, _NONE):
             column = self._columns.get((service_type, term.capability))
@@ -202,8 +202,8 @@ class Postings:
 
     def _type_keys(self, query: TypeIs) -> Iterator[_Key]:
         for service_type in query.types:
-            for found in self._values_of.get(f"kind {service_type}", set()):
-                tag = str(found[0])
+            for value in self._values_of.get(f"kind {service_type}", set()):
+                tag = str(value[0])
                 if matches_kind(query, (service_type, tag)):
                     yield (f"kind {service_type}", tag)
         if query.by_word:
@@ -214,7 +214,7 @@ class Postings:
     def _begins(self, field_name: str, wanted: str) -> Found:
         values = self._values_of.get(field_name, set())
         prefix = f"{wanted} "
-        fitting = [one for one in values if (text := str(one[0])) == wanted or text.startswith(prefix)]
+        fitting = [value for value in values if (text := str(value[0])) == wanted or text.startswith(prefix)]
         return self._union((field_name, *one) for one in fitting)
 
     def _union(self, keys: Iterable[_Key]) -> Found:

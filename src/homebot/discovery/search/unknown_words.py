@@ -98,8 +98,8 @@ def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[
 def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     """Return why *area*, a folded name, is not a place in the house; empty if it is or may become one."""
     rooms = [room.name for room in plan.rooms]
-    stated = {fold(one): one for one in (*rooms, *plan.floors, plan.home)}
-    known = {**{one: one for one in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
+    stated = {fold(room): room for room in (*rooms, *plan.floors, plan.home)}
+    known = {**{value: value for value in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
     if any(f"{one} ".startswith(f"{area} ") for one in known):
         return ""
     if meant := sorted(known[one] for one in known if is_room_typo(area, one)):
@@ -174,7 +174,7 @@ def _without(kind: type[Query], query: Query) -> Query:
     """Return *query* without its terms of a *kind*."""
     match query:
         case And(terms) | Or(terms):
-            return type(query)(tuple([_without(kind, one) for one in terms]))
+            return type(query)(tuple([_without(kind, term) for term in terms]))
         case _:
             return And(()) if isinstance(query, kind) else query
 

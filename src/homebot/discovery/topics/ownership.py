@@ -106,7 +106,7 @@ class TopicOwnership:
         node = self._find(key[0], use.writes[0])
         if node is None or len(node.users) == 1:
             return ()
-        return tuple([one.key for one in node.users if one.key != key and use.repeats(one)])
+        return tuple([user.key for user in node.users if user.key != key and use.repeats(user)])
 
     def conflict(self, source: SourceRecord, part: Part) -> str:
         """Return in words which other announcement has a topic of *part* of *source*; empty for none."""
@@ -305,7 +305,7 @@ def _is_undisputed(node: TopicNode) -> bool:
 def _verdicts_of(node: TopicNode) -> dict[SourceKey, str]:
     """Return the announcements that may not use a topic, each with the owner."""
     strangers = _verdicts_on_strangers(node)
-    users = tuple(one for one in node.users if one.key not in strangers) if strangers else node.users
+    users = tuple(user for user in node.users if user.key not in strangers) if strangers else node.users
     return {**strangers, **_verdicts_among(users, node)} if users else strangers
 
 
@@ -316,8 +316,8 @@ def _verdicts_on_strangers(node: TopicNode) -> dict[SourceKey, str]:
         above = above.parent
     if above is None:
         return {}
-    bridges = {one.bridge for one in above.bases}
-    return {one.key: above.bases[0].device for one in node.users if one.bridge not in bridges}
+    bridges = {base.bridge for base in above.bases}
+    return {user.key: above.bases[0].device for user in node.users if user.bridge not in bridges}
 
 
 def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[SourceKey, str]:
@@ -331,9 +331,9 @@ def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[Source
 
 def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, float]]) -> dict[SourceKey, str]:
     holders.sort(key=lambda held: -held[1])
-    ranks = [(one, one.rank(topic)) for one in users]
+    ranks = [(user, user.rank(topic)) for user in users]
     top, best = _best(ranks)
-    winners = {one.key for one in _winners(best)}
+    winners = {winner.key for winner in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
         if owner := _stronger_device(use, rank, holders):
@@ -383,12 +383,12 @@ _TIE = 0.5
 def _holders(node: TopicNode) -> list[tuple[TopicUse, float]]:
     """Return the uses that publish on the topic, and those with commands on a topic above, with their ranks."""
     topic = node.topic
-    found = [(one, float(one.rank(topic))) for one in node.speakers]
+    found = [(speaker, float(speaker.rank(topic))) for speaker in node.speakers]
     above = node.parent
     while above is not None:
         if above.users:
             topic, tie = above.topic, _TIE if above is node.parent else 0.0
-            found += [(one, one.rank(topic) + (tie if one.asks else 0.0)) for one in above.users]
+            found += [(user, user.rank(topic) + (tie if user.asks else 0.0)) for user in above.users]
         above = above.parent
     return found
 
@@ -397,7 +397,7 @@ def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[Sou
     """Return the *users* that are not the owners' device, or were announced at a place that does not name it."""
     found: dict[SourceKey, str] = {}
     for use in users:
-        own = [one for one in owners if one.device == use.device]
+        own = [owner for owner in owners if owner.device == use.device]
         if not any(is_called(use.announced_on, aliases_of(one.owns, one.identifiers)) for one in own):
             found[use.key] = (own or owners)[0].device
     return found

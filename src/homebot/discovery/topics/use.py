@@ -182,7 +182,7 @@ class TopicUse(NamedTuple):
 
 
 def _owned_below(base: str, sighting: Sighting) -> tuple[str, ...]:
-    return tuple([f"{base}/{one}" for one in (sighting.name, *_addresses_of(sighting.identifiers))])
+    return tuple([f"{base}/{address}" for address in (sighting.name, *_addresses_of(sighting.identifiers))])
 
 
 def topic_use(source: SourceRecord, device: str) -> TopicUse:
@@ -239,8 +239,8 @@ def _base_of(sighting: Sighting, topics: Sequence[str]) -> str:
 
 def _addresses_of(identifiers: Iterable[str]) -> Iterator[str]:
     """Yield the radio addresses as Zigbee2MQTT writes them in topics."""
-    for one in identifiers:
-        kind, _, address = one.partition(":")
+    for identifier in identifiers:
+        kind, _, address = identifier.partition(":")
         if kind == "eui64":
             yield f"0x{address}"
 

@@ -108,9 +108,9 @@ def _buttons(door: DoorClient, query: str) -> list[_Button]:
     if not answer.success:
         raise UsageError(answer.message)
     found = [
-        _Button(one.device.id, one.device.name or one.device.id, part, can.options)
-        for one in answer.results
-        for part in one.device.parts
+        _Button(result.device.id, result.device.name or result.device.id, part, can.options)
+        for result in answer.results
+        for part in result.device.parts
         for can in part.part.capabilities
         if can.name == "press"
     ]
@@ -121,7 +121,7 @@ def _buttons(door: DoorClient, query: str) -> list[_Button]:
 
 def _numbered(buttons: Sequence[_Button]) -> str:
     """Return what names each of *buttons*; by ids where names are equal."""
-    devices = [[*group] for _, group in groupby(buttons, key=lambda one: one.device)]
+    devices = [[*group] for _, group in groupby(buttons, key=lambda button: button.device)]
     counts = Counter(fold(group[0].name) for group in devices)
     return ", ".join(
         f"'{group[0].name if counts[fold(group[0].name)] == 1 else f'id={quoted(group[0].device)}'}"

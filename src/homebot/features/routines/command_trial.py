@@ -124,7 +124,7 @@ def given_of(text: str, source: str) -> Config:
     Raises:
         ConfigError: A routine is wrong.
     """
-    routines = [{**one.table, "name": one.name} for one in read_routines(text, source)]
+    routines = [{**routine.table, "name": routine.name} for routine in read_routines(text, source)]
     return parse_config({"routines": routines}, source)
 
 
@@ -164,20 +164,26 @@ def trial_lines(
     return [*_lines(recording, replayed, found), *_summary(title, replayed, found, unseen)]
 
 
-def _lines(recording: Recording, replayed: Replayed, found: Sequence[TriedCommand]) -> Iterator[str]:
+def _lines(recording: Recording, replayed: Replayed, commands: Sequence[TriedCommand]) -> Iterator[str]:
     """Yield the commands and the messages to people in order of time, and then the hints."""
     start, names = recording.header.started_at.to_seconds(), part_names(replayed.devices)
     lines = [
-        (one.time.timestamp(), f"{_stamp(one.time)}  told people: {printable(one.text)}  {one.app}")
-        for one in replayed.notifications
+        (
+            notification.time.timestamp(),
+            f"{_stamp(notification.time)}  told people: {printable(notification.text)}  {notification.app}",
+        )
+        for notification in replayed.notifications
     ]
     lines += [
-        (one.at, f"{_stamp(datetime.fromtimestamp(one.at, UTC))}  would send: {printable(one.text)}  {one.app}")
-        for one in replayed.acts
+        (
+            action.at,
+            f"{_stamp(datetime.fromtimestamp(action.at, UTC))}  would send: {printable(action.text)}  {action.app}",
+        )
+        for action in replayed.acts
     ]
-    for one in found:
-        later = f"; {age_text(one.seconds)} later somebody: {printable(one.change)}" if one.change else ""
-        lines.append((start + one.given.at, f"{command_text(one.given, start, names)}{later}"))
+    for command in commands:
+        later = f"; {age_text(command.seconds)} later somebody: {printable(command.change)}" if command.change else ""
+        lines.append((start + command.given.at, f"{command_text(command.given, start, names)}{later}"))
     yield from (line for _, line in sorted(lines))
     for name, hints in replayed.hints.items():
         yield from (f"{printable(name)}: {printable(hint, 500)}" for hint in hints)
@@ -192,7 +198,7 @@ def _stamp(at: datetime) -> str:
 
 
 def _further(replayed: Replayed, app: str) -> str:
-    told, sent = (sum(one.app == app for one in acts) for acts in (replayed.notifications, replayed.acts))
+    told, sent = (sum(action.app == app for action in acts) for acts in (replayed.notifications, replayed.acts))
     people = f", and told people {_times(told)}" if told else ""
     return people + (f", and sent a robot {_times(sent)}" if sent else "")
 

@@ -245,7 +245,7 @@ class StoredAnnouncement:
             source = ("*",)
         name = self.report_streams.get(source)
         if name is None:
-            number = sum(one[0] == source[0] for one in self.report_streams)
+            number = sum(stream[0] == source[0] for stream in self.report_streams)
             name = self.report_streams[source] = f"{self.key} {source[0]} {number}"
         return name
 

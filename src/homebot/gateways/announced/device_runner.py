@@ -217,4 +217,7 @@ class DeviceRunner(DriverHost, ABC):
 
 def problems_of(runners: Iterable[DeviceRunner | None]) -> Iterator[str]:
     """Return the problems that need a person's help, in words; at most :data:`MAX_PROBLEMS`."""
-    return islice((f"{one.name}: {one.problem}" for one in runners if one is not None and one.needs_help), MAX_PROBLEMS)
+    return islice(
+        (f"{runner.name}: {runner.problem}" for runner in runners if runner is not None and runner.needs_help),
+        MAX_PROBLEMS,
+    )

@@ -96,4 +96,6 @@ class ExposedDevices:
 
 
 def _offered(offer: ExposedDevice) -> frozenset[tuple[str, str]]:
-    return frozenset((part.id, one.name) for part in offer.parts for one in part.capabilities if one.readable)
+    return frozenset(
+        (part.id, capability.name) for part in offer.parts for capability in part.capabilities if capability.readable
+    )

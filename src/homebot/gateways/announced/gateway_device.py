@@ -65,8 +65,8 @@ class GatewayDevice:
     def described(self) -> DeviceAnnounced:
         """Return it as an announcement that belongs to no convention."""
         parts = tuple(
-            DescribedPart(one, self.codecs.get(one.id, _NO_CODEC), expiries=self.expiries.get(one.id, ()))
-            for one in self.parts
+            DescribedPart(part, self.codecs.get(part.id, _NO_CODEC), expiries=self.expiries.get(part.id, ()))
+            for part in self.parts
         )
         return DeviceAnnounced(
             self.key,

@@ -93,12 +93,12 @@ def _like(described: DeviceAnnounced, registered: _ByMark) -> Iterator[DeviceAnn
 def _marks(described: DeviceAnnounced) -> list[tuple[str, str]]:
     """Return the marks under which an announcement is found: its program, with each identifier of the device."""
     origin = described.facts["origin"]
-    return [(origin, one) for one in described.identifiers]
+    return [(origin, identifier) for identifier in described.identifiers]
 
 
 def _describes(listed: DeviceAnnounced, announced: DeviceAnnounced) -> bool:
     """Return whether *announced* is below *listed*'s topics: a bridge that moved leaves its old list on the broker."""
-    return any(one.part.is_below(listed.owns) for one in announced.parts)
+    return any(part.part.is_below(listed.owns) for part in announced.parts)
 
 
 class RegistryLimits(NamedTuple):
@@ -286,6 +286,6 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
         length: As for :meth:`DeviceRegistry.put`; with 0, only lists, topics and facts of the description count.
     """
     texts = [*described.identifiers, *described.facts.values()]
-    for one in described.parts:
-        texts += texts_of(one.part)
+    for part in described.parts:
+        texts += texts_of(part.part)
     return max(0, max(length, size_of_texts(texts)) - _FREE - _FREE_PART * len(described.parts))

@@ -137,9 +137,9 @@ class DeviceReporter:
 
     def dispose_left(self, device: StoredAnnouncement, before: StoredAnnouncement) -> None:
         """Stop keeping reports on addresses that *before* read and *device* does not: they have no source any more."""
-        reads = {address for one in device.parts.values() for address in one.described.part.reads}
-        left = {address for one in before.parts.values() for address in one.described.part.reads} - reads
-        for source in [one for one in device.report_streams if one[0] in left]:
+        reads = {address for part in device.parts.values() for address in part.described.part.reads}
+        left = {address for part in before.parts.values() for address in part.described.part.reads} - reads
+        for source in [stream for stream in device.report_streams if stream[0] in left]:
             self._reports.dispose(device.report_streams.pop(source))
 
 

@@ -100,7 +100,7 @@ class UnreadablePayloads:
     def _report(self, part: AnnouncedPart, state: UnreadableCount) -> None:
         described, key = part.described.part, part.stored.key
         state.reported, state.report_at = state.count, self._reporter.now + _SECOND
-        is_coded = any(one.name in _CODED for one in described.capabilities)
+        is_coded = any(capability.name in _CODED for capability in described.capabilities)
         why = "; ".join(dict.fromkeys([one.why(without_digits=is_coded) for one in state.found]))
         name = described.name or described.id
         text = f"payloads{name and f' of {name}'} on {state.address[:100]}: {state.count}, the last {why}"
@@ -158,7 +158,7 @@ class StateReader:
         if availability_readers:
             silent = await self._read_availability(address, payload, availability_readers, work, retained=retained)
             if silent:
-                announced_parts = tuple(one for one in announced_parts if not _is_among(silent, one))
+                announced_parts = tuple(part for part in announced_parts if not _is_among(silent, part))
         if not announced_parts:
             return
         if len(payload) > longest:

@@ -72,7 +72,7 @@ class BleGateway(Gateway):
         clock = node.graph.clock
         self._settings = settings
         self._clock = clock
-        self._profiles = {one.service: one for one in settings.all_profiles().values()}
+        self._profiles = {profile.service: profile for profile in settings.all_profiles().values()}
         self._parsers = _find_parsers(settings)
         self._known: dict[str, KnownDevice] = {}
         self._keys: dict[str, str] = {}
@@ -171,17 +171,17 @@ class BleGateway(Gateway):
                 break
         await self._update_device(advertisement, found)
 
-    async def _update_device(self, advertisement: Advertisement, found: Broadcast | None) -> None:
+    async def _update_device(self, advertisement: Advertisement, broadcast: Broadcast | None) -> None:
         now = self._clock.monotonic()
-        device = self._sender_of(advertisement, found, now)
+        device = self._sender_of(advertisement, broadcast, now)
         if device is None:
             self._forget_address(advertisement.address)
             return
         key = device.key
         is_back = now - device.presence.last_heard >= BACK_AFTER
-        device.update(advertisement, found, now)
+        device.update(advertisement, broadcast, now)
         self._keys[advertisement.address] = key
-        values = () if found is None else found.values
+        values = () if broadcast is None else broadcast.values
         if values or now - device.put_at >= PUT_EVERY:
             self._put(device, "it was heard")
         if device.profile is not None and self._connections is not None:
@@ -191,12 +191,12 @@ class BleGateway(Gateway):
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
             await self._report_signal(device, now)
 
-    def _sender_of(self, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
+    def _sender_of(self, advertisement: Advertisement, broadcast: Broadcast | None, now: float) -> KnownDevice | None:
         before = self._keys.get(advertisement.address, advertisement.address)
-        key = before if found is None else found.key or advertisement.address
+        key = before if broadcast is None else broadcast.key or advertisement.address
         if key == advertisement.address != before and self._known.pop(before, None) is not None:
             self.devices.remove(before, "it is a sensor, whose beacon others send as well")
-        device = self._known.get(key) or self._admit(key, advertisement, found, now)
+        device = self._known.get(key) or self._admit(key, advertisement, broadcast, now)
         if device is not None and self._keys.get(device.address) == key:
             del self._keys[device.address]  # a beacon may have another address now
         return device
@@ -204,19 +204,21 @@ class BleGateway(Gateway):
     async def _report(self, key: str, advertisement: Advertisement, values: Iterable[BroadcastValue]) -> None:
         for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
             await self.devices.deliver_raw(key, data)
-        for one in values:
-            await self.devices.report(key, {one.capability: one.value}, one.part)
+        for value in values:
+            await self.devices.report(key, {value.capability: value.value}, value.part)
 
     async def _report_signal(self, device: KnownDevice, now: float) -> None:
         device.reported_at = now
         for part, values in device.signal_values(self._settings.rssi_at_1m, now).items():
             await self.devices.report(device.key, values, part)
 
-    def _admit(self, key: str, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
+    def _admit(
+        self, key: str, advertisement: Advertisement, broadcast: Broadcast | None, now: float
+    ) -> KnownDevice | None:
         """Return a new device; None if it should not be listed, or there is no room."""
         declared = self._settings.devices.get(advertisement.address)
         profile = self._profile_of(advertisement, declared)
-        is_understood = found is not None or profile is not None or declared is not None
+        is_understood = broadcast is not None or profile is not None or declared is not None
         if not is_understood and not self._lists_unknown(advertisement.name):
             return None
         if declared is None and not self._newcomers.admits(now):
@@ -244,7 +246,7 @@ class BleGateway(Gateway):
     def _profile_of(self, advertisement: Advertisement, declared: BleDeviceSettings | None) -> GattProfile | None:
         if declared is not None and declared.profile:
             return self._settings.all_profiles()[declared.profile]
-        return next((self._profiles[one] for one in advertisement.service_uuids if one in self._profiles), None)
+        return next((self._profiles[uuid] for uuid in advertisement.service_uuids if uuid in self._profiles), None)
 
     def _put(self, device: KnownDevice, why: str) -> None:
         device.put_at = self._clock.monotonic()
@@ -301,12 +303,14 @@ class BleGateway(Gateway):
 
 def _find_parsers(settings: BleGatewaySettings) -> tuple[BroadcastParser, ...]:
     keys = settings.bind_keys()
-    found: list[BroadcastParser] = []
+    parsers: list[BroadcastParser] = []
     for name in dict.fromkeys(settings.parsers):
         kind = load_plugin(PARSERS, name)
         if not issubclass(kind, BroadcastParser):
             raise PluginError(name, "is not a BroadcastParser")
-        found.append(kind(keys))
-    if keys and not found:
+        parsers.append(kind(keys))
+    if keys and not parsers:
         raise UsageError("bind keys are configured, but no parser that uses them")
-    return tuple(sorted(found, key=lambda one: isinstance(one, BeaconParser)))  # many sensors are iBeacons as well
+    return tuple(
+        sorted(parsers, key=lambda parser: isinstance(parser, BeaconParser))
+    )  # many sensors are iBeacons as well

@@ -91,7 +91,7 @@ class KnownDevice:
         return {SIGNAL: {"signal_strength": rssi}, DISTANCE: {"measurement": distance}}
 
     def _battery_part(self) -> tuple[Part, ...]:
-        if not self.has_battery or any(one.id == BATTERY for one in self._broadcast.parts):
+        if not self.has_battery or any(part.id == BATTERY for part in self._broadcast.parts):
             return ()
         return (sensor_part(BATTERY, "battery", category="diagnostic"),)
 

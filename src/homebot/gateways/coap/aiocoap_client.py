@@ -119,8 +119,8 @@ class CoapClient:
             raise LinkError(f"no CoAP endpoint can be opened: {exc}") from exc
         limit_requests(context, lambda _: False)
         try:
-            for one in credentials:
-                _load(context, one)
+            for credential in credentials:
+                _load(context, credential)
             yield cls(context, patience)
         finally:
             with anyio.CancelScope(shield=True):
@@ -359,13 +359,13 @@ def _group_socket(version: str, interface: str) -> socket.socket:
     return opened
 
 
-def _load(context: aiocoap.Context, one: CoapCredentials) -> None:
-    if one.oscore:
-        given: dict[str, object] = {"oscore": {"basedir": one.oscore.rstrip("/") + "/"}}
+def _load(context: aiocoap.Context, credentials: CoapCredentials) -> None:
+    if credentials.oscore:
+        given: dict[str, object] = {"oscore": {"basedir": credentials.oscore.rstrip("/") + "/"}}
     else:
-        psk = {"ascii": one.key.get_secret_value()}
-        given = {"dtls": {"psk": psk, "client-identity": {"ascii": one.identity}}}
+        psk = {"ascii": credentials.key.get_secret_value()}
+        given = {"dtls": {"psk": psk, "client-identity": {"ascii": credentials.identity}}}
     try:
-        context.client_credentials.load_from_dict({one.uri: given})
+        context.client_credentials.load_from_dict({credentials.uri: given})
     except (ValueError, KeyError, OSError, ImportError) as exc:
-        raise UsageError(f"the credentials for {one.uri} cannot be used: {exc}") from exc
+        raise UsageError(f"the credentials for {credentials.uri} cannot be used: {exc}") from exc

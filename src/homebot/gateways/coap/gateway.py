@@ -74,8 +74,8 @@ class CoapGateway(Gateway):
         """Look for aiocoap, for the libraries that credentials need, and for a way to find devices."""
         check_extra('the gateway "coap"', "coap", "aiocoap", "cbor2", "filelock")
         assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - given by the runtime
-        for one in settings.credentials:
-            _check_credentials(one)
+        for credential in settings.credentials:
+            _check_credentials(credential)
         if not (settings.devices or settings.resource_directory or settings.interfaces):
             raise UsageError("the gateway finds no device: set devices, resource_directory or interfaces")
 
@@ -130,7 +130,7 @@ class CoapGateway(Gateway):
 
     def _report_ways(self) -> None:
         """Publish the state: unavailable if no way to find devices is left, and no device has a fixed address."""
-        problems = tuple(one for one in self._ways.values() if one)
+        problems = tuple(way for way in self._ways.values() if way)
         self.devices.problems = problems
         if not self._all_tried.is_set() and self._ways:
             return
@@ -152,12 +152,12 @@ class CoapGateway(Gateway):
 
     def _on_registered_list(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
         """Update the endpoints of a directory from its whole list; missing ones are no longer registered there."""
-        listed = {one.key for one in endpoints}
-        for one in [session.endpoint for session in self._sessions.values()]:
-            if one.source == directory and one.key not in listed:
-                self._gone(one, f"its registration at {directory} ended")
-        for one in endpoints:
-            self._found(one)
+        listed = {endpoint.key for endpoint in endpoints}
+        for endpoint in [session.endpoint for session in self._sessions.values()]:
+            if endpoint.source == directory and endpoint.key not in listed:
+                self._gone(endpoint, f"its registration at {directory} ended")
+        for endpoint in endpoints:
+            self._found(endpoint)
 
     async def _ask(self, client: CoapClient, interface: str, version: str) -> None:
         way = f"{interface} {version}"
@@ -189,7 +189,7 @@ class CoapGateway(Gateway):
 
     def _at_host_of(self, endpoint: CoapEndpoint) -> list[EndpointSession]:
         host = host_of(endpoint.base)
-        return [one for one in self._sessions.values() if one.host == host]
+        return [session for session in self._sessions.values() if session.host == host]
 
     def _found(self, endpoint: CoapEndpoint) -> None:
         """Start the session of an endpoint, or wake the one that it has."""
@@ -210,7 +210,7 @@ class CoapGateway(Gateway):
         Each address is once. The configuration comes first, then a registered name, then an address that answered.
         """
         at = authority_of(endpoint.base)
-        same = [one.endpoint for one in self._sessions.values() if one.authority == at]
+        same = [session.endpoint for session in self._sessions.values() if session.authority == at]
         if any(one.is_static for one in same) or (same and not endpoint.is_registered):
             return False
         for one in same:

@@ -51,7 +51,7 @@ def find_drivers(
     """
     by_type: dict[str, UsableDriver] = {}
     problems = []
-    for name in (*tables, *(one for one in plugin_names(DRIVERS) if one not in tables)):
+    for name in (*tables, *(plugin_name for plugin_name in plugin_names(DRIVERS) if plugin_name not in tables)):
         try:
             driver = _load(name, tables.get(name, {}), folder)
         except UsageError as exc:

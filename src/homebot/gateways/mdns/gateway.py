@@ -117,18 +117,18 @@ class MdnsGateway(Gateway):
             with anyio.move_on_after(self._retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
-    def publish(self, found: ResolvedService) -> None:
+    def publish(self, resolved_service: ResolvedService) -> None:
         """List a service that is new, still there, or changed."""
-        service = found.service
-        if found.problem:
-            self.devices.reject(service.key, found.txt, found.problem)
+        service = resolved_service.service
+        if resolved_service.problem:
+            self.devices.reject(service.key, resolved_service.txt, resolved_service.problem)
             if not service.addresses:
                 return
         if self._own is not None:
             self._own.on_other_service(service)
         listed = self._listed.get(service.key)
         if listed is None:
-            listed = self._listed[service.key] = _Listed(service, found.ttl + SLACK)
+            listed = self._listed[service.key] = _Listed(service, resolved_service.ttl + SLACK)
             self._start(listed)
         else:
             listed.service = service

@@ -113,7 +113,7 @@ def _wanted_of(adapter: Adapter, wanted: tuple[str, ...]) -> list[str | int]:
     """Return the wanted IPv4 addresses of *adapter*, and its index if IPv6 is wanted and usable."""
     texts = _texts_of(adapter)
     addresses = list(map(ipaddress.ip_address, texts))
-    is_wanted = adapter.name in wanted if wanted else not any(one.is_loopback for one in addresses)
+    is_wanted = adapter.name in wanted if wanted else not any(address.is_loopback for address in addresses)
     named = texts if is_wanted else [text for text in texts if text in wanted]
     found: list[str | int] = [text for text in named if ":" not in text]
     if len(found) < len(named) and adapter.index is not None and _has_link_local(addresses, adapter.index):
@@ -128,7 +128,7 @@ def _texts_of(adapter: Adapter) -> list[str]:
 
 def _has_link_local(addresses: Sequence[ipaddress.IPv4Address | ipaddress.IPv6Address], index: int) -> bool:
     """Return whether an interface has a usable link-local address: duplicate detection takes some seconds."""
-    local = next((str(one) for one in addresses if one.version == 6 and one.is_link_local), None)
+    local = next((str(address) for address in addresses if address.version == 6 and address.is_link_local), None)
     if local is None:
         return False
     with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as probe:

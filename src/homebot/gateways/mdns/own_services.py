@@ -84,7 +84,7 @@ class OwnServices:
             self._changed.set()
 
     def _on_service(self, service: NetworkService) -> None:
-        reached = tuple(one for one in service.addresses if not is_loopback(one))
+        reached = tuple(address for address in service.addresses if not is_loopback(address))
         if service.is_withdrawn or not reached:
             self._offered.pop(service.service_type, None)
         elif service.service_type in self._offered or len(self._offered) < MAX_SERVICES:
@@ -111,7 +111,7 @@ class OwnServices:
             elif offered is None:
                 await network.withdraw(service_type)
             else:
-                facts = {one.key: one.value for one in offered.facts}
+                facts = {fact.key: fact.value for fact in offered.facts}
                 own = OwnService(service_type, self._name, self._host, offered.port, offered.addresses, facts)
                 await network.announce(own)
         except LinkError as exc:

@@ -65,7 +65,7 @@ TRIES_AFTER_LOSS = 5
 class ServiceHandler(Protocol):
     """The port through which services are listed."""
 
-    def publish(self, found: ResolvedService) -> None:
+    def publish(self, service: ResolvedService) -> None:
         """Take a service that is new, still there, or changed."""
 
     def confirm_connected(self, name: str) -> bool:

@@ -165,8 +165,8 @@ class MdnsNetwork(ServiceNetwork):
             info = AsyncServiceInfo(service_type, name)
         except Error:
             return None
-        found = info.load_from_cache(self._zeroconf.zeroconf)
-        return self._resolved(info, service_type, name) if found else None
+        cache = info.load_from_cache(self._zeroconf.zeroconf)
+        return self._resolved(info, service_type, name) if cache else None
 
     async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
         """Ask for the records of a service that have expired or were never received.
@@ -231,7 +231,7 @@ class MdnsNetwork(ServiceNetwork):
             await (await self._zeroconf.async_update_service(info))
 
     def _info(self, service: OwnService, name: str) -> ServiceInfo:
-        addresses = [one for one in service.addresses if not ipaddress.ip_address(one).is_unspecified]
+        addresses = [address for address in service.addresses if not ipaddress.ip_address(address).is_unspecified]
         return ServiceInfo(
             full_type(service.service_type),
             name,
@@ -256,7 +256,7 @@ class MdnsNetwork(ServiceNetwork):
         ttl, left = self._time_to_live(name)
         self._drop_old_addresses(info.server or "")
         newest = info.parsed_scoped_addresses()[:MAX_ADDRESSES]
-        with_loopback = any(is_loopback(one) for one in _addresses(self._interfaces))
+        with_loopback = any(is_loopback(address) for address in _addresses(self._interfaces))
         addresses = usable_addresses(newest, with_loopback=with_loopback)
         record = read_txt(info.text)
         service = FoundService(
@@ -287,7 +287,7 @@ class MdnsNetwork(ServiceNetwork):
         records = [one for one in kept if one.type == _SRV and not one.is_expired(now)]
         if not records:
             return UNKNOWN_TTL, UNKNOWN_TTL
-        newest = max(records, key=lambda one: one.get_remaining_ttl(now))
+        newest = max(records, key=lambda record: record.get_remaining_ttl(now))
         return min(float(newest.ttl), LONGEST_TTL), min(float(newest.get_remaining_ttl(now)), LONGEST_TTL)
 
     async def _close(self) -> None:
@@ -310,8 +310,8 @@ def _label(info: ServiceInfo) -> str:
 
 
 def _version(interfaces: Interfaces) -> IPVersion:
-    return IPVersion.All if any(isinstance(one, int) for one in interfaces) else IPVersion.V4Only
+    return IPVersion.All if any(isinstance(interface, int) for interface in interfaces) else IPVersion.V4Only
 
 
 def _addresses(interfaces: Interfaces) -> list[str]:
-    return [one for one in interfaces if isinstance(one, str)]
+    return [interface for interface in interfaces if isinstance(interface, str)]

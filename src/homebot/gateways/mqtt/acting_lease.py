@@ -121,7 +121,7 @@ class ActingLease:
         if self._connection.status_topic is not None:
             topics.append(self._connection.status_topic)
         try:
-            await self._connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in topics))
+            await self._connection.subscribe(*(MqttSubscription(topic, qos=1, no_local=True) for topic in topics))
         except HomebotError as exc:
             self._warn(NOT_ASKED, f"cannot check on {self._topic} whether another homebot sends commands: {exc}")
         async with anyio.create_task_group() as tasks:

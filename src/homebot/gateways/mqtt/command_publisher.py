@@ -165,7 +165,9 @@ class CommandPublisher:
         if self._census.is_counting and not any(map(announced_part.reports, names)):
             await self._census.end()
         if command.code:
-            publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
+            publications = tuple(
+                publication._replace(retain=False) for publication in publications
+            )  # no code stays on the broker
         is_heard = await self._publish(command, publications)
         if announced_part.described.part.members:
             self._ask_members(announced_part, publications)
@@ -202,10 +204,12 @@ class CommandPublisher:
             properties = self._responses.request(command, properties)
         is_unkept = command.repeated and not self._connection.expires_messages
         publish, is_heard = self._connection.publish, False
-        for one in publications:
-            qos = 0 if is_unkept else max(one.qos, _LEAST_QOS)
-            reason = await publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=properties)
-            is_heard = is_heard or reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or one.retain
+        for publication in publications:
+            qos = 0 if is_unkept else max(publication.qos, _LEAST_QOS)
+            reason = await publish(
+                publication.topic, publication.payload, qos=qos, retain=publication.retain, properties=properties
+            )
+            is_heard = is_heard or reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or publication.retain
         return is_heard
 
     def _written(
@@ -230,11 +234,11 @@ class CommandPublisher:
             announced = announced_part.stored.described
             self._quarantine.record_plugin_failure(announced.topic, announced.convention, exc)
             raise RefusedError(f"{name} of {command.key[:100]}", "its convention failed") from exc
-        for one in publications:
-            validate_topic(one.topic)
+        for publication in publications:
+            validate_topic(publication.topic)
             # Only the announced topics were checked against other devices and reserved topics.
-            if one.topic not in announced_part.described.part.writes:
+            if publication.topic not in announced_part.described.part.writes:
                 raise RefusedError(
-                    f"a command to {command.key[:100]}", f"it did not announce {one.topic} as a command topic"
+                    f"a command to {command.key[:100]}", f"it did not announce {publication.topic} as a command topic"
                 )
         return publications, names

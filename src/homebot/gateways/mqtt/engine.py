@@ -314,7 +314,9 @@ class AnnouncedDevices:
         }
         losses = (one for one in Count.of(self._connection.counters) if one.severity is Severity.LOSS)
         responses = () if self._responses is None else Count.of(self._responses.counters)
-        troubled = (one for one in self._conventions if isinstance(one, ProblemReportingConvention))
+        troubled = (
+            convention for convention in self._conventions if isinstance(convention, ProblemReportingConvention)
+        )
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
         notes = tuple(unread_notes(self.census.counts, self.route, self._used_topics(), self.filters))
@@ -324,7 +326,7 @@ class AnnouncedDevices:
 
 
 def _filters(conventions: Iterable[Convention], *, of_texts: bool) -> tuple[str, ...]:
-    found = (one.filters() for one in conventions if isinstance(one, TextConvention) is of_texts)
+    found = (convention.filters() for convention in conventions if isinstance(convention, TextConvention) is of_texts)
     return tuple(dict.fromkeys(chain.from_iterable(found)))
 
 

@@ -252,11 +252,11 @@ class MqttGateway(Gateway):
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*texts)
             await connection.subscribe(
-                *(MqttSubscription(one, no_local=True) for one in announcements), every_link=True
+                *(MqttSubscription(announcement, no_local=True) for announcement in announcements), every_link=True
             )
             if self._responses is not None:
                 await connection.subscribe(MqttSubscription(self._responses.topic, qos=1, no_local=True))
-            heard = (*(one.filter for one in texts), *announcements)
+            heard = (*(text.filter for text in texts), *announcements)
             report = LinkReport(self, connection, self._settings.root or "every home", heard)
             tasks.start_soon(self._receive, connection)
             looks = () if self.context.service(HostedBroker) else (self._described.census.serve,)

@@ -213,11 +213,11 @@ class AnnouncementHandler:
 
     def _with_members(self, described: DeviceAnnounced) -> DeviceAnnounced:
         """Return *described* with the members that a list gives it, if it is a group."""
-        found = [groups.get(one) for groups in self._groups.values() for one in described.identifiers]
+        found = [groups.get(identifier) for groups in self._groups.values() for identifier in described.identifiers]
         members = next((one for one in found if one is not None), None)
         if members is None:
             return described
-        return described._replace(parts=tuple([as_group(one, members) for one in described.parts]))
+        return described._replace(parts=tuple([as_group(part, members) for part in described.parts]))
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
         """Publish the change made by *message*, and have the device's topics subscribed to and its state requested."""

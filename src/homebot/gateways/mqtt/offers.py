@@ -75,10 +75,10 @@ class Offers:
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection, self._exposed))
 
     def _show(self, offer: ExposedDevice) -> None:
-        self._wait(one for publisher in self._publishers for one in publisher.publications(offer))
+        self._wait(publication for publisher in self._publishers for publication in publisher.publications(offer))
 
     def _publish_states(self, offer: ExposedDevice, known: KnownStates, changed: Collection[tuple[str, str]]) -> None:
-        self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
+        self._wait(state for publisher in self._publishers for state in publisher.states(offer, known, changed))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
         """Queue each event, and the newest state of each topic, so that a slow link needs no more memory."""
@@ -125,5 +125,9 @@ def publishers_of(
     """Return the announcers of homebot's own devices, in each convention that can."""
     status_topic = connection.status_topic or ""
     owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
-    made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))
+    made = (
+        convention.publisher(owner, status_topic)
+        for convention in conventions
+        if isinstance(convention, PublishingConvention)
+    )
     return tuple(one for one in made if one is not None)

@@ -82,12 +82,14 @@ class CommandTopics:
         if coded:
             if any(self._is_approved(one) for one in coded):
                 return ()
-            return tuple(one for one in readers if all(_is_before(one, part, topic) for part in coded))
+            return tuple(reader for reader in readers if all(_is_before(reader, part, topic) for part in coded))
         if (parts := self._parts.get(topic)) is None:
             return tuple(readers)
         first = next(iter(parts.values()))
         names = _names_of(first.stored)
-        return tuple(islice((one for one in readers if _is_of(one, names) or _is_before(one, first, topic)), _MOST))
+        return tuple(
+            islice((reader for reader in readers if _is_of(reader, names) or _is_before(reader, first, topic)), _MOST)
+        )
 
     def _is_approved(self, part: AnnouncedPart) -> bool:
         described = CommandDescription.of(part.described.part, part.stored.described.identifiers)
@@ -112,7 +114,7 @@ def _is_before(reader: _Reader, part: AnnouncedPart, topic: str) -> bool:
     else:
         members = [one for one, _ in reader.reachability.members]
         filters = (reader.reachability.availability.sources[reader.index].topic,)
-    since = min((one.since for one in members), default=math.inf) if topic in filters else math.inf
+    since = min((member.since for member in members), default=math.inf) if topic in filters else math.inf
     return since < part.stored.since or since == 0
 
 
@@ -312,8 +314,8 @@ class AnnouncementRegistry(DeviceRegistry):
         texts: tuple[Convention, ...] = ()
         if not self._text_conventions.isdisjoint(conventions):
             if text is None:
-                texts = tuple(one for one in conventions if one in self._text_conventions)
-            conventions = tuple(one for one in conventions if one not in self._text_conventions)
+                texts = tuple(convention for convention in conventions if convention in self._text_conventions)
+            conventions = tuple(convention for convention in conventions if convention not in self._text_conventions)
         if not readers and text is None and (conventions or texts):
             return self._announcement_readers(conventions, texts)  # most announcements come only once
         if len(self._routes) >= _MAX_ROUTES:
@@ -330,8 +332,8 @@ def _route_of(
 ) -> TopicReaders | None:
     if not readers and text is None:
         return None
-    availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
-    announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
+    availability_readers = tuple(reader for reader in readers if isinstance(reader, AvailabilityReader))
+    announced_parts = tuple(reader for reader in readers if isinstance(reader, AnnouncedPart))
     only_text = None if conventions or readers else text
     only_states = not any((conventions, texts, text, availability_readers)) and len(announced_parts) <= _FEW_PARTS
     return TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts, only_states)
@@ -363,9 +365,9 @@ def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability,
     found: list[tuple[str, Availability, Hashable, list[str]]] = []
     described = stored.described
     own = {"": described.availability}
-    for one in described.parts:
-        if one.availability is not None:
-            own[one.part.id] = one.availability
+    for part in described.parts:
+        if part.availability is not None:
+            own[part.part.id] = part.availability
     for part_id, availability in own.items():
         if availability is not None and availability.sources:
             topics = [source.topic for source in availability.sources]

@@ -48,19 +48,19 @@ class ReservedTopics:
         self._rules.add("homebot/#", _Reservation("it belongs to homebot"))
         for topic_filter in own_commands:
             self._rules.add(topic_filter, _Reservation("it belongs to homebot", is_secret=True))
-        for one in conventions:
-            if isinstance(one, TextConvention):
-                for topic_filter in one.filters():
-                    self._rules.add(topic_filter, one)
+        for convention in conventions:
+            if isinstance(convention, TextConvention):
+                for topic_filter in convention.filters():
+                    self._rules.add(topic_filter, convention)
                 continue
-            is_secret = isinstance(one, ConfidentialConvention)
-            narrow = _Reservation(f"it is reserved for announcements to {one.name}", is_secret=is_secret)
-            wide = narrow._replace(free_for=one.name)
-            for topic_filter in one.filters():
+            is_secret = isinstance(convention, ConfidentialConvention)
+            narrow = _Reservation(f"it is reserved for announcements to {convention.name}", is_secret=is_secret)
+            wide = narrow._replace(free_for=convention.name)
+            for topic_filter in convention.filters():
                 self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
-            if isinstance(one, ReservingConvention):
-                for topic_filter in one.reserved():
-                    self._rules.add(topic_filter, _Reservation(f"it belongs to {one.name}"))
+            if isinstance(convention, ReservingConvention):
+                for topic_filter in convention.reserved():
+                    self._rules.add(topic_filter, _Reservation(f"it belongs to {convention.name}"))
 
     def why(self, topic: str, convention: str = "") -> str:
         """Return why no device of *convention* may have a command topic *topic*; empty if it may."""
@@ -76,7 +76,7 @@ class ReservedTopics:
 
     def _is_secret(self, topic: str) -> bool:
         rules = self._rules.match(topic)
-        return _BRIDGE_REQUEST in topic or any(isinstance(one, _Reservation) and one.is_secret for one in rules)
+        return _BRIDGE_REQUEST in topic or any(isinstance(rule, _Reservation) and rule.is_secret for rule in rules)
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without its reserved command topics, and these topics with the reasons.
@@ -96,10 +96,12 @@ class ReservedTopics:
 
 
 def _without(reserved: Mapping[str, str], described: DescribedPart) -> DescribedPart:
-    asks = tuple([one for one in described.state_requests if one.topic not in reserved])
+    asks = tuple([request for request in described.state_requests if request.topic not in reserved])
     part = described.part
     if not reserved.keys().isdisjoint(part.writes):
-        capabilities = tuple(one.model_copy(update={"settable": False}) for one in part.capabilities if one.readable)
+        capabilities = tuple(
+            capability.model_copy(update={"settable": False}) for capability in part.capabilities if capability.readable
+        )
         part = part.model_copy(update={"capabilities": capabilities, "writes": ()})
     return described._replace(part=part, state_requests=asks)
 

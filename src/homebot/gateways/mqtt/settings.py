@@ -130,7 +130,7 @@ class MqttGatewaySettings(PasswordSettings):
         if not {"/", "+", "#", "\0"}.isdisjoint(share):
             raise ValueError(f"is one level of a topic filter, without '/', '+' and '#', got {share!r}")
         if share and any_announcing(info.data.get("conventions", ())):
-            texts = json.dumps([one for one in default_conventions() if not any_announcing([one])])
+            texts = json.dumps([convention for convention in default_conventions() if not any_announcing([convention])])
             raise ValueError(f"an announcement would reach one of the group alone; add conventions = {texts}")
         if share and info.data.get("act"):
             raise ValueError("needs act = false: the report after a command may reach another of the group")

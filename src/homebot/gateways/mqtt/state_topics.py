@@ -32,8 +32,8 @@ class StateTopics:
         self._announcements = frozenset(announcements)
         self._others = frozenset(others)
         self._covering: FilterIndex[str] = FilterIndex()
-        for one in (*self._announcements, *self._others):
-            self._covering.add(one, one)
+        for announcement in (*self._announcements, *self._others):
+            self._covering.add(announcement, announcement)
         self._max_topics = max_topics
         self.users: dict[str, int] = {}
         self.wanted: dict[str, None] = {}

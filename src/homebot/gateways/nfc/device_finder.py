@@ -45,7 +45,7 @@ class PointedAt:
     @property
     def candidates(self) -> tuple[str, ...]:
         """The ids of the devices, of the first 20."""
-        return tuple(one.id for one in self.devices[:_MAX_CANDIDATES])
+        return tuple(device.id for device in self.devices[:_MAX_CANDIDATES])
 
 
 class DeviceFinder:
@@ -64,7 +64,7 @@ class DeviceFinder:
             return PointedAt()
         devices = await self._all()
         for fits in _tests(pointer):
-            found = tuple(one for one in devices if fits(one))
+            found = tuple(device for device in devices if fits(device))
             if found:
                 return PointedAt(found)
         return PointedAt()
@@ -76,12 +76,14 @@ class DeviceFinder:
                 answer = await self._client.call(FindDevicesRequest())
             except ServiceError:  # no directory runs, or it is too busy: nothing is known
                 return ()
-            self._devices = tuple(one for one in answer.devices if not self._is_own(one))
+            self._devices = tuple(device for device in answer.devices if not self._is_own(device))
             self._asked_at = now
         return self._devices
 
     def _is_own(self, device: Device) -> bool:
-        return all(one.gateway == self._gateway for one in device.endpoints) and "x_tag" in device.service_types
+        return (
+            all(endpoint.gateway == self._gateway for endpoint in device.endpoints) and "x_tag" in device.service_types
+        )
 
 
 @final
@@ -120,10 +122,10 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     yield from _tests_of_addresses(pointer)
     if pointer.words:
         words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
-        folded = frozenset(fold(one) for one in words)
+        folded = frozenset(fold(word) for word in words)
         yield lambda device: device.id in words
         yield lambda device: not declared.isdisjoint(device.identifiers) or not words.isdisjoint(device.identifiers)
-        yield lambda device: not folded.isdisjoint(fold(one) for one in (device.name, *device.names))
+        yield lambda device: not folded.isdisjoint(fold(name) for name in (device.name, *device.names))
 
 
 def _tests_of_codes(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
@@ -137,7 +139,7 @@ def _tests_of_codes(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
 
 def _tests_of_addresses(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     if pointer.address:
-        yield lambda device: any(_is_at(pointer.address, one.address) for one in device.endpoints)
+        yield lambda device: any(_is_at(pointer.address, endpoint.address) for endpoint in device.endpoints)
     if pointer.urls:
         urls = frozenset(pointer.urls)
         yield lambda device: any(one.value in urls for one in device.metadata)
@@ -154,7 +156,7 @@ def _is_at(address: str, published: str) -> bool:
 
 
 def _has_host_of(device: Device, urls: tuple[str, ...]) -> bool:
-    hosts = {(urlsplit(one).hostname or "").removesuffix(".") for one in urls} - {""}
+    hosts = {(urlsplit(url).hostname or "").removesuffix(".") for url in urls} - {""}
     facts = _facts(device)
     own = {facts.get(name, "").casefold().removesuffix(".") for name in _HOSTS}
     return not hosts.isdisjoint(own - {""})

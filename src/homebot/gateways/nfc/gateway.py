@@ -121,7 +121,7 @@ class NfcGateway(Gateway):
         await anyio.to_thread.run_sync(importlib.import_module, "nfc")  # it looks for OpenSSL by running ldconfig
         from homebot.gateways.nfc.nfcpy_reader import NfcpyReader  # noqa: PLC0415 - an extra
 
-        return [NfcpyReader(one) for one in self._settings.devices]
+        return [NfcpyReader(device) for device in self._settings.devices]
 
     async def _follow(self, number: int, reader: TagReader) -> None:
         retries = BackoffCounter(self.node.graph.clock, self.random, STEADY_AFTER)

@@ -99,13 +99,13 @@ class _Session:
         self._scard.SCardReleaseContext(self._context)
 
     def _find_readers(self, *, is_first: bool = False) -> None:
-        found = [one for one in self._list_readers() if self._is_wanted(one)]
-        if found == list(self._slots) and not is_first:
+        readers = [reader for reader in self._list_readers() if self._is_wanted(reader)]
+        if readers == list(self._slots) and not is_first:
             return
-        for gone in [one for one in self._slots if one not in found]:
+        for gone in [slot for slot in self._slots if slot not in readers]:
             self._leave(self._slots.pop(gone))
-        self._slots = {one: self._slots.get(one) or _Slot(self._scard.SCARD_STATE_UNAWARE) for one in found}
-        self._desk.found(*found)
+        self._slots = {reader: self._slots.get(reader) or _Slot(self._scard.SCARD_STATE_UNAWARE) for reader in readers}
+        self._desk.found(*readers)
 
     def _list_readers(self) -> Collection[str]:
         try:

@@ -167,9 +167,9 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         self, named: ServerGoal[GoalT, ResultT, FeedbackT] | None, at: tuple[int, int], *, is_one: bool
     ) -> Iterator[ServerGoal[GoalT, ResultT, FeedbackT]]:
         """Yield the *named* goal and, unless that *is_one* alone, those accepted until *at*, which may be any time."""
-        for one in self._goals.values():
-            if one is named or (not is_one and (at == _NO_TIME or _time_of(one.info) <= at)):
-                yield one
+        for goal in self._goals.values():
+            if goal is named or (not is_one and (at == _NO_TIME or _time_of(goal.info) <= at)):
+                yield goal
 
     def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
         """Cancel *goal* if its server agrees; return whether it does."""

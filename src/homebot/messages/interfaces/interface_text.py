@@ -115,13 +115,13 @@ def _parse_message(ros_type: str, text: str) -> ParsedMessage:
 def _without_comment(line: str) -> str:
     """Return *line* up to the first ``#`` outside quoted text."""
     at, lone = 0, ""
-    while (found := _MARK.search(line, at)) is not None:
-        mark, at = found[0], found.end()
+    while (match := _MARK.search(line, at)) is not None:
+        mark, at = match[0], match.end()
         if mark == "#":
-            return line[: found.start()]
+            return line[: match.start()]
         if mark in lone:
             continue
-        quoted = _QUOTED[mark].match(line, found.start())
+        quoted = _QUOTED[mark].match(line, match.start())
         if quoted is None:
             lone += mark  # no later one is closed either
         else:

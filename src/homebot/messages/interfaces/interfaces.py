@@ -221,7 +221,7 @@ class Interfaces:
         return _classes_in(self._modules.get(key.partition("/")[0], ()))
 
     def _check_same(self, key: str, parsed: Iterable[ParsedMessage]) -> None:
-        known = [[field.declaration for field in fields_of(one)] for one in messages_in(self._resolve(key))]
+        known = [[field.declaration for field in fields_of(message)] for message in messages_in(self._resolve(key))]
         given = [[field.declaration for field in message.fields.values()] for message in parsed]
         if known != given:
             fields = " --- ".join(", ".join(one) for one in known)

@@ -20,12 +20,12 @@ _ADDRESS = re.compile(r"(tcp|tls)/(.+):(\d{1,5})")
 
 
 def _checked_address(text: str) -> str:
-    found = _ADDRESS.fullmatch(text)
-    if found is None:
+    match = _ADDRESS.fullmatch(text)
+    if match is None:
         raise ValueError(
             f"{text[:100]!r} is no address of Zenoh; write it like tcp/127.0.0.1:7447 or tls/robot.lan:7447"
         )
-    if found[1] == "tcp" and not is_loopback(found[2]):
+    if match[1] == "tcp" and not is_loopback(match[2]):
         raise ValueError(f"{text} could be changed on its way; use tls/… for another computer, and its ca")
     return text
 
@@ -107,8 +107,8 @@ def read_interfaces(table: Table, source: str, folder: Path) -> Interfaces:
     settings = parse_settings(RosSettings, table, source, "ros", folder)
     texts: dict[str, str] = {}
     try:
-        for one in settings.interfaces:
-            texts |= Interfaces.read_folder(one)
+        for interface in settings.interfaces:
+            texts |= Interfaces.read_folder(interface)
         for key, text in texts.items():
             parse_interface(key, text)
     except (OSError, UsageError) as exc:

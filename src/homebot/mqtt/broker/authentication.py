@@ -54,8 +54,8 @@ class GuessDelays:
 
     def until(self, guesser: str) -> float:
         """Return when the next attempt is allowed; may be in the past."""
-        found = self._guesses.get(guesser)
-        return 0.0 if found is None else found.failed_at + found.delay
+        guess = self._guesses.get(guesser)
+        return 0.0 if guess is None else guess.failed_at + guess.delay
 
     def failed(self, guesser: str, now: float) -> tuple[int, float]:
         """Record a wrong secret; return the number of them, and the delay of the next attempt."""
@@ -186,7 +186,7 @@ class WaitingLogins:
         self._candidates.pop(candidate, None)
 
     def _make_room(self) -> None:
-        hosts = [host_of(each.address) for each in self._candidates]
+        hosts = [host_of(candidate.address) for candidate in self._candidates]
         most = Counter(hosts).most_common(1)[0][0]
         oldest = next(each for each, host in zip(self._candidates, hosts, strict=True) if host == most)
         del self._candidates[oldest]

@@ -120,7 +120,7 @@ class InFlight:
 
     def clear(self) -> list[QueuedMessage]:
         """Remove and return all messages that the client has not received."""
-        messages = [each for each in self.messages.values() if each is not None]
+        messages = [message for message in self.messages.values() if message is not None]
         for queued in messages:
             self._count(queued, -1)
         self.messages.clear()

@@ -66,8 +66,8 @@ class RetainedMessages:
         """
         start = bisect_right(self._orders, order)
         stop = start + most
-        found = [message for message in self._log[start:stop] if message is not None]
-        return found, self._orders[stop - 1] if stop <= len(self._orders) else self.last
+        messages = [message for message in self._log[start:stop] if message is not None]
+        return messages, self._orders[stop - 1] if stop <= len(self._orders) else self.last
 
     def _add(self, message: BrokerMessage) -> None:
         self.last += 1

@@ -119,7 +119,9 @@ class _AiomqttLink(ClientLink):
     async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
         self._check_alive()
         version = self.grant.protocol
-        filters: Any = [(each.filter, values.subscribe_options(each, version)) for each in subscriptions]
+        filters: Any = [
+            (subscription.filter, values.subscribe_options(subscription, version)) for subscription in subscriptions
+        ]
         return await self._answer_to(self._paho.subscribe(filters), "subscribe")
 
     async def unsubscribe(self, filters: tuple[str, ...]) -> None:

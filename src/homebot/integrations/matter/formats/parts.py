@@ -124,7 +124,7 @@ def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *
         advertised=_advertised(endpoint),
         guessed=is_guessed,
         capabilities=capabilities,
-        fades=any(one.name == "level" and one.settable for one in capabilities),
+        fades=any(capability.name == "level" and capability.settable for capability in capabilities),
     )
 
 
