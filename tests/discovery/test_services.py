@@ -92,7 +92,8 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
             for one in range(210)
         ]
         lamp = lamp.model_copy(update={"metadata": (*lamp.metadata, KeyValue(key="position", value="6,1.5"))})
-        await house.hears(lamp, *others, tell(lamp, "on_off", True, part="l"))
+        news = [tell(lamp, *value, part="l", address=value[0], at=7.0) for value in (("on_off", True), ("level", 40.0))]
+        await house.hears(lamp, *others, tell(lamp, "on_off", False, part="l"), *news)
         ask = house.asker.create_client(services.ListDevices, names.LIST_DEVICES)
 
         (found,) = (await ask.call(services.ListDevices.Request(ids=("desk_lamp",)))).devices
@@ -104,10 +105,14 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
             "freshness": "fresh",
             "is_reachable": True,
             "waits": False,
-            "states": [{"part": "l", "capability": "on_off", "value": True}],
+            "states": [
+                {"part": "l", "capability": "on_off", "value": True, "since": {"sec": 7, "nanosec": 0}},
+                {"part": "l", "capability": "level", "value": 40.0, "since": {"sec": 0, "nanosec": 0}},
+            ],
             "position": [6.0, 1.5],
             "settable": ["on_off", "level"],
             "tags": [],
+            "asks_first": [],
         }
         first = await ask.call(services.ListDevices.Request(limit=1000))
         rest = await ask.call(services.ListDevices.Request(offset=200))

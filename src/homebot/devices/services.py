@@ -24,13 +24,14 @@ __all__ = [
     "IndexTable",
     "ListDevices",
     "ListedDevice",
+    "ListedReading",
     "QueryDevices",
     "SubscribeToTopic",
 ]
 
 
 MOST_LISTED = 200
-"""The limit of devices in one answer of :data:`ListDevices`, about 40 kB of JSON."""
+"""The limit of devices in one answer of :data:`ListDevices`, about 60 kB of JSON."""
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)
 
@@ -171,8 +172,18 @@ class ListDevicesRequest(Message):
     is_spelled: bool = False
 
 
+class ListedReading(Reading):
+    """One value of one part, with its age.
+
+    Attributes:
+        since: The time of the first report of this value; 0 if it may be older, as after a start.
+    """
+
+    since: Time
+
+
 class ListedDevice(Message):
-    """A device in short form: about 200 bytes of JSON.
+    """A device in short form: about 300 bytes of JSON.
 
     Attributes:
         type: Its main type of the vocabulary, for example ``light``.
@@ -183,6 +194,8 @@ class ListedDevice(Message):
         position: Its x and y on the plan of the home, in metres; empty if unknown.
         settable: The names of those capabilities that can be set.
         tags: The words with which the owner tagged it.
+        asks_first: The names of those capabilities of which setting may let in, flood or burn, so that a screen asks
+            before it does; see :mod:`homebot.devices.always_ask`.
     """
 
     id: str
@@ -192,10 +205,11 @@ class ListedDevice(Message):
     freshness: Freshness
     is_reachable: bool
     waits: bool
-    states: tuple[Reading, ...]
+    states: tuple[ListedReading, ...]
     position: tuple[float, ...] = ()
     settable: tuple[str, ...] = ()
     tags: tuple[str, ...] = ()
+    asks_first: tuple[str, ...] = ()
 
 
 class ListDevicesResponse(ServiceAnswer):

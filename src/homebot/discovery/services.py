@@ -10,16 +10,14 @@ import anyio.lowlevel
 from anyio import to_thread
 
 import homebot.places
-from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, Device, names
+from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, names
 from homebot.devices import services as messages
-from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.matching import is_spelled
 from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
-from homebot.devices.value import Reading
-from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
+from homebot.discovery.listing import list_device
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import OwnerRequests, PlacesServices
 from homebot.discovery.search.rank import rank, reasons
@@ -179,7 +177,9 @@ class DirectoryServices:
         return messages.ListDevicesResponse(
             success=True,
             message=self._note(read_terms(request.query, self._exists), found),
-            devices=tuple(_listed(device, needs_approval=self._index.postings.needs_approval) for device in devices),
+            devices=tuple(
+                list_device(device, needs_approval=self._index.postings.needs_approval) for device in devices
+            ),
             total=len(found),
             sequence=self._index.sequence,
         )
@@ -292,30 +292,6 @@ class DirectoryServices:
 
 def _reason(exc: RefusedError | UsageError) -> str:
     return exc.reason if isinstance(exc, RefusedError) else str(exc)
-
-
-def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
-    """Return *device* in short form, as screens and agents list it, without the values of settings and diagnostics."""
-    position = position_of(device.facts)
-    used = {part.id: part.part for part in device.parts if not part.part.category}
-    settable = (capability.name for part in used.values() for capability in part.capabilities if capability.settable)
-    return messages.ListedDevice(
-        id=device.id,
-        name=device.name,
-        type=(device.service_types or (device.service_type,))[0],
-        room=device.area,
-        freshness=device.freshness,
-        is_reachable=device.reachable.state != "no",
-        waits=needs_approval and waits_for_approval(device),
-        states=tuple(
-            Reading(part=state.part, capability=state.capability, value=state.value)
-            for state in device.states
-            if state.part in used
-        ),
-        position=() if position is None else (position.x, position.y),
-        settable=tuple(dict.fromkeys(settable)),
-        tags=device.tags,
-    )
 
 
 def _load_nearness() -> type[Nearness]:

@@ -1,0 +1,52 @@
+"""Devices in short form, as screens and agents list them: without the values of settings and diagnostics. Pure."""
+
+from typing import Final
+
+from homebot.devices.always_ask import always_asks, waits_for_approval
+from homebot.devices.device import Device
+from homebot.devices.services import ListedDevice, ListedReading
+from homebot.discovery.description import position_of
+from homebot.messages.builtin_interfaces import Time
+
+_UNKNOWN: Final = Time(sec=0, nanosec=0)
+
+
+def list_device(device: Device, *, needs_approval: bool) -> ListedDevice:
+    """Return *device* in short form.
+
+    Args:
+        needs_approval: Whether commands wait for the owner's approval.
+    """
+    position = position_of(device.facts)
+    used = {part.id: part for part in device.parts if not part.part.category}
+    settable = {
+        part.id: [capability.name for capability in part.part.capabilities if capability.settable]
+        for part in used.values()
+    }
+    return ListedDevice(
+        id=device.id,
+        name=device.name,
+        type=(device.service_types or (device.service_type,))[0],
+        room=device.area,
+        freshness=device.freshness,
+        is_reachable=device.reachable.state != "no",
+        waits=needs_approval and waits_for_approval(device),
+        states=tuple(
+            ListedReading(
+                part=state.part,
+                capability=state.capability,
+                value=state.value,
+                since=_UNKNOWN if state.is_first else state.since,
+            )
+            for state in device.states
+            if state.part in used
+        ),
+        position=() if position is None else (position.x, position.y),
+        settable=tuple(dict.fromkeys(name for names in settable.values() for name in names)),
+        tags=device.tags,
+        asks_first=tuple(
+            dict.fromkeys(
+                name for part, names in settable.items() if names and always_asks(device, used[part]) for name in names
+            )
+        ),
+    )
