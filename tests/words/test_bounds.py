@@ -4,6 +4,7 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from re import _constants as codes  # type: ignore[attr-defined]
 from re import _parser as parser  # type: ignore[attr-defined]
 from typing import Any
@@ -57,6 +58,21 @@ def test_no_expression_repeats_what_repeats() -> None:
     assert expressions
     for expression in expressions:
         assert not _is_nested(parser.parse(expression.pattern, expression.flags), is_inside=False), expression.pattern
+
+
+def test_what_people_write_is_read_by_words_alone() -> None:
+    """Other readers combine tokens and phrases, and have no expressions."""
+    source = Path(homebot.__file__).parent
+    readers = [
+        *source.glob("devices/query/*.py"),
+        *source.glob("devices/text/*.py"),
+        *source.glob("command_words/*.py"),
+    ]
+    readers += [*source.glob("control/policies/*.py"), *source.glob("features/goals/*.py")]
+    names = ("triggers", "conditions", "steps", "people", "checks", "scene_words")
+    readers += [path for name in names for path in source.glob(f"**/{name}.py") if "integrations" not in path.parts]
+    assert len(readers) > len(names) + 20
+    assert [path.name for path in readers if "import re\n" in path.read_text()] == []
 
 
 def _modules() -> Iterator[Any]:

@@ -16,7 +16,7 @@ from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
-from homebot.words.amounts import read_amount, read_change, split_commands
+from homebot.words.amounts import FLAGS, read_amount, read_change, split_commands
 from homebot.words.tokens import has_code
 
 SET: Final = "set"
@@ -37,10 +37,6 @@ STATE_WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     }
 )
 """States of vacuum cleaners, mowers and alarms for a word; each device takes one of them."""
-
-_FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
-    {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
-)
 
 
 def parse_command_words(
@@ -263,7 +259,7 @@ def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
     kind = CAPABILITIES.get(name, OWN).kind
     plain = text.strip()
     if kind == "bool":
-        flag = _FLAGS.get(plain.casefold())
+        flag = FLAGS.get(plain.casefold())
         if flag is None:
             raise RefusedError(f"{plain[:40]!r} as {name} of {target}", "it takes on or off")
         return flag

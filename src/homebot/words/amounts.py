@@ -1,7 +1,10 @@
-"""Numbers with units, and changes by them. Pure."""
+"""Numbers with units, changes by them, and yes or no. Pure."""
 
 import re
 from typing import Final, NamedTuple
+
+FLAGS: Final = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
+"""The words for a value that is true or false."""
 
 
 class Amount(NamedTuple):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import getpass
-import re
 import shlex
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
@@ -91,7 +90,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     given = {"level": options.level, "color_temperature": options.kelvin, "color": options.color}
     values = {name: value for name, value in given.items() if value is not None}
     command = options.word
-    if re.match(r"[+-]?\d|(?:arm|brighter|darker)$", command):  # a number, perhaps with a unit, or "arm home"
+    if command.lstrip("+-")[:1].isdecimal() or command in {"arm", "brighter", "darker"}:  # perhaps with a unit
         command = " ".join([command, *options.values])
     elif options.values:
         values[command] = " ".join(options.values)

@@ -28,11 +28,10 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean, similar_to
-from homebot.words.amounts import read_amount
+from homebot.words.amounts import FLAGS, read_amount
 from homebot.words.tokens import Token
 
 _ALIKE = 0.6
-_FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 _FRESHNESS = ("fresh", "unconfirmed", "stale")
 _CATEGORIES = ("config", "diagnostic")
 _REACHABLE = {"yes": "yes", "true": "yes", "no": "no", "false": "no", "unknown": "unknown"}
@@ -90,7 +89,7 @@ def _value(capability: CapabilityType, value: Token) -> PlainValue:
 
 
 def _flag(capability: CapabilityType, value: Token) -> bool:
-    flags = {**_FLAGS, **_CONTACT} if capability.name == "contact" else _FLAGS
+    flags = {**FLAGS, **_CONTACT} if capability.name == "contact" else FLAGS
     if (word := fold(value.text)) not in flags:
         raise UsageError(f"{capability.name} is true or false, not {value.text!r}")
     return flags[word]

@@ -21,7 +21,6 @@ that is called like a type that it is not is meant likewise, unless something of
 """
 
 import math
-import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -68,7 +67,7 @@ from homebot.devices.query.vocabulary import (
 from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
-from homebot.words.amounts import UNITS
+from homebot.words.amounts import UNITS, read_amount
 from homebot.words.tokens import Token, tokens_of
 
 __all__ = ["parse_query"]
@@ -86,7 +85,6 @@ _OF_NAMED = AreaIs | CanDo | FreshnessIs | InArea | IsDisputed | IsUnapproved | 
 
 _AREA_WORDS = ("area", "room", "areas", "rooms")
 _METRES = ("m", "metres", "meters", "metre", "meter")
-_LENGTH = re.compile(rf"(?P<number>\d{{1,6}}(\.\d{{1,6}})?)(?P<unit>{'|'.join(_METRES)})?", re.ASCII)
 _MAX_DEPTH = 20
 _LONGEST_PHRASE = 5
 _MAX_NAME_WORDS = 12
@@ -366,13 +364,13 @@ class _Parser:
     def _metres(self, token: Token) -> float:
         """Parse a length, after *token*: ``5 m``, ``5m``, or ``5``."""
         given = self._peek()
-        found = None if given is None or given.kind != "word" else _LENGTH.fullmatch(given.text.lower())
-        if found is None:
+        length = None if given is None or given.kind != "word" else read_amount(given.text.lower())
+        if length is None or length.unit not in {"", *_METRES} or not length.number[0].isdecimal():
             raise UsageError(f"{token.text!r} at character {token.at} is not followed by metres, such as '5 m'")
         self._place += 1
-        if not found["unit"]:
+        if not length.unit:
             any(self._takes(unit) for unit in _METRES)
-        return float(found["number"])
+        return float(length.number)
 
     def _area(self, token: Token) -> str:
         words: list[str] = []
@@ -410,7 +408,7 @@ class _Parser:
                 self._place += length
                 return meant
         token = self._tokens[self._place]
-        if _EXCEPTED.match(token.text):
+        if token.text[0] in "!¬~-" and (token.text[1:2].isalpha() or token.text[1:2] == "_"):
             raise UsageError(
                 f"{token.text!r} at character {token.at} is not understood in a query; write 'not' before a term"
             )
@@ -467,9 +465,6 @@ def _ends_area(word: str, words: list[str]) -> bool:
     return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and is_meaningful(word))
 
 
-_EXCEPTED = re.compile(r"[!¬~-][^\W\d]")
-
-
 def _of_part(query: Query, name: str) -> Query:
     """Return *query* with its states as those of the parts with the *name*."""
     match query:
@@ -506,6 +501,6 @@ def _unknown_capability(token: Token) -> UsageError:
     word = fold(token.text)
     known = f"known are {', '.join(sorted(CAPABILITIES)[:12])}, …"
     hint = did_you_mean(word, CAPABILITY_WORDS, known, cutoff=0.6)
-    is_type = bool(wanted_types(re.sub(r"\s+", " ", word))) or word in DEVICE_TYPES
+    is_type = bool(wanted_types(" ".join(word.split()))) or word in DEVICE_TYPES
     hint = f"it is a type of device: leave out the word before it; {hint}" if is_type else hint
     return UsageError(f"{token.text[:40]!r} at character {token.at} is not a capability; {hint}")

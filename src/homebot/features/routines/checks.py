@@ -3,7 +3,6 @@
 A device that is not there yet may still come, so these are hints for people and no errors.
 """
 
-import re
 from collections.abc import AsyncIterator, Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
@@ -42,7 +41,6 @@ _MOST: Final = 200
 _MOST_NAMED: Final = 3
 _UNTIL: Final = "wait until "
 _BUSY: Final = {"clear": "occupied", "unoccupied": "occupied", "off": "on", "closed": "open", "dry": "wet"}
-_RESTING: Final = re.compile(rf"\b(?:{'|'.join(_BUSY)})\b", re.IGNORECASE)
 """Words for the rest of a device, each with that for the contrary."""
 
 _AskedT = TypeVar("_AskedT", Trigger, Condition)
@@ -247,7 +245,11 @@ class HouseChecks:
     async def _one_suffices(self, state: Becomes, query: Query) -> str:
         """Return that the rest of one of several devices is enough for *state*, with the text for all of them."""
         words, _, length = state.text.rpartition(" for ")
-        busy = _RESTING.sub(lambda found: _BUSY[found[0].casefold()], words, count=1)
+        parts = words.split(" ")
+        place = next((at for at, part in enumerate(parts) if part.casefold() in _BUSY), None)
+        if place is not None:
+            parts[place] = _BUSY[parts[place].casefold()]
+        busy = " ".join(parts)
         if not state.lasting or state.is_none or busy == words:
             return ""
         devices = [one.device.name or one.device.id for one in (await self._ask(lasting(query), _MOST)).results]
