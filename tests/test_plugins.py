@@ -4,19 +4,30 @@ import json
 import os
 import subprocess
 import sys
+from importlib.metadata import Distribution
 from pathlib import Path
 
 import pytest
+from tests.source_trees import SOURCE
 
 from homebot.apps.light_service import LightService
 from homebot.errors import PluginError, UsageError
-from homebot.plugins import add_app, check_extra, load_plugin, name_in_file, plugin_names
+from homebot.plugins import add_app, check_extra, load_plugin, name_in_file, plugin_names, plugin_path
 
 
 def test_installed_plugins_are_found_by_name() -> None:
     """The light service comes with homebot."""
     assert "light_service" in plugin_names("homebot.apps")
     assert load_plugin("homebot.apps", "light_service") is LightService
+
+
+def test_an_integration_names_classes_of_its_own_beside_it() -> None:
+    files = [*SOURCE.glob("integrations/*/entry_points.txt")]
+    assert {file.parent for file in files} == {file.parent for file in SOURCE.glob("integrations/*/__init__.py")}
+    for file in files:
+        for point in Distribution.at(file.parent).entry_points:
+            assert plugin_path(point.group, point.name) == point.value
+            assert point.value.startswith(f"homebot.integrations.{file.parent.name}.")
 
 
 def test_a_package_that_comes_onto_the_path_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import itertools
 import os
 import re
 import stat
@@ -10,7 +11,7 @@ import traceback
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from contextlib import suppress
 from functools import lru_cache
-from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
+from importlib.metadata import Distribution, EntryPoint, PackageNotFoundError, distribution, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
@@ -43,6 +44,8 @@ __all__ = [
 ]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
+
+_INTEGRATIONS: Final = Path(__file__).with_name("integrations")
 
 _LOADERS: Final = {Path(__file__), Path(importlib.__file__), Path(importlib.metadata.__file__)}
 """The files of Python and homebot that import plug-ins."""
@@ -225,20 +228,21 @@ def _entry_point(group: str, name: str) -> EntryPoint | None:
 
 @lru_cache(maxsize=1)
 def _own_entry_points(path: tuple[str, ...]) -> _Groups:
-    """Return the groups of homebot's own package on Python's *path*; none if it is not installed."""
+    """Return the groups of homebot itself: of its integrations, and of its package if that is on Python's *path*."""
     del path  # only the key of the cache
-    try:
-        return _groups(distribution("homebot").entry_points)
-    except PackageNotFoundError:
-        return {}
+    files = sorted(_INTEGRATIONS.glob("*/entry_points.txt"))
+    points = [point for file in files for point in Distribution.at(file.parent).entry_points]
+    with suppress(PackageNotFoundError):
+        points += distribution("homebot").entry_points
+    return _groups(points)
 
 
 @lru_cache(maxsize=1)
 def _entry_points(path: tuple[str, ...]) -> _Groups:
     """Return homebot's groups in all packages on *path*: reading a single group would read all files too."""
-    del path  # as above
-    installed = entry_points()
-    return _groups(point for group in installed.groups for point in installed.select(group=group))
+    own, installed = _own_entry_points(path), entry_points()
+    others = [point for group in installed.groups for point in installed.select(group=group)]
+    return _groups((*itertools.chain(*own.values()), *others))
 
 
 def _groups(points: Iterable[EntryPoint]) -> _Groups:

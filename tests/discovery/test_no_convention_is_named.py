@@ -2,14 +2,12 @@
 
 import ast
 from collections.abc import Iterator
-from importlib.metadata import entry_points
 from pathlib import Path
 
 import homebot.discovery
+from homebot.plugins import plugin_names
 
-NAMES = {
-    found.name for group in ("homebot.mqtt_conventions", "homebot.gateways") for found in entry_points(group=group)
-}
+NAMES = {*plugin_names("homebot.mqtt_conventions"), *plugin_names("homebot.gateways")}
 FOLDER = Path(homebot.discovery.__file__).parent
 
 

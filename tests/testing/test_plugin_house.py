@@ -2,13 +2,13 @@
 
 import re
 from importlib import import_module
-from importlib.metadata import entry_points
 from inspect import iscoroutinefunction
 
 import pytest
 from tests.sizes import nightly
 from tests.testing.conftest import ANYIO_ON_ASYNCIO, Tried
 
+from homebot.plugins import load_plugin, plugin_names
 from homebot.testing import plugin
 
 pytest_plugins = ["pytester"]
@@ -20,8 +20,8 @@ for name in (
     *("mqtt.client.aiomqtt_adapter", "testing.event_log", "testing.house_marks", "testing.mqtt"),
 ):
     import_module(f"homebot.{name}")
-for convention in entry_points(group="homebot.mqtt_conventions"):
-    convention.load()
+for convention in plugin_names("homebot.mqtt_conventions"):
+    load_plugin("homebot.mqtt_conventions", convention)
 
 START = """
 import asyncio, pytest

@@ -3,6 +3,6 @@
 A folder has the messages of its devices (``formats``, pure), its driver or gateway, its simulated devices, and one page
 about them in ``__init__.py``. It is cut by maker and not by transport: Shelly speaks MQTT, HTTP and Bluetooth. It may
 import the kit (``conventions``, ``gateways``, ``house``), devices and messages, and no other integration; code for
-several of them belongs into the kit. No other package imports a folder: it is found by its entry points in
-``pyproject.toml``, so that it can be taken out with its tests.
+several of them belongs into the kit. No other package imports a folder: its ``entry_points.txt`` names its classes, in
+the form of a distribution's. To take one out, remove its folder and its tests.
 """
