@@ -6,8 +6,6 @@ from homebot.devices import Sighting
 from homebot.devices.part import Capability, Part
 from homebot.messages import Time
 
-__all__ = ["LAMP", "sighting_of"]
-
 LAMP = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
 
 

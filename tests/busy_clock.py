@@ -2,8 +2,6 @@
 
 from homebot.clock import LoopClock
 
-__all__ = ["BusyClock"]
-
 
 class BusyClock:
     """A clock by which each look at it takes 2 ms of work."""

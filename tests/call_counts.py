@@ -3,8 +3,6 @@
 import sys
 from collections.abc import Callable
 
-__all__ = ["calls"]
-
 
 def calls(work: Callable[[], object]) -> int:
     """Return how many functions *work* calls, in Python and in C."""

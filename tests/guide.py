@@ -3,8 +3,6 @@
 import re
 from pathlib import Path
 
-__all__ = ["blocks_in", "commands_in", "guide"]
-
 DOCS = Path(__file__).parents[1] / "docs"
 
 

@@ -9,8 +9,6 @@ import anyio
 from anyio.abc import SocketStream
 from tests.ports import reserve_port
 
-__all__ = ["HangingLink"]
-
 
 class HangingLink:
     """Passes connections on to *port* of this computer; use :meth:`running`.

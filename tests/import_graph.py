@@ -4,8 +4,6 @@ from functools import cache
 
 import grimp
 
-__all__ = ["import_graph"]
-
 
 @cache
 def import_graph() -> dict[str, frozenset[str]]:

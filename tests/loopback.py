@@ -7,8 +7,6 @@ from contextlib import asynccontextmanager
 
 import anyio.to_thread
 
-__all__ = ["alone_on_loopback"]
-
 
 @asynccontextmanager
 async def alone_on_loopback() -> AsyncIterator[None]:

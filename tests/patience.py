@@ -2,7 +2,5 @@
 
 from typing import Final
 
-__all__ = ["PATIENCE"]
-
 PATIENCE: Final = 60.0
 """Seconds for what mostly takes milliseconds: only what is broken takes as long, on however slow or busy a machine."""

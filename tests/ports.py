@@ -4,8 +4,6 @@ import atexit
 import socket
 from contextlib import ExitStack
 
-__all__ = ["reserve_datagram_port", "reserve_door", "reserve_port"]
-
 _reserved = ExitStack()
 atexit.register(_reserved.close)
 

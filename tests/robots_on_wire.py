@@ -10,8 +10,6 @@ from homebot.bridges.ros2.rights import WireRights
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.messages.interfaces.settings import RosSettings
 
-__all__ = ["HOME", "door_of", "house_rights", "log_in", "robot_rights", "secret_of", "write_tokens"]
-
 HOME = "villa"
 
 

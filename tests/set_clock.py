@@ -2,8 +2,6 @@
 
 import asyncio
 
-__all__ = ["SetClock"]
-
 
 class SetClock:
     """The loop's time, and a wall clock that somebody sets.

@@ -16,8 +16,6 @@ from tests.ports import reserve_door
 
 from homebot.cli.main import main
 
-__all__ = ["Homebot", "environment", "homebot_in", "run"]
-
 
 @dataclass
 class Homebot:

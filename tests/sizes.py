@@ -5,8 +5,6 @@ from typing import Final
 
 import pytest
 
-__all__ = ["EXAMPLES", "NIGHTLY", "examples", "nightly", "size"]
-
 NIGHTLY: Final = "NIGHTLY" in os.environ
 
 EXAMPLES: Final = 25

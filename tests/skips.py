@@ -6,8 +6,6 @@ from typing import Final
 import pytest
 from tests.sizes import NIGHTLY
 
-__all__ = ["ALLOWED", "hidden", "pytest_sessionfinish", "pytest_terminal_summary"]
-
 ALLOWED: Final = {
     "this machine has no IPv6": "a container may have none",
     "this computer has no address": "it is offline, and the test has a twin on loopback",

@@ -9,8 +9,6 @@ from pathlib import Path
 import homebot
 from homebot.cli.main import gc_paused
 
-__all__ = ["SOURCE", "definitions", "source_nodes", "source_texts", "source_tree", "source_trees"]
-
 SOURCE = Path(homebot.__file__).parent
 
 Definition = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef

@@ -9,8 +9,6 @@ from homebot.devices import PlainValue, decode_text, read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.log import LogLimit, more_like_this
 
-__all__ = ["THESIS_LIGHT_SERVICE", "ThesisLightService"]
-
 THESIS_LIGHT_SERVICE = "tests.thesis_light_service:ThesisLightService"
 """The class as a configuration names it."""
 

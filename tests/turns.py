@@ -14,8 +14,6 @@ from collections.abc import Awaitable, Callable
 import anyio
 import anyio.lowlevel
 
-__all__ = ["Lateness", "Turns", "longest_turn", "slowness"]
-
 REFERENCE = 0.005
 """Seconds of the processor for :func:`_work` on the reference machine; a virtual one with two cores."""
 

@@ -2,7 +2,5 @@
 
 import pytest
 
-__all__ = ["WHOLE_HOUSE"]
-
 WHOLE_HOUSE = pytest.mark.rooms("homeassistant", "homie", "shelly", "tasmota", "thesis", "zigbee2mqtt")
 """For the home of the family, the mixed house, and ``homebot run`` without a house."""

@@ -8,7 +8,5 @@ if sys.path and sys.path[0] in {"", os.getcwd()}:  # noqa: PTH109 - other import
 
 from homebot.cli import main
 
-__all__: list[str] = []
-
 if __name__ == "__main__":
     sys.exit(main())

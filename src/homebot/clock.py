@@ -20,8 +20,6 @@ import anyio.lowlevel
 
 from homebot.errors import UsageError
 
-__all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice", "home_time", "read_zone", "zone_name"]
-
 T = TypeVar("T")
 
 

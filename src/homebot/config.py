@@ -54,25 +54,6 @@ from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
 
-__all__ = [
-    "UNNAMED",
-    "AlertKey",
-    "Config",
-    "FilePath",
-    "HomeSettings",
-    "Language",
-    "Table",
-    "Urgency",
-    "folder_of",
-    "in_folder",
-    "load_config",
-    "load_tables",
-    "parse_config",
-    "parse_settings",
-    "read_all",
-    "value_errors",
-]
-
 Table: TypeAlias = dict[str, object]
 
 _HERE = Path()

@@ -9,19 +9,6 @@ from functools import lru_cache
 
 from homebot.errors import InvalidNameError
 
-__all__ = [
-    "absolute_name",
-    "escape_token",
-    "expand_name",
-    "full_node_name",
-    "is_hidden",
-    "snake_case",
-    "unescape_token",
-    "validate_full_name",
-    "validate_namespace",
-    "validate_node_name",
-]
-
 MAX_NODE_NAME = 255
 MAX_NAMESPACE = 245
 MAX_FULL_NAME = 247  # 255 less the 8 characters that DDS prefixes take

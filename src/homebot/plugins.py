@@ -21,28 +21,6 @@ from homebot.names import snake_case
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean
 
-__all__ = [
-    "INSTALL_EXTRA",
-    "add_app",
-    "check_extra",
-    "check_file",
-    "class_in",
-    "entry_points_of_others",
-    "error_text",
-    "file_and_class",
-    "has_plugin",
-    "installed_plugin",
-    "is_file",
-    "load_plugin",
-    "look_in",
-    "module_name_of",
-    "name_in_file",
-    "own_plugin_names",
-    "plugin_names",
-    "plugin_path",
-    "run_file",
-]
-
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
 _INTEGRATIONS: Final = Path(__file__).with_name("integrations")

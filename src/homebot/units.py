@@ -9,8 +9,6 @@ from pydantic import BeforeValidator, Field
 
 from homebot.errors import UsageError
 
-__all__ = ["DURATION", "LONGEST_WAIT", "Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
-
 
 def _from_text(value: object) -> object:
     """Return a text as seconds, and anything else unchanged."""

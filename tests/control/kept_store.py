@@ -2,8 +2,6 @@
 
 from homebot.journal.store import JournalStore, LearntRow
 
-__all__ = ["KeptStore"]
-
 
 class KeptStore(JournalStore):
     """A store of which what was learnt outlives a restart, without a file and its thread."""

@@ -11,8 +11,6 @@ from tests.days.told import RECONNECTED
 from homebot.devices.journal_messages import JournalEntry
 from homebot.house.sensors import MotionSensor
 
-__all__ = ["ClosedRoomRefusal", "closed_room_refusals"]
-
 _CLAIM: Final = "no door has been opened since"
 _ROUNDING: Final = 1.0
 

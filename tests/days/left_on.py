@@ -29,8 +29,6 @@ from homebot.house.sensors import MotionSensor, PresenceSensor
 from homebot.log import configure_logging
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 
-__all__ = ["DEFAULTS", "FAMILIES", "STILL", "Family", "Score", "Trial", "scored"]
-
 HOUSE: Final = Path(__file__).parents[2] / "examples" / "houses" / "family.toml"
 STILL: Final = (0.0, 1200.0, 1500.0, 3000.0)
 """Seconds for which the people of each family sit still."""

@@ -21,8 +21,6 @@ from homebot.house import World
 from homebot.testing import VirtualHouse, VirtualTimeLoop, virtual_house_of
 from homebot.testing.virtual_house import START, parse_time
 
-__all__ = ["PERSON", "LivedDay", "live"]
-
 PERSON = "client:tablet"
 _SCOPE = ("read", "act: light", "act: window covering")
 _ALL = 1_000_000

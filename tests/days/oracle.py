@@ -15,8 +15,6 @@ from tests.days.truth import TruthfulCommand, annoys, heats, is_off, is_on
 from homebot.devices.command_messages import CommandResult
 from homebot.devices.journal_messages import JournalEntry
 
-__all__ = ["Violation", "broken_chains", "is_unseen", "is_wish", "issuers_of", "unseen", "unseen_open", "violations"]
-
 _CLIENT: Final = "client:"
 _LIMITED: Final = 10.0 - 1e-6
 """Seconds for which the rate limit of random days counts, but for what clocks round off."""

@@ -8,8 +8,6 @@ from homebot.devices.handles import Handle
 from homebot.errors import HomebotError
 from homebot.graph import Node
 
-__all__ = ["RANDOM_APP", "Order", "RandomApp", "give"]
-
 RANDOM_APP = f"{__name__}:RandomApp"
 
 

@@ -15,8 +15,6 @@ from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 from homebot.testing.strategies import days, houses
 
-__all__ = ["GRANTS", "RandomDay", "Table", "random_days"]
-
 Table = dict[str, Any]
 
 _WALK: Final = 10.0

@@ -10,8 +10,6 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 
-__all__ = ["RandomDoors", "hands_on_doors", "random_doors"]
-
 Table = dict[str, Any]
 
 _MOST_HANDS: Final = 6

@@ -10,8 +10,6 @@ from homebot.house.rooms import DAY, OUTSIDE
 from homebot.testing.day_event import write_time
 from homebot.testing.strategies.choices import several
 
-__all__ = ["random_people"]
-
 Table = dict[str, Any]
 
 _STILL: Final = st.sampled_from((0.0, 600.0, 3600.0, DAY))

@@ -9,8 +9,6 @@ from homebot.house.faults import Silent
 from homebot.house.simulated_device import Placed
 from homebot.testing.virtual_house import HEARTBEAT
 
-__all__ = ["RECONNECTED", "Told"]
-
 RECONNECTED: Final = 60.0
 """Seconds after which all devices and homebot are back at a broker that is back."""
 

@@ -19,8 +19,6 @@ from homebot.house.sensors import MotionSensor, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.support.numbers import to_number
 
-__all__ = ["GroundTruth", "TruthfulCommand", "annoys", "heats", "is_off", "is_on"]
-
 _ROUNDING: Final = 1e-6
 """Seconds that clocks round off."""
 

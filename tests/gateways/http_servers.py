@@ -5,8 +5,6 @@ from contextlib import asynccontextmanager
 
 from aiohttp import web
 
-__all__ = ["Handler", "serving"]
-
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 

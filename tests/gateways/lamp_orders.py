@@ -8,8 +8,6 @@ from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.testing.gateway_contract import Lamp
 
-__all__ = ["OrderedLamp", "is_told_on"]
-
 INFO = SimulatedDeviceInfo("house", "lamp", "Hall", "light", "hall")
 
 

@@ -9,8 +9,6 @@ from anyio.abc import TaskGroup, TaskStatus
 
 from homebot.testing.gateway_contract import Lamp
 
-__all__ = ["ServedLamp", "served", "with_server"]
-
 
 class Server(Protocol):
     """What can serve."""

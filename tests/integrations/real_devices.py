@@ -4,8 +4,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-__all__ = ["announcing", "rows_of"]
-
 _NAME = "formats/real_devices.jsonl"
 
 

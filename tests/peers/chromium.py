@@ -18,8 +18,6 @@ from homebot.house import World, thesis_world
 from homebot.mqtt.clients import HostedBroker
 from homebot.runtime import Runtime
 
-__all__ = ["NAME", "Page", "axe_program", "chromium", "opened_page"]
-
 NAME = "house.example"
 """A name of this computer, for the browser alone."""
 

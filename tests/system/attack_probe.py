@@ -27,8 +27,6 @@ from websockets.sync.client import connect
 from homebot.apps import App
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 
-__all__ = ["Attacked", "LoopProbe", "Toll", "attacked", "open_files", "rss", "until"]
-
 ROOT = Path(__file__).parent.parent.parent
 
 T = TypeVar("T")

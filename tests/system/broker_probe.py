@@ -25,8 +25,6 @@ from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker, BrokerStats
 from homebot.mqtt.packets import Connack, Connect, Packet, PacketReader, ProtocolVersion, encode
 
-__all__ = ["PASSWORD", "AttackedBroker", "Client", "Toll", "attacked_broker"]
-
 PASSWORD = "right"
 
 

@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["own_time", "own_time_until_end"]
-
 _TICK = 0.02
 
 

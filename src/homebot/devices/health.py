@@ -13,8 +13,6 @@ from homebot.support.counters import Severity
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure", "Quarantine"]
-
 
 class Quarantine(Message):
     """A source with so many rule violations that its messages are read at a limited rate.

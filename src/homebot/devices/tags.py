@@ -8,8 +8,6 @@ from homebot.devices.device import KeyValue
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = ["ReadTag", "ScanCode", "TagProblem", "TagTap", "WriteTag"]
-
 TagProblem: TypeAlias = Literal[
     "",
     "busy",

@@ -9,8 +9,6 @@ from typing import Literal
 
 import pytest_asyncio
 
-__all__ = ["class_loop", "function_loop", "module_loop", "package_loop", "session_loop"]
-
 
 def _loop_of(scope: Literal["function", "class", "module", "package", "session"]) -> Callable[[], object]:
     @pytest_asyncio.fixture(loop_scope=scope, name=f"_homebot_{scope}_loop")

@@ -4,8 +4,6 @@ from collections.abc import Iterable
 
 from homebot.conventions.coap.link_format import WebLink
 
-__all__ = ["format_links"]
-
 
 def format_links(links: Iterable[WebLink]) -> bytes:
     return ",".join(";".join([f"<{one.target}>", *map(_attribute, one.attributes)]) for one in links).encode()

@@ -35,8 +35,6 @@ from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 
-__all__ = ["DASH", "FamilyHouse", "family_house"]
-
 FAMILY: Final = tomllib.loads((Path(__file__).parents[3] / "examples/houses/family.toml").read_text("utf-8"))
 SLIDING: Final = {"kind": "cover", "is_open": False, "travel_time": 5.0}
 MORE: Final[dict[str, dict[str, Any]]] = {

@@ -13,8 +13,6 @@ from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.testing.gateway_contract import running
 
-__all__ = ["Watcher", "watched_gateway"]
-
 
 class Watcher(WatchedGateway):
     """What a gateway publishes, and commands to its devices."""

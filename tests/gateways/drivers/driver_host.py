@@ -18,8 +18,6 @@ from homebot.gateways.drivers.base import Driver, FoundService
 from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.support.logger import get_logger
 
-__all__ = ["KeepingHost", "command", "driven", "found", "running"]
-
 DriverT = TypeVar("DriverT", bound=Driver)
 
 

@@ -2,8 +2,6 @@
 
 from typing import Final
 
-__all__ = ["CODES"]
-
 CODES: Final = frozenset(
     {
         "sensor/0x00158d0000000169/last_added_user_code",

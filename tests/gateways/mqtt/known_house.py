@@ -17,8 +17,6 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["KnownHouse", "Payload", "known_house"]
-
 Payload = str | Mapping[str, object] | Sequence[object]
 
 

@@ -5,8 +5,6 @@ from homebot.messages import Message
 from homebot.messages.action import ActionType
 from homebot.messages.message import Int32
 
-__all__ = ["Client", "Feedback", "Fibonacci", "Goal", "Result", "Served"]
-
 
 class Goal(Message, ros_type="example_interfaces/action/Fibonacci_Goal"):
     """How many numbers to compute."""

@@ -28,8 +28,6 @@ from homebot.graph import Graph, Node
 from homebot.integrations.machines.gateway import MachineGateway, MachineGatewaySettings
 from homebot.messages.interfaces.settings import RosSettings
 
-__all__ = ["SECRET", "FarMachine", "far_machine"]
-
 NONE: Mapping[str, object] = {}
 SECRET = "a secret of both machines"
 

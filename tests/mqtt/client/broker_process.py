@@ -14,8 +14,6 @@ from tests.ports import reserve_port
 from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker
 
-__all__ = ["BrokerProcess"]
-
 _ROOT: Final = Path(__file__).parents[3]
 _LISTENS: Final = b"it listens\n"
 

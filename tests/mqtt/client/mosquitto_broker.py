@@ -15,8 +15,6 @@ import anyio
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
 
-__all__ = ["MOSQUITTO", "MosquittoBroker", "until_it_answers"]
-
 MOSQUITTO: Final = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
 
 _CONNECT: Final = b"\x10\x0c\x00\x04MQTT\x04\x02\x00\x3c\x00\x00"

@@ -22,8 +22,6 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["MakeClient", "Peer", "broker", "idle", "linked"]
-
 P = TypeVar("P", bound=Packet)
 
 

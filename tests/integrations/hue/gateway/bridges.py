@@ -8,8 +8,6 @@ import trustme
 
 from homebot.integrations.hue.simulated import SimulatedHueBridge, make_certificate
 
-__all__ = ["BUTTONS", "KEY", "bridge_with_certificate", "button", "buttons", "pairings_of", "self_signed"]
-
 KEY = "a-key-of-the-bridge"
 BUTTONS = "device-of-buttons"
 ABOUT = {

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-__all__ = ["ANSWERS", "ID", "MODELS", "Model"]
-
 ID = "shellyblugwg3-a8032abe54dc"
 ANSWERS = f"homebot/{ID}/rpc"
 """Of a gateway, and the topic of its answers."""

@@ -6,8 +6,6 @@ Source: WLED, JSON API (https://kno.wled.ge/interfaces/json-api).
 import json
 from pathlib import Path
 
-__all__ = ["BEFORE_0_13", "RGBW_0_14", "RGB_0_15", "TWO_SEGMENTS_0_15", "WHITES_0_13"]
-
 _DOCUMENTS = json.loads((Path(__file__).parent / "documents.json").read_text())
 BEFORE_0_13 = _DOCUMENTS["BEFORE_0_13"]
 RGBW_0_14 = _DOCUMENTS["RGBW_0_14"]

@@ -15,8 +15,6 @@ from homebot.devices import Command, RawCommand
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.gateways import Gateway, GatewayContext, GatewayDevice, GatewaySettings, PublishedDevices
 
-__all__ = ["FolderGateway", "FolderSettings"]
-
 MAX_LAMPS = 1000
 MAX_BYTES = 1000
 STATES = {b"on": True, b"off": False}
