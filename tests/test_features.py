@@ -8,14 +8,21 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.recorded_house import HOUSE
 from tests.source_trees import source_trees
 
 from homebot.apps import App
+from homebot.bridges.rosapi import doctor
 from homebot.bridges.rosbridge.services import usual_timeout
 from homebot.config import Config, parse_config
+from homebot.devices import QUERY_DEVICES, QueryDevices
 from homebot.devices.own_services import CORE_SERVICES, right_to_call
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.services import Found, QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import ConfigError, UsageError
 from homebot.feature import Feature, all_features, find_features, load
+from homebot.graph import Graph, Node
 from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.rights import OfferedService
 from homebot.runtime import Runtime
@@ -42,7 +49,13 @@ def other_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[P
 
 def paths(feature: Feature) -> list[str]:
     """All that a feature names as ``module:name``."""
-    own = (feature.server, feature.routes, feature.tools, *(verb.add_arguments for verb in feature.verbs.values()))
+    own = (
+        feature.server,
+        feature.routes,
+        feature.tools,
+        feature.checks,
+        *(verb.add_arguments for verb in feature.verbs.values()),
+    )
     return list(filter(None, own))
 
 
@@ -135,6 +148,37 @@ def test_no_two_rows_of_services_are_of_one_name() -> None:
 @pytest.mark.rooms("goals", "scenes")
 def test_a_call_that_waits_for_devices_may_take_an_hour(name: str) -> None:
     assert (usual_timeout(name), usual_timeout("/discovery/query")) == (3600.0, 5.0)
+
+
+@pytest.fixture
+def checking_package(other_package: Path) -> None:
+    """That package with a feature that has a question for the doctor."""
+    (other_package / "acme.py").write_text(
+        "from homebot.devices.findings import DeviceCheck, FindingKind\nfrom homebot.feature import Feature\n"
+        "FEATURE = Feature(name='acme', checks='acme:checks')\n"
+        "def checks(lost): yield DeviceCheck(FindingKind.NOTE, 'lux', lambda one, now: [f'no {lost}', one.name])\n"
+    )
+    find_features()
+
+
+@pytest.mark.virtual_time
+@pytest.mark.usefixtures("checking_package")
+async def test_the_doctor_asks_the_questions_of_a_feature() -> None:
+    def answer(request: QueryDevicesRequest) -> QueryDevicesResponse:
+        is_asked = request.query == query_terms(parse_query("lux"))
+        results = (Found(device=HOUSE[0], score=1.0, reasons=()),) if is_asked else ()
+        return QueryDevicesResponse(success=True, message="", results=results, total=30 * len(results))
+
+    graph = Graph()
+    async with Node(graph, "rosapi") as rosapi, Node(graph, "asker") as asker:
+        asker.create_service(QueryDevices, QUERY_DEVICES, answer)
+        doctor.serve(rosapi)
+        response = await asker.create_client(doctor.Examine, "/rosapi/doctor").call(doctor.ExamineRequest(), 4.5)
+    assert [(row.what, row.why) for row in response.findings[0].rows] == [
+        ("hall_lamp", "Hall lamp"),
+        ("hall_lamp", "no []"),
+    ]
+    assert response.findings[0].hint == "; all: homebot find --limit 31 'lux'"
 
 
 class Unheard(App):

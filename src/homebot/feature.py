@@ -103,6 +103,8 @@ class Feature:
         routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
         tools: A function that adds its tools to the server for agents, with the client of the HTTP API.
         explains: The function for ``homebot why NAME`` if NAME is no device; called with the client and the options.
+        checks: A function that returns a :class:`~homebot.devices.findings.DeviceCheck` for each question of the doctor
+            about devices; called with the names of gateways that do not work. Its node offers ``~/health`` for others.
         causes: How ``why`` and the journal word a trigger of its kinds, with ``{text}`` for the trigger's text.
     """
 
@@ -121,6 +123,7 @@ class Feature:
     routes: str = ""
     tools: str = ""
     explains: str = ""
+    checks: str = ""
     causes: Mapping[str, str] = field(default_factory=dict)
 
     def offers(self) -> Iterator[str]:

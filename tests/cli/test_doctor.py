@@ -90,6 +90,7 @@ def test_every_code_is_once_in_the_guide() -> None:
     assert len({one.code for one in FindingKind}) == len(list(FindingKind))
 
 
+@pytest.mark.rooms("alerts")
 def test_a_weak_battery_is_a_problem_and_a_device_without_room_is_none(
     homebot_with: Callable[..., Homebot], capsys: Text
 ) -> None:

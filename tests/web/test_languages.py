@@ -9,7 +9,6 @@ import pytest
 from homebot.control.leases import LEASE_POLICY
 from homebot.control.policies import interlock, presence_guard, quiet_hours, rate_limit
 from homebot.control.policies.rights import ALWAYS_ASK, APPROVAL, GRANTS
-from homebot.devices.alerts import ALERTS
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.client_rights import ASK, CLIENT_RIGHTS, HARMLESS
 from homebot.devices.device_types import DEVICE_TYPES
@@ -51,15 +50,13 @@ def test_a_label_for_a_screen_reader_has_no_words_of_its_own() -> None:
     assert [one for one in labels if re.search("[A-Za-z]", one)] == []
 
 
-def test_device_types_states_capabilities_and_alerts_are_translated() -> None:
+def test_device_types_states_and_capabilities_are_translated() -> None:
     known = CAPABILITIES.items()
     words = {spoken(one) for one in (*DEVICE_TYPES, *CAPABILITIES)}
     words |= {
         word for name, one in known if one.kind == "bool" and "press" not in one.words for word in flag_texts(name)
     }
     words |= {spoken(option) for _, one in known for option in one.options}
-    urgent = [one.finding for one in ALERTS if one.finding.code not in CAN_WAIT]
-    words |= {one.next_step for one in urgent} | {one.finding.title for one in ALERTS}
     assert words - TABLE.keys() == set()
 
 

@@ -362,7 +362,7 @@ SETTABLE: frozenset[str] = frozenset(capability.name for capability in CAPABILIT
 """Names of capabilities that people and programs set."""
 
 ALERTING: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.is_alerting)
-"""Names of further capabilities that :data:`homebot.devices.alerts.ALERTS` are about."""
+"""Names of further capabilities that alerts are about."""
 
 LIGHTS_UP: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.lights_up)
 """Names of capabilities that turn a light on."""

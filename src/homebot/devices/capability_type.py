@@ -105,7 +105,7 @@ class CapabilityType(NamedTuple):
         obedience: How reports show that a command was obeyed.
         sensor: The device type of a sensor for it; empty if there is none.
         is_set: Whether people and programs set it; measurements change all the time and need no reason.
-        is_alerting: Whether :data:`homebot.devices.alerts.ALERTS` are about it, although nobody sets it.
+        is_alerting: Whether alerts are about it, although nobody sets it.
         lights_up: Whether setting it turns a light on.
         bare: What a bare number in a text is: the ``number`` itself, or its ``share`` from 0 to 1; empty for nothing,
             unless it is the only number of its part.

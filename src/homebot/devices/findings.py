@@ -1,10 +1,19 @@
 """Findings of ``homebot doctor``, each of a kind with a stable code and a next step."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 from homebot.messages.message import Message, UInt32
+
+if TYPE_CHECKING:
+    from homebot.devices.device import Device
+    from homebot.devices.query.terms import Query
+
+MOST_SHOWN: Final = 20
+"""The limit of rows of a finding."""
 
 Row: TypeAlias = tuple[str, str]
 """The fields of a :class:`FindingRow`."""
@@ -117,3 +126,20 @@ class FindingKind(Enum):
             rows=tuple(FindingRow(what=what, why=why) for what, why in rows),
             next=self.next_step,
         )
+
+
+class DeviceCheck(NamedTuple):
+    """A question of the doctor about all devices.
+
+    Attributes:
+        query: The query for them, as text.
+        reasons: Returns the reasons why a device is shown, at a time in seconds since the Unix epoch.
+        most: How many are shown: a whole house takes long to carry.
+        asked: The query that is asked, if it leaves out more than *query*.
+    """
+
+    kind: FindingKind
+    query: str
+    reasons: Callable[[Device, float], Iterable[str]]
+    most: int = MOST_SHOWN
+    asked: Query | None = None

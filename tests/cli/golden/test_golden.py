@@ -58,8 +58,8 @@ def test_a_state_that_is_cut_ends_once(capsys: Text) -> None:
         ("show_by_name", ["show", "ATTIC"], 0),
         ("show_without_parts", ["show", "windows/bath"], 0),
         ("show_td", ["show", "kitchen-lamp", "--td", "--broker", "mqtt://192.168.1.10:1883"], 0),
-        ("doctor", ["doctor"], 1),
-        ("doctor_counts", ["doctor", "--counts"], 1),
+        pytest.param("doctor", ["doctor"], 1, marks=pytest.mark.rooms("alerts")),
+        pytest.param("doctor_counts", ["doctor", "--counts"], 1, marks=pytest.mark.rooms("alerts")),
     ],
 )
 def test_commands_print_what_they_should(run: Run, capsys: Text, name: str, arguments: list[str], code: int) -> None:
@@ -132,6 +132,7 @@ def test_a_count_is_said_once(still: StillHouse, run: Run, capsys: Text) -> None
     assert found["HB207"] == [{"what": "announcements rejected", "why": "7"}]
 
 
+@pytest.mark.rooms("alerts")
 def test_the_doctor_asks_for_no_more_devices_than_it_names(still: StillHouse, run: Run, capsys: Text) -> None:
     still.crowd = 300
     assert run("doctor") == 1

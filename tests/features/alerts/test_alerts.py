@@ -12,11 +12,11 @@ from typing import get_args
 import anyio
 import pytest
 from tests.sizes import size
+from tests.web.test_languages import CAN_WAIT, TABLE
 from tests.whole_house import WHOLE_HOUSE
 
 from homebot.clock import LoopClock
 from homebot.config import AlertKey, parse_config
-from homebot.devices.alerts import ALERTS, GATEWAY, LANGUAGES, WATCHED, Alert, AlertKind
 from homebot.devices.capabilities import ALERTING, CAPABILITIES, SETTABLE
 from homebot.devices.findings import Finding, Findings
 from homebot.devices.gateway_messages import GatewayState
@@ -24,6 +24,7 @@ from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, GatewayNames
 from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
 from homebot.features.alerts import SEE_ALERTS
+from homebot.features.alerts.alert_table import ALERTS, GATEWAY, LANGUAGES, WATCHED, Alert, AlertKind
 from homebot.features.alerts.alerts import MOST_INCIDENTS, update_incidents
 from homebot.graph import Node, qos_profile_latched
 from homebot.house import World
@@ -515,6 +516,12 @@ def test_each_kind_is_said_in_all_languages(kind: AlertKind) -> None:
         texts = [text for language in LANGUAGES for text in (alert.told(language), alert.over(language))]
         assert all(text.count(alert.target if kind is GATEWAY else "Sink") == 1 and "{" not in text for text in texts)
         assert all("1 d" in text for text in texts[::2]) is ("{age}" in alert.said[0][0])
+
+
+def test_the_page_has_the_findings_and_the_next_steps_of_urgent_ones_in_all_languages() -> None:
+    findings = [kind.finding for kind in ALERTS]
+    words = {finding.next_step for finding in findings if finding.code not in CAN_WAIT}
+    assert words | {finding.title for finding in findings} <= TABLE.keys()
 
 
 def test_the_directory_reports_changes_of_all_that_alerts_are_about() -> None:

@@ -7,15 +7,14 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
 from operator import attrgetter
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import anyio
 
 from homebot.conventions.ecosystem import ecosystems
 from homebot.conventions.vacuum_map import map_readers
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
-from homebot.devices.alerts import ALERTS, MOST_SHOWN, AlertKind, alerts_of, findings_of
-from homebot.devices.findings import Finding, FindingKind, Row
+from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import (
     MACHINE_NODE,
@@ -32,6 +31,7 @@ from homebot.devices.query.terms import Query
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.devices.wording.time_format import age, ago
 from homebot.errors import ServiceError
+from homebot.feature import all_features, load
 from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.messages.message import Message, ServiceType, UInt32
 from homebot.support.counters import Severity
@@ -43,7 +43,6 @@ _ANSWERS_WITHIN = 2.0
 _LOOK_EVERY = 300.0
 """Seconds between two looks at the counts: what they count since the look before the last is new."""
 
-_FEW = 5
 _DAY = 86_400.0
 
 _RANKS = {kind.code: rank for rank, kind in enumerate(FindingKind)}
@@ -181,42 +180,33 @@ class _Doctor:
         finally:
             client.close()
 
-    async def _alert_findings(self, kind: AlertKind, now: float, lost: Iterable[str]) -> list[Finding]:
-        found = await self._find(kind.query(lost), MOST_SHOWN)
-        alerts = [alert for result in found.results for alert in alerts_of((kind,), result.device, now, lost)]
-        shown = sorted((alert for alert in alerts if alert.is_shown(now)), key=attrgetter("target"))
-        total = found.total if found.total > MOST_SHOWN else 0
-        return [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
-
     async def _device_findings(self, now: float, lost: Iterable[str]) -> list[Finding]:
-        """Return the alerts of the house, and the other findings about devices."""
-        findings = [one for kind in ALERTS for one in await self._alert_findings(kind, now, lost)]
+        """Return the findings about devices: those of features, and others."""
+        findings = []
         vacuums = (
-            _DeviceCheck(FindingKind.VACUUM, f'"origin"={reader.origin}', self._table, MOST_SHOWN)
-            for reader in map_readers()
+            DeviceCheck(FindingKind.VACUUM, f'"origin"={reader.origin}', self._table) for reader in map_readers()
         )
-        for check, query, detail, most in (*_DEVICE_CHECKS, *_unused(), *vacuums):
-            found = await self._find(parse_query(query), most)
+        of_features = (check for feature in all_features() if feature.checks for check in load(feature.checks)(lost))
+        for check in (*of_features, *_DEVICE_CHECKS, *_unused(), *vacuums):
+            found = await self._find(check.asked or parse_query(check.query), check.most)
             rows = sorted(
-                (result.device.id, text) for result in found.results if (text := detail(result.device, now)) is not None
+                (result.device.id, text) for result in found.results for text in check.reasons(result.device, now)
             )
             if rows:
-                findings.append(_finding(query, check.finding(rows), found.total - len(found.results) + len(rows)))
+                total = found.total - len(found.results) + len(rows)
+                hint = f"; all: homebot find --limit {total} '{check.query}'"
+                finding = check.kind.finding(rows[: check.most], total=total)
+                findings.append(finding.model_copy(update={"hint": hint}))
         return findings
 
-    def _table(self, device: Device, _now: float) -> str | None:
-        """Return the table that makes the vacuum *device* a robot, if it is none."""
+    def _table(self, device: Device, _now: float) -> Iterator[str]:
+        """Yield the table that makes the vacuum *device* a robot, if it is none."""
         topics = [topic.split("/") for part in device.parts for topic in (*part.part.reads, *part.part.writes)]
-        for base, name in sorted((topic[0], topic[1]) for topic in topics if len(topic) > 2):
+        for base, name in sorted((topic[0], topic[1]) for topic in topics if len(topic) > 2)[:1]:
             robot = re.sub(r"[^a-z0-9]+", "_", fold(name)).strip("_")
             table = f"[robots.{robot if robot[:1].isalpha() else f'vacuum_{robot}'}]"
-            return None if f"{base}/{name}" in self._vacuums else f'add {table} with vacuum = "{base}/{name}"'
-        return None
-
-
-def _finding(query: str, finding: Finding, total: int) -> Finding:
-    hint = f"; all: homebot find --limit {total} '{query}'"
-    return finding.model_copy(update={"total": total, "hint": hint})
+            if f"{base}/{name}" not in self._vacuums:
+                yield f'add {table} with vacuum = "{base}/{name}"'
 
 
 async def _ask_all(ask: Callable[[str], Awaitable[AnswerT]], names: Iterable[str]) -> dict[str, AnswerT]:
@@ -299,49 +289,30 @@ def _failure(failure: PartFailure, now: float) -> Row:
     return (failure.part, f"{failure.what} {times}, {ago(failure.last, now)}: {failure.why}{outcome}")
 
 
-class _DeviceCheck(NamedTuple):
-    """A question about all devices, and the text for each that it finds.
-
-    Attributes:
-        detail: Returns that text, or None for nothing.
-        most: How many are shown: a whole house takes long to carry.
-    """
-
-    kind: FindingKind
-    query: str
-    detail: Callable[[Device, float], str | None]
-    most: int
-
-
-def _dispute(device: Device, _now: float) -> str:
+def _dispute(device: Device, _now: float) -> Iterator[str]:
     more = len(device.conflicts) - 1
-    return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
+    yield device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
 
 
-def _unread(device: Device, now: float) -> str | None:
-    """Return the values of *device* in the last day that could not be read."""
+def _unread(device: Device, now: float) -> Iterator[str]:
+    """Yield the values of *device* in the last day that could not be read."""
     facts = [fact for fact in device.facts if fact.name == UNREADABLE]
     last = max(facts, key=lambda fact: fact.said_at.to_seconds(), default=None)
-    if last is None or last.said_at.to_seconds() < now - _DAY:
-        return None
-    more = f" (and {len(facts) - 1} more: homebot show '{device.id}')" if len(facts) > 1 else ""
-    return f"{ago(last.said_at, now)}: {last.value}{more}"
+    if last is not None and last.said_at.to_seconds() >= now - _DAY:
+        more = f" (and {len(facts) - 1} more: homebot show '{device.id}')" if len(facts) > 1 else ""
+        yield f"{ago(last.said_at, now)}: {last.value}{more}"
 
 
-def _step(shared: Collection[str], device: Device, _now: float) -> str:
-    """Return the next step with *device*, rather with a gateway of its own than with one of *shared* ones."""
+def _step(shared: Collection[str], device: Device, _now: float) -> Iterator[str]:
+    """Yield the next step with *device*, rather with a gateway of its own than with one of *shared* ones."""
     needed = {(fact.gateway, fact.key): fact.value for fact in device.facts if fact.name == NEEDS_GATEWAY}
     steps = [
         (needed.get((fact.gateway, fact.key)) in shared, fact.value) for fact in device.facts if fact.name == NEXT_STEP
     ]
-    return min(steps, default=(False, ""))[1]
+    yield min(steps, default=(False, ""))[1]
 
 
-def _several_names(device: Device, _now: float) -> str:
-    return next((fact.value for fact in device.facts if fact.name == SEVERAL_NAMES), "")
-
-
-def _unused() -> Iterator[_DeviceCheck]:
+def _unused() -> Iterator[DeviceCheck]:
     """Yield the check for devices that no gateway uses; what has a gateway of its own needs no shared one."""
     known = sorted(
         (ecosystem for ecosystem in ecosystems() if ecosystem.gateway), key=attrgetter("is_shared", "gateway")
@@ -352,17 +323,21 @@ def _unused() -> Iterator[_DeviceCheck]:
     needs = [f"({need}{no_own})" if one.is_shared else need for one, need in zip(known, needs, strict=True)]
     if needs:
         step = partial(_step, [one.gateway for one in known if one.is_shared])
-        yield _DeviceCheck(FindingKind.NO_GATEWAY, " or ".join(needs), step, MOST_SHOWN)
+        yield DeviceCheck(FindingKind.NO_GATEWAY, " or ".join(needs), step)
 
 
 _DEVICE_CHECKS = (
-    _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, MOST_SHOWN),
-    _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, MOST_SHOWN),
-    _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, MOST_SHOWN),
-    _DeviceCheck(
+    DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute),
+    DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread),
+    DeviceCheck(
+        FindingKind.NAMES,
+        f'"{SEVERAL_NAMES}"=names',
+        lambda device, _now: [fact.value for fact in device.facts if fact.name == SEVERAL_NAMES][:1],
+    ),
+    DeviceCheck(
         FindingKind.NO_ROOM,
         "without area and not (person or household or tracker or robot)",
-        lambda one, _now: one.name,
-        _FEW,
+        lambda device, _now: [device.name],
+        5,
     ),
 )

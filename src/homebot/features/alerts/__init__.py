@@ -12,5 +12,6 @@ FEATURE: Final = Feature(
     services=(SEE_ALERTS,),
     runs="homebot.features.alerts.alerts:tell_people",
     is_wanted=lambda house: not house.is_rehearsal,
+    checks="homebot.features.alerts.alert_table:doctor_checks",
     tables={"alerts": FeatureTable("homebot.features.alerts.alerts:read_alerts")},
 )

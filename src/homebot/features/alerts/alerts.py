@@ -12,18 +12,6 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.apps.base import App, AppSettings
 from homebot.config import AlertKey, Config, Language, Urgency, parse_settings
-from homebot.devices.alerts import (
-    ALERTS,
-    GATEWAY,
-    WATCHED,
-    Alert,
-    AlertKind,
-    alerts_of,
-    findings_of,
-    held_alerts_of,
-    is_over,
-    say,
-)
 from homebot.devices.device import ChangedSettings, Device, DeviceChange
 from homebot.devices.findings import Finding, FindingKind, Findings
 from homebot.devices.gateway_messages import GatewayState
@@ -44,6 +32,18 @@ from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.feature_context import FeatureContext
 from homebot.features.alerts import FEATURE, SEE_ALERTS
+from homebot.features.alerts.alert_table import (
+    ALERTS,
+    GATEWAY,
+    WATCHED,
+    Alert,
+    AlertKind,
+    alerts_of,
+    findings_of,
+    held_alerts_of,
+    is_over,
+    say,
+)
 from homebot.graph import qos_profile_latched
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.support.bounded_map import BoundedMap

@@ -1,26 +1,22 @@
-"""Alerts: what is wrong in the house, by one table for the doctor, the page and notifications. Pure."""
+"""The table of alerts, for the doctor, the page and notifications. Pure."""
 
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Final, NamedTuple, get_args
 
 from homebot.config import Language, Urgency
 from homebot.devices.device import Device, DevicePart, State, target_of
 from homebot.devices.device_types import spoken_type
-from homebot.devices.findings import Finding, FindingKind
+from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, compares, fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, GatewayIs, Not, Query, StateIs, leaves
 from homebot.devices.wording.time_format import age, age_text
 from homebot.devices.words import matching_words
-
-MOST_SHOWN: Final = 20
-"""The limit of rows of a finding."""
-
 
 LANGUAGES: Final = get_args(Language)
 """English, and the columns of the table of the others."""
@@ -238,14 +234,27 @@ def is_over(key: str, device: Device) -> bool:
     return device.freshness == "fresh" and device.reachable.state != "no"
 
 
+def doctor_checks(lost: Iterable[str]) -> Iterator[DeviceCheck]:
+    """Yield the check of each kind but gateways; that devices of *lost* ones are unreachable is no finding."""
+    for kind in ALERTS:
+        yield DeviceCheck(kind.finding, kind.text, partial(_shown, kind, lost), asked=kind.query(lost))
+
+
+def _shown(kind: AlertKind, lost: Iterable[str], device: Device, now: float) -> Iterable[str]:
+    return (_why(alert) for alert in alerts_of((kind,), device, now, lost) if alert.is_shown(now))
+
+
+def _why(alert: Alert) -> str:
+    return f"{alert.kind.words}{alert.detail}" if _terms(alert.kind) else alert.detail.lstrip(",: ")
+
+
 def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
     """Return *alerts* as findings, the worst first."""
     rows: dict[FindingKind, list[tuple[str, str]]] = {kind: [] for kind in FindingKind}
     for alert in alerts:
-        why = f"{alert.kind.words}{alert.detail}" if _terms(alert.kind) else alert.detail.lstrip(",: ")
-        rows[alert.kind.finding].append(
-            ("", alert.text) if alert.kind is GATEWAY else (alert.target.partition("#")[0], why)
-        )
+        is_gateway = alert.kind is GATEWAY
+        row = ("", alert.text) if is_gateway else (alert.target.partition("#")[0], _why(alert))
+        rows[alert.kind.finding].append(row)
     return tuple(kind.finding(some[:MOST_SHOWN], total=len(some)) for kind, some in rows.items() if some)
 
 
