@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-from importlib.util import find_spec
 
 from anyio.lowlevel import checkpoint
 
@@ -27,7 +26,7 @@ from homebot.messages import Time
 from homebot.messages.interfaces import find_action
 from homebot.places import HouseDoor, HouseRoom, Places
 from plan import Plan
-from report import MissingPeerError, Report, milliseconds, verdict
+from report import Report, milliseconds, verdict
 from rounds import median
 
 __all__ = ["run"]
@@ -52,8 +51,6 @@ GOALS = {
 
 
 def run(plan: Plan) -> Report:
-    if find_spec("up_pyperplan") is None:
-        raise MissingPeerError("the planner is not installed: homebot[goals]")
     rows: list[tuple[str, ...]] = [HEADINGS, *asyncio.run(_rows(plan.rounds(TIMES)))]
     return Report(f"Goals: milliseconds of the processor for a plan; {ROOMS} rooms, {LAMPS} lamps", (), (), rows)
 

@@ -77,7 +77,6 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
 
 def test_a_name_in_quotation_marks_is_read(home: Homebot) -> None:
     """A simulated house has its rooms with ``[[groups]]`` too. Queries, triggers, conditions and policies have them."""
-    pytest.importorskip("up_pyperplan")
     for command, answer in COMMANDS.items():
         done = home.run(command)
         assert answer in done.stdout + done.stderr, command

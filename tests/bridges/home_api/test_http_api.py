@@ -179,7 +179,6 @@ async def test_a_routine_is_proposed_by_who_may_act_and_mistakes_are_named(tmp_p
 
 @pytest.mark.rooms("thesis")
 async def test_a_goal_is_planned_for_who_may_act_and_a_mistake_is_named(tmp_path: Path) -> None:
-    pytest.importorskip("up_pyperplan")
     async with running_api(tmp_path) as api:
         done = await api.achieve("lamp1 on and lamp2 off", Authorization=bearer("agent"))
         assert (done.status, done.values["reached"]) == (200, True)

@@ -20,7 +20,6 @@ from homebot.devices.question_messages import AnswerQuestion, AnswerQuestionRequ
 from homebot.graph import qos_profile_latched
 from homebot.graph.actions import GoalState
 
-pytest.importorskip("up_pyperplan")
 pytestmark = pytest.mark.virtual_time
 
 

@@ -14,7 +14,6 @@ from tests.whole_house import WHOLE_HOUSE
 from homebot.features.goals.messages import AchieveResult
 from homebot.graph.actions import GoalState
 
-pytest.importorskip("up_pyperplan")
 pytestmark = [pytest.mark.virtual_time, WHOLE_HOUSE]
 
 REACHED = {

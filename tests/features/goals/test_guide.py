@@ -7,7 +7,6 @@ from tests.guide import commands_in, guide
 from tests.shell import Homebot, homebot_in
 from tests.whole_house import WHOLE_HOUSE
 
-pytest.importorskip("up_pyperplan")
 pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
 GUIDE = guide("goals")

@@ -16,8 +16,6 @@ from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoa
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ActionServer, GoalState
 
-pytest.importorskip("up_pyperplan")
-
 
 @pytest.mark.parametrize(
     ("right", "text"), [("act: all", "'lamp on' is reached"), ("act: lock", "rosie may not command")]

@@ -1,62 +1,68 @@
-"""The planner: the only file that imports ``unified_planning``, which takes a second, with the first plan."""
+"""The planner: a best-first search over the facts that matter, in a thread. Each step counts the same."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from heapq import heapify, heappop, heappush
+from math import inf
 from threading import Event
-from typing import Any, Final
+from typing import Final
 
 import anyio
 from anyio import to_thread
 
 from homebot.errors import UsageError
 from homebot.features.goals.operators import GoalProblem, Operator, is_plan, reachable
-from homebot.plugins import check_extra
 
-_ENGINE: Final = "pyperplan"
 _ANY: Final = Operator(frozenset(), frozenset())
 
+MAX_STATES: Final = 20_000
+"""States of the house that a search visits. The way of a robot through fifty closed doors takes 4,900."""
 
-_LONGEST: Final = 30.0
-"""Seconds for a plan. That of a large house takes one, and the first needs some more to load the planner."""
+MAX_TIME_S: Final = 30.0
 
 
-async def find_plan(problem: GoalProblem, longest: float = _LONGEST) -> list[Operator] | None:
+async def find_plan(
+    problem: GoalProblem, max_time: float = MAX_TIME_S, max_states: int = MAX_STATES
+) -> list[Operator] | None:
     """Return operators that lead to the goal, without any that it does not need; None if there are none.
 
-    Its thread ends after *longest* seconds, and when the caller is cancelled.
+    Its thread ends after *max_time* seconds, and when the caller is cancelled.
 
     Raises:
-        UsageError: The planner is not installed, or there was no plan in that time.
+        UsageError: There was no plan in that time, or among so many states.
     """
     stopped = Event()
     try:
-        with anyio.fail_after(longest):
-            return await to_thread.run_sync(_plan, problem, stopped.is_set, abandon_on_cancel=True)
+        with anyio.fail_after(max_time):
+            return await to_thread.run_sync(_plan, problem, stopped.is_set, max_states, abandon_on_cancel=True)
     except TimeoutError:
-        raise UsageError(f"no plan was found in {longest:g} s; ask for a part of the goal first") from None
+        raise UsageError(f"no plan was found in {max_time:g} s; ask for a part of the goal first") from None
     finally:
         stopped.set()
 
 
-def _plan(problem: GoalProblem, is_stopped: Callable[[], bool]) -> list[Operator] | None:
+def _plan(problem: GoalProblem, is_stopped: Callable[[], bool], max_states: int) -> list[Operator] | None:
     if not problem.missing:
         return []
-    check_extra("a plan", "goals", "unified_planning", "up_pyperplan")
     operators = list(problem.allowed())
     if not problem.goal.keys() <= reachable(problem.facts, operators) or _opposite(problem, operators):
         return None  # a search would last for minutes
     simple = _simple(problem, operators)
-    rest = replace(problem, facts=problem.facts.union(*(one.gives for one in simple)))
-    useful = _relevant(rest, operators)
-    found = [useful[number] for number in _solve(rest, useful, is_stopped)] if rest.missing else []
-    if not is_plan(rest, found):
+    rest = replace(problem, facts=problem.facts.union(*(operator.gives for operator in simple)))
+    useful = sorted(_relevant(rest, operators), key=_is_drive, reverse=True)  # of equals, the last is tried first
+    plan = _search(rest, useful, is_stopped, max_states)
+    if plan is None:
         return None
-    for one in tuple(reversed(found)):  # a satisficing planner may do more than is needed
-        fewer = [other for other in found if other is not one]
+    for operator in tuple(reversed(plan)):  # the estimate may lead to more than is needed
+        fewer = [other for other in plan if other is not operator]
         if is_plan(rest, fewer):
-            found = fewer
-    return [*simple, *found]
+            plan = fewer
+    return [*simple, *plan]
+
+
+def _is_drive(operator: Operator) -> bool:
+    """Return whether a robot drives: last and together, its drives become one."""
+    return operator.step is not None and operator.step.kind == "drive"
 
 
 def _opposite(problem: GoalProblem, operators: Sequence[Operator]) -> bool:
@@ -114,45 +120,57 @@ def _ways(fact: str, givers: Mapping[str, Sequence[Operator]]) -> Iterator[list[
             yield [*first, one]
 
 
-def _solve(problem: GoalProblem, operators: Sequence[Operator], is_stopped: Callable[[], bool]) -> list[int]:
-    """Return the numbers of the operators of a plan; none if there is no plan."""
-    from unified_planning.environment import Environment  # noqa: PLC0415 - see above
-    from unified_planning.model import Fluent, InstantaneousAction  # noqa: PLC0415 - see above
-    from unified_planning.model import Problem as PlanningProblem  # noqa: PLC0415 - see above
-
-    house = Environment()
-    house.credits_stream = None
-    task = PlanningProblem("house", house)
-    used = set(problem.goal).union(*(one.needs for one in operators))
-    names = {fact: f"f{number}" for number, fact in enumerate(sorted(used))}
-    fluents = {fact: Fluent(name, environment=house) for fact, name in names.items()}
-    for fact, fluent in fluents.items():
-        task.add_fluent(fluent, default_initial_value=fact in problem.facts)
-    for number, one in enumerate(operators):
-        action = InstantaneousAction(f"o{number}", _env=house)
-        for fact in sorted(one.needs):
-            action.add_precondition(fluents[fact])
-        for facts, value in ((one.takes - one.gives, False), (one.gives, True)):
-            for fact in sorted(facts & used):
-                action.add_effect(fluents[fact], value)
-        task.add_action(action)
-    for fact in problem.goal:
-        task.add_goal(fluents[fact])
-    with house.factory.OneshotPlanner(name=_ENGINE) as planner:
-        planner._heuristic = partial(_Heuristic, planner._heuristic, is_stopped)  # noqa: SLF001 - it has no time limit
-        found = planner.solve(task).plan
-    return [] if found is None else [int(one.action.name[1:]) for one in found.actions]
-
-
-class _Heuristic:
-    """The heuristic of the planner, which asks for it in each step of its search: the only place to end that."""
-
-    def __init__(
-        self, make: Callable[[Any], Callable[[Any], float]], is_stopped: Callable[[], bool], task: Any
-    ) -> None:
-        self._estimate, self._is_stopped = make(task), is_stopped
-
-    def __call__(self, node: Any) -> float:
-        if self._is_stopped():
+def _search(
+    problem: GoalProblem, operators: Sequence[Operator], is_stopped: Callable[[], bool], max_states: int
+) -> list[Operator] | None:
+    """Return the operators of a plan; None if there is none."""
+    used = frozenset(problem.goal).union(*(operator.needs for operator in operators))
+    users: dict[str, list[int]] = {}
+    for number, operator in enumerate(operators):
+        for fact in operator.needs:
+            users.setdefault(fact, []).append(number)
+    start = used.intersection(problem.facts)
+    ways: dict[frozenset[str], tuple[Operator, ...]] = {start: ()}
+    queue = [(0.0, 0, start)]
+    while queue:
+        facts = heappop(queue)[-1]
+        if problem.goal.keys() <= facts:
+            return list(ways[facts])
+        if is_stopped():
             raise TimeoutError
-        return self._estimate(node)
+        for operator in operators:
+            if not operator.needs <= facts or (then := operator.after(facts) & used) in ways:
+                continue
+            ways[then] = (*ways[facts], operator)
+            if (estimate := _estimate(then, problem, operators, users)) < inf:
+                heappush(queue, (len(ways[then]) + estimate, -len(ways), then))
+        if len(ways) > max_states:
+            raise UsageError(f"no plan was found among {max_states} states; ask for a part of the goal first")
+    return None
+
+
+def _estimate(
+    facts: frozenset[str], problem: GoalProblem, operators: Sequence[Operator], users: Mapping[str, Sequence[int]]
+) -> float:
+    """Return the steps to all wishes if none undid another and none served two; infinity if one is out of reach.
+
+    The additive heuristic of Bonet and Geffner (Planning as heuristic search, 2001).
+    """
+    costs: dict[str, float] = {}
+    waiting = [len(operator.needs) for operator in operators]
+    sums = [1.0] * len(operators)
+    queue = [(0.0, fact) for fact in facts]
+    queue += [(1.0, fact) for operator in operators if not operator.needs for fact in operator.gives]
+    heapify(queue)
+    while queue:
+        cost, fact = heappop(queue)
+        if fact in costs:
+            continue
+        costs[fact] = cost
+        for number in users.get(fact, ()):
+            waiting[number] -= 1
+            sums[number] += cost
+            if not waiting[number]:
+                for given in operators[number].gives - costs.keys():
+                    heappush(queue, (sums[number], given))
+    return sum(costs.get(fact, inf) for fact in problem.goal)
