@@ -44,11 +44,11 @@ test-peers: $(VENV)/.peers
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(wildcard tests/integrations/*/peers) $(ARGS)
 
 # The result is committed: who installs homebot needs no Node.
-## Builds the web page from src/homebot/web/source, with npm.
+## Builds the web page from src/homebot/web/source and the folders page of features, with npm.
 page:
 	@mkdir -p $(PAGE) && cp -r src/homebot/web/source/. $(PAGE)
 	@cd $(PAGE) && npm install --silent --no-audit --no-fund --no-package-lock
-	@cd $(PAGE) && npm run --silent build -- --outdir=$(CURDIR)/src/homebot/web/page
+	@cd $(PAGE) && FEATURES=$(CURDIR)/src/homebot/features npm run --silent build -- --outdir=$(CURDIR)/src/homebot/web/page
 
 # 100,000 cases for each target; `make fuzz SEED=...` repeats a run.
 ## Runs generated cases against everything that handles untrusted input: about an hour.

@@ -1,6 +1,7 @@
 """The page in Chromium: every view, its accessibility, hostile names, and the build that is committed."""
 
 import json
+import os
 import shutil
 import subprocess
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
@@ -643,7 +644,10 @@ async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> N
     home = node_folder(SOURCE)
     shutil.copytree(SOURCE, home, dirs_exist_ok=True)
     command = ("npm", "run", "--silent", "build", "--", f"--outdir={tmp_path}")
-    done = await to_thread.run_sync(partial(subprocess.run, command, cwd=home, check=False, capture_output=True))
+    own = os.environ | {"FEATURES": str(SOURCE.parents[1] / "features")}
+    done = await to_thread.run_sync(
+        partial(subprocess.run, command, cwd=home, env=own, check=False, capture_output=True)
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     for name in ("page.js", "page.css"):
         assert (tmp_path / name).read_bytes() == (BUILT / name).read_bytes(), f"{name}: run make page"

@@ -18,7 +18,8 @@ from homebot.devices.wording.values import flag_texts
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 REASONS: dict[str, list[str]] = json.loads((SOURCE / "reasons.json").read_text())
 TABLE: dict[str, list[str]] = json.loads((SOURCE / "languages.json").read_text()) | REASONS
-TEXTS = "\n".join(one.read_text() for one in SOURCE.rglob("*.js"))
+FEATURES = SOURCE.parents[1] / "features"
+TEXTS = "\n".join(one.read_text() for one in (*SOURCE.rglob("*.js"), *FEATURES.rglob("page/*.js")))
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
 LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
 CAN_WAIT = set(re.findall(r"HB\d+", TEXTS))

@@ -2,11 +2,11 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { agree, tell } from "../acting.js";
 import { ask, call, connection, may } from "../door.js";
+import { FEATURES } from "../features.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
 import { Managing, Remove } from "../managing.js";
 import { seconds, spoken, timeIn, timeText } from "../words.js";
-import { Habits } from "./habits.js";
 
 const AGAIN = 5000; // ms
 const MODES = ["single", "restart", "queued", "parallel"];
@@ -41,7 +41,7 @@ export function Routines() {
     <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}<//>
     ${written && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
     <div class="rooms">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>
-    <${Habits} zone=${found.zone} onChange=${look} />`;
+    ${FEATURES.map(({ parts }) => parts?.routines && html`<${parts.routines} zone=${found.zone} onChange=${look} />`)}`;
 }
 
 function Routine({ routine, zone, change, onEdit }) {

@@ -1,15 +1,17 @@
 // What people do again and again, as routines to accept or to reject, each with its proof.
 import { useState } from "preact/hooks";
-import { tell } from "../acting.js";
-import { ask, may } from "../door.js";
-import { html } from "../html.js";
-import { language, say } from "../language.js";
-import { durationText, seconds, timeIn } from "../words.js";
-import { Parts } from "./routines.js";
+import { tell } from "../../acting.js";
+import { ask, may } from "../../door.js";
+import { html } from "../../html.js";
+import { language, say } from "../../language.js";
+import { durationText, seconds, timeIn } from "../../words.js";
+import { Parts } from "../../views/routines.js";
 
 const LONGEST = 300; // seconds of a search
 
-export function Habits({ zone, onChange }) {
+export const page = { parts: { routines: Habits } };
+
+function Habits({ zone, onChange }) {
   const [found, setFound] = useState(null); // null before it was asked for
   const look = async () => {
     setFound({ proposals: [], isSearching: true });
