@@ -44,7 +44,6 @@ UNKNOWN_SENDER = "unknown sender"
 
 MAX_BUDGETS = 1000
 MAX_ACCEPTED = 50_000
-_HEAD = 32
 
 
 @dataclass(slots=True)
@@ -111,7 +110,7 @@ class WorkBudgets:
         self.work = 0
         self._group = group
         self._max_offenders = max_offenders
-        self._accepted: BoundedMap[str, tuple[bytes, bytes]] = BoundedMap(MAX_ACCEPTED)
+        self._accepted: BoundedMap[str, None] = BoundedMap(MAX_ACCEPTED)
         self._own: OrderedDict[str, WorkBudget] = OrderedDict()
         self._shared: dict[str, WorkBudget] = {}
         self._total = _limit(TOTAL_RATE, TOTAL_BURST)
@@ -152,14 +151,9 @@ class WorkBudgets:
         budget.offences += 1
         budget.charge(work, now)
 
-    def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
-        """Record that *payload* from *source* registered a device; clear its charge if all of it *is_valid*."""
-        # JSON up to the first key, which rarely changes.
-        head, colon, _ = payload[:_HEAD].partition(b":")
-        self._accepted[source] = (
-            head if colon else head[:4],
-            payload[-1:],
-        )
+    def accept(self, source: str, now: float, *, is_valid: bool) -> None:
+        """Record that a message of *source* registered a device; clear its charge if all of it *is_valid*."""
+        self._accepted[source] = None
         budget = self._own.get(source)
         if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
             budget.limit, budget.cleared_at = _limit(RATE, BURST), now
@@ -167,11 +161,6 @@ class WorkBudgets:
     def forget(self, source: str) -> None:
         """Record that *source* no longer has a registered device."""
         self._accepted.pop(source, None)
-
-    def resembles(self, source: str, payload: bytes) -> bool:
-        """Return whether *payload* begins and ends like the last accepted payload of *source*."""
-        known = self._accepted.get(source)
-        return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
     def budget_of(self, payer: str) -> WorkBudget | None:
         """Return the budget of *payer*; None if it never broke a rule."""

@@ -77,7 +77,7 @@ class AnnouncementHandler:
                 await self._read(convention, message)
         if self._accepted:
             budgets, is_valid = self._quarantine.budgets, not self._offended
-            budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
+            budgets.accept(message.topic, self._reporter.now, is_valid=is_valid)
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
