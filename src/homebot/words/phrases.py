@@ -46,35 +46,43 @@ DIM: Final = Phrase("{target} way~dim|brighten|darken while {button} {event:one}
 
 HUE: Final = Phrase("color {value:number}")
 
-_FIRST: Final = "write the device first, like"
+VERB_FIRST: Final = (
+    (Phrase("turn|set|switch [the] {target} do~on|off"), "{target} {do}"),
+    (Phrase("turn|set|dim [the] {target} to {value}"), "{target} to {value}"),
+    (
+        Phrase("[turn|switch] do~on|off|open|close|toggle|lock|unlock|start|stop|pause|play [the] {target}"),
+        "{target} {do}",
+    ),
+)
+"""Commands with the verb first, and how they are written with the device first."""
+
 MEANT_STEPS: Final = (
     (Phrase("wait for {length:length}"), "write", ("wait {length}",)),
     (Phrase("{do} [,] for {length:length}"), "write three steps,", ("{do}", "wait {length}", "undo")),
     (Phrase("{do} [,] over {length:length}"), "write", ("{do}, over {length}",)),
     (Phrase("{target} on at|with {value:amount}"), "write", ("{target} on, {value}",)),
     (Phrase("{target} at {value:amount}"), "write", ("{target} {value}",)),
-    (Phrase("turn|set {target} do~on|off"), _FIRST, ("{target} {do}",)),
-    (Phrase("turn|set {target} to {value}"), _FIRST, ("{target} to {value}",)),
-    (
-        Phrase("[turn|switch] do~on|off|open|close|toggle|lock|unlock|start|stop|pause|play [the] {target}"),
-        _FIRST,
-        ("{target} {do}",),
-    ),
+    *((form, "write the device first, like", (step,)) for form, step in VERB_FIRST),
 )
 """How steps that are no command are written instead: a form, the advice, and the steps."""
 
 # Wishes.
-LIT: Final = Phrase("{room} [is|are] [no~not] word~lit|dark")
-IN_ROOM: Final = Phrase("{robot:word} [is|are] [no~not] in [the] {room}")
+LIT: Final = Phrase("{room} [should] [is|are|be] [no~not] word~lit|dark")
+IN_ROOM: Final = Phrase(
+    "{robot:word} [should] [is|be] [no~not] in [the] {room}", "[send|bring] [the] {robot:word} to|into [the] {room}"
+)
 DOCKED: Final = Phrase(
     "{robot:word} [is] way~docked|charging",
     "{robot:word} [is] [back] way~at|in|on [the|its] dock|charger",
     "{robot:word} [is] [back] way~at|in|on [the|its] docking|charging station",
 )
-SCENE_WISH: Final = Phrase("scene {name}", "{name} scene")
-STATE_WISH: Final = Phrase("{what} [is|are] [no~not] {state:word} in {where}", "{what} [is|are] [no~not] {state:word}")
-AT_VALUE: Final = Phrase("{what} [is|are] at {value:number}", "{what} [is|are] set to {value:number}")
-THE: Final = Phrase("the {what}")
+SCENE_WISH: Final = Phrase("[apply|start] scene {name}", "[apply|start] [the] {name} scene")
+STATE_WISH: Final = Phrase(
+    "{what} [should] [is|are|be] [no~not] {state:word} in {where}", "{what} [should] [is|are|be] [no~not] {state:word}"
+)
+AT_VALUE: Final = Phrase("{what} [should] [is|are|be] [set] at|to {value:number}")
+THE: Final = Phrase("[make|keep] the {what}", "make|keep {what}")
+LAST_ROOM: Final = Phrase("{what} in {room}")
 ROOM: Final = Phrase("{name} room")
 IS: Final = Phrase("{what} is|are")
 NUMBERED: Final = Phrase("{rest} {number:number}")

@@ -81,6 +81,8 @@ async def test_a_door_that_a_person_closes_on_the_way_is_opened_again() -> None:
         answer = (await goal.result())[1]
         assert answer.success, answer.message
         assert answer.tried == (f"robot drives to kitchen: kitchen{DASH}living is closed",)
+        opened = ["open kitchen_slide", "open kitchen_slide", "robot drives to kitchen"]
+        assert [step.text for step in answer.steps] == opened
 
 
 async def test_the_owner_lets_the_robot_through_a_locked_door() -> None:

@@ -46,6 +46,8 @@ def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
         ("rosie at the charging station", "rosie", DOCK, False),
         ("rosie is back in its dock", "rosie", DOCK, False),
         ("rosie docked", "rosie", DOCK, False),
+        ("send rosie to the kitchen", "rosie", "Kitchen", False),
+        ("robot into the living room", "robot", "Living", False),
     ],
 )
 def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -> None:
@@ -71,6 +73,12 @@ def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -
         ("living lamp 40 %", "living lamp", "40 %"),
         ("living lamp is red", "living lamp", "red"),
         ("office 2 lamp on", "office 2 lamp", "on"),
+        ("turn on the kitchen lamp", "kitchen lamp", "on"),
+        ("switch the hall lamp off", "hall lamp", "off"),
+        ("dim the kitchen lamp to 40 %", "kitchen lamp", "40 %"),
+        ("set living heat to 19 °C", "living heat", "19 °C"),
+        ("the lights in the hall should be off", "lights in the hall", "off"),
+        ("close the hall blinds", "hall blinds", "close"),
     ],
 )
 def test_a_wish_for_devices(text: str, target: str, command: str) -> None:
@@ -83,7 +91,7 @@ def test_a_wish_for_a_room_means_what_takes_it() -> None:
     assert read_wishes("kitchen at 19 °C", HOUSE) == (StateWish("kitchen at 19 °C", "Kitchen", "19 °C", area=True),)
 
 
-@pytest.mark.parametrize("text", ["film", "scene film", "the film scene", "Film."])
+@pytest.mark.parametrize("text", ["film", "scene film", "the film scene", "Film.", "start the film scene"])
 def test_a_scene_is_a_wish(text: str) -> None:
     assert read_wishes(text, HOUSE) == (SceneWish("scene Film", "Film"),)
 
@@ -91,6 +99,20 @@ def test_a_scene_is_a_wish(text: str) -> None:
 def test_wishes_are_joined_and_the_last_subject_counts_on() -> None:
     wishes = read_wishes("front door closed and locked, kitchen lit AND good night", HOUSE)
     assert [one.text for one in wishes] == ["front door closed", "front door locked", "Kitchen lit", "scene Good night"]
+
+
+@pytest.mark.parametrize(
+    ("text", "wishes"),
+    [
+        ("kitchen and living lit", ["Kitchen lit", "Living lit"]),
+        ("make the hall, kitchen and living room dark", ["Hall dark", "Kitchen dark", "Living dark"]),
+        ("hall lamp and kitchen lamp on", ["hall lamp on", "kitchen lamp on"]),
+        ("lights off in kitchen and hall", ["lights off in kitchen", "lights off in hall"]),
+        ("rosie in kitchen and living lit", ["rosie in kitchen", "Living lit"]),
+    ],
+)
+def test_a_wish_takes_over_what_it_leaves_out(text: str, wishes: list[str]) -> None:
+    assert [wish.text for wish in read_wishes(text, HOUSE)] == wishes
 
 
 @pytest.mark.parametrize(

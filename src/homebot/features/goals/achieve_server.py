@@ -131,6 +131,8 @@ class AchieveServer:
                     if other is not achievement and (undone := await other.undone_by(moves)):
                         return f"{by} is under way, and needs {undone}; ask again when it has ended, or cancel it"
                 achievement.claim(moves)
+                if moves:
+                    self._under_way[achievement] = f"the goal {request.goal[:200]!r} of {issuer_text(request.issuer)}"
             return ""
 
         async def show(feedback: AchieveFeedback) -> None:
@@ -139,8 +141,6 @@ class AchieveServer:
                 await self._keep(run, achievement, request.issuer)
 
         achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, show, self._record)
-        if not request.is_dry_run:
-            self._under_way[achievement] = f"the goal {request.goal[:200]!r} of {issuer_text(request.issuer)}"
         try:
             answer = await achievement.run()
         except HomebotError as exc:

@@ -54,7 +54,7 @@ class Achievement:
         record: Records what was done with devices, for an issuer, in the journal.
 
     Attributes:
-        steps: The plan, with outcomes.
+        steps: Those done, also of earlier plans, and the last plan, with outcomes.
     """
 
     def __init__(
@@ -80,6 +80,8 @@ class Achievement:
         self._unseen: set[str] = set()
         self._tried: list[str] = []
         self._moves: Sequence[Move] = ()
+        self._done: list[PlannedStep] = []
+        self._first = 0
         self.steps: list[PlannedStep] = []
 
     async def run(self) -> AchieveResponse:
@@ -111,7 +113,8 @@ class Achievement:
     def claim(self, moves: Sequence[Move]) -> None:
         """Take *moves* as the plan."""
         self._moves = moves
-        self.steps = [PlannedStep(text=one.step.text, asks=one.step.asks) for one in moves]
+        self._first = len(self._done)
+        self.steps = [*self._done, *(PlannedStep(text=move.step.text, asks=move.step.asks) for move in moves)]
 
     async def _carry_out(self, moves: Sequence[Move]) -> AchieveResponse | None:
         """Do all steps, or only show them; return None if that did not reach the goal."""
@@ -128,7 +131,7 @@ class Achievement:
     async def undone_by(self, moves: Sequence[Move]) -> str:
         """Return the fact of this goal that *moves* of another one would undo, now or after its own; empty for none."""
         house = await self._house()
-        own = self._moves[sum(bool(one.outcome) for one in self.steps) :]
+        own = self._moves[sum(bool(step.outcome) for step in self.steps[self._first :]) :]
         after = house.after(one.step for one in own)
         robots = {one.step.place for one in own if one.step.kind == "drive"}
         if shared := robots.intersection(one.step.place for one in moves):
@@ -155,11 +158,13 @@ class Achievement:
 
     async def _do(self, moves: Sequence[Move]) -> str:
         """Do all steps; return the failure of one, empty if there is none."""
-        for number, move in enumerate(moves):
+        for number, move in enumerate(moves, self._first):
             trouble = await self._lost(move.needs)
             if not trouble:
                 outcome, is_done = await self._one(move)
                 self.steps[number] = self.steps[number].model_copy(update={"outcome": outcome})
+                if is_done:
+                    self._done.append(self.steps[number])
                 await self._show()
                 trouble = "" if is_done else f"{move.step.text}: {outcome}"
             if trouble:

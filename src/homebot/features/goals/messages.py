@@ -55,7 +55,7 @@ class AchieveResponse(ServiceAnswer):
     The message names the fact that is in the way, if there is one.
 
     Attributes:
-        steps: The last plan.
+        steps: Those done, also of earlier plans, and the last plan, with outcomes.
         tried: The failures of earlier plans.
     """
 

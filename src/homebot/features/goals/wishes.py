@@ -13,7 +13,20 @@ from homebot.rule_words.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 from homebot.words.names import find_name, resolve_name
-from homebot.words.phrases import AT_VALUE, DOCKED, IN_ROOM, IS, LIT, NUMBERED, ROOM, SCENE_WISH, STATE_WISH, THE
+from homebot.words.phrases import (
+    AT_VALUE,
+    DOCKED,
+    IN_ROOM,
+    IS,
+    LAST_ROOM,
+    LIT,
+    NUMBERED,
+    ROOM,
+    SCENE_WISH,
+    STATE_WISH,
+    THE,
+    VERB_FIRST,
+)
 from homebot.words.tokens import has_code, split_at
 
 DOCK: Final = "dock"
@@ -24,6 +37,8 @@ _OPPOSITES: Final = {"on": "off", "open": "closed", "locked": "unlocked", "lit":
 _OPPOSITE: Final = _OPPOSITES | {other: one for one, other in _OPPOSITES.items()}
 _EVERYWHERE: Final = frozenset({"house", "home", "whole house", "everything"})
 _COMMANDS: Final = {"closed": "close", "docked": "dock"}
+_DONE: Final = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
+_STATES: Final = frozenset({*ADJECTIVES, "lit", "dark"})
 _ONCE: Final = frozenset({"toggle", "apply", "push", "press"})
 _TYPO: Final = 0.7
 _EXAMPLES: Final = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
@@ -93,7 +108,7 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     """
     if has_code(text):
         raise UsageError("a goal has no code, as it is journaled; give it before: homebot do LOCK unlock --ask-code")
-    found = [_wish(one, known) for one in _phrases(" ".join(text.split()))]
+    found = list(_wishes(" ".join(text.split()), known))
     if not found:
         raise UsageError(f"the goal is empty; {_EXAMPLES}")
     places: dict[str, RobotWish] = {}
@@ -105,19 +120,38 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _phrases(text: str) -> Iterator[str]:
-    """Yield the wishes in *text*; a state alone is of the subject before it, as in ``front door closed and locked``."""
-    subject = ""
-    for part in split_at(text, "and", ","):
-        if phrase := part.removesuffix("."):
-            if fold(phrase) in ADJECTIVES and subject:
-                phrase = f"{subject} {phrase}"
-            subject = phrase.rpartition(" ")[0]
-            yield phrase
+def _wishes(text: str, known: KnownNames) -> Iterator[Wish]:
+    """Yield the wishes in *text*; a part that is left out is as in the neighbour.
+
+    ``front door closed and locked`` has one subject, ``kitchen and living lit`` one state, and ``lights off in kitchen
+    and hall`` both.
+
+    Raises:
+        UsageError: A wish is not understood.
+    """
+    parts = [part for text_part in split_at(text, "and", ",") if (part := text_part.removesuffix("."))]
+    subject = before = ""
+    for number, part in enumerate(parts):
+        phrase = part
+        if fold(phrase) in ADJECTIVES and subject:
+            phrase = f"{subject} {phrase}"
+        elif find_name(_without_the(part), known.areas) and (place := LAST_ROOM.match(before)) is not None:
+            phrase = f"{place['what']} in {part}"
+        try:
+            yield _wish(phrase, known)
+        except UsageError:
+            states = (last for later in parts[number + 1 :] if fold(last := later.rpartition(" ")[2]) in _STATES)
+            if not (state := next(states, "")):
+                raise
+            yield _wish(f"{part} {state}", known)
+        subject, before = phrase.rpartition(" ")[0], phrase
 
 
 def _wish(text: str, known: KnownNames) -> Wish:
     plain = _without_the(text)
+    if scene := _scene(plain, known.scenes):
+        return SceneWish(f"scene {scene}", scene)
+    plain = _device_first(plain)
     first, _, rest = plain.partition(" ")
     is_not = fold(first) in {"no", "not"} and bool(rest)
     plain = _without_the(rest) if is_not else plain
@@ -125,8 +159,6 @@ def _wish(text: str, known: KnownNames) -> Wish:
         is_lit = (fold(lit["word"]) == "lit") ^ is_not ^ bool(lit["no"])
         area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
         return RoomWish(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
-    if (scene := _scene(plain, known.scenes)) and not is_not:
-        return SceneWish(f"scene {scene}", scene)
     return _of_robot(text, plain, known, is_not=is_not) or _state(text, plain, known, is_not=is_not)
 
 
@@ -137,7 +169,7 @@ def _of_robot(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Robo
     placed = IN_ROOM.match(plain)
     if placed is None or (not find_name(placed["room"], known.rooms) and _ends_with_state(plain)):
         return None
-    return RobotWish(text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed["no"]))
+    return RobotWish(text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed.get("no")))
 
 
 def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
@@ -175,7 +207,7 @@ def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateW
         area, target, command = "", f"{target} {named['rest']}", named["number"]
     if area and command in {"on", "off"}:
         raise UsageError(f"{text!r} would mean everything in it; say '{area} lit', or 'lights in {area} {command}'")
-    states = ADJECTIVES.get(fold(command), ())
+    states = ADJECTIVES.get(_DONE.get(fold(command), fold(command)), ())
     return StateWish(text, area or target, _COMMANDS.get(command, command), bool(area), states)
 
 
@@ -196,6 +228,12 @@ def _area(name: str, areas: Collection[str]) -> str:
 def _without_the(text: str) -> str:
     found = THE.match(text)
     return found["what"] if found else text
+
+
+def _device_first(text: str) -> str:
+    """Return *text* with its verb last, as in ``turn on the hall lamp``."""
+    found = ((form.match(text), wish) for form, wish in VERB_FIRST)
+    return next((wish.format(**values) for values, wish in found if values is not None), text)
 
 
 def _without_at(text: str) -> str:
