@@ -13,9 +13,8 @@ import pytest
 from tests.cli.test_graph_commands import split
 
 from homebot.cli import main
-from homebot.cli.commands.topic import rate_text
 from homebot.cli.device_json import json_text, list_text
-from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched
+from homebot.graph import qos_profile_latched
 from homebot.messages import String
 
 Text = pytest.CaptureFixture[str]
@@ -44,7 +43,6 @@ PRINTED = {
         1,
         "homebot: no topic /nope yet; waiting, Ctrl-C stops\nhomebot: no message on /nope within 0.05 s\n",
     ),
-    "topic info hello": (0, "Type: std_msgs/msg/String\nPublisher count: 0\nSubscription count: 1\n"),
     "service call /switch {data: true}": (0, "success: true\nmessage: done\n"),
     "service call /swich": (1, "homebot: there is no service /swich; did you mean /switch?\n"),
     "service call /switch": (  # a field that is missing is false, as in ROS
@@ -66,13 +64,6 @@ PRINTED = {
     "service call /switch SetBool {data: true}": (1, f"homebot: service /switch is a {SWITCH}, not a SetBool\n"),
     "service call /switch std_srvs/Trigger": (1, f"homebot: service /switch is a {SWITCH}, not a std_srvs/Trigger\n"),
     "node list": (0, "/listener\n/rosapi\n/rosbridge_websocket\n/talker\n"),
-    "node info listener": (
-        0,
-        "/listener\n  Subscribers:\n    /hello: std_msgs/msg/String\n  Publishers:\n"
-        "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n  Service Servers:\n  Service Clients:\n"
-        "  Action Servers:\n  Action Clients:\n",
-    ),
-    "node info /lisener": (1, "homebot: there is no node /lisener; did you mean /listener or /talker?\n"),
     "devices --type locks": (0, "no device offers locks now in Café\n"),
     "devices --type lihgts": (
         2,
@@ -98,14 +89,6 @@ def test_hidden_topics_and_types_are_listed_on_request(homebot: Any, capsys: Tex
 def test_echo_prints_json(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "topic", "echo", "--once", "--json", "/raw") == 0
     assert json.loads(capsys.readouterr().out)["payload"] == "b24="
-
-
-def test_the_users_of_a_topic_are_shown_with_their_qos(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "info", "-v", "/state") == 0
-    out = capsys.readouterr().out
-    assert "Node: /talker\nTopic type: std_msgs/msg/String\nEndpoint type: PUBLISHER\n" in out
-    assert "  History (Depth): KEEP_LAST (1)\n  Durability: TRANSIENT_LOCAL\n" in out
-    assert run(homebot, "topic", "info", "/nothing") == 1
 
 
 def test_a_failure_that_a_response_reports_is_one_of_the_command(homebot: Any, capsys: Text) -> None:
@@ -191,7 +174,6 @@ def test_a_locked_door_wants_its_token(
         ["topic", "pub", "/t", "std_msgs/String", "data"],
         ["topic", "pub", "/t", "std_msgs/String", "{data"],
         ["topic", "pub", "-r", "0", "/t", "std_msgs/String", "{}"],
-        ["topic", "hz", "-w", "none", "/t"],
         ["topic", "list", "--door", "nowhere"],
         ["topic", "list", "--door", "host:99999"],
     ],
@@ -300,32 +282,6 @@ def test_output_that_is_closed_is_left_out(homebot: Any) -> None:
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
-def test_hz_measures_the_rate(homebot: Any) -> None:
-    with _process(homebot, "topic", "hz", "/ticks") as process:
-        assert process.stdout is not None
-        label, rate = process.stdout.readline().split(": ")
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=120)
-    assert label == "average rate"
-    assert 5 < float(rate) < 60
-
-
-def test_hz_leaves_out_what_was_there_before(homebot: Any) -> None:
-    def speak() -> None:
-        publisher = homebot.graph.get_node("/talker").create_publisher(
-            String, "/kept", QoSProfile(depth=500, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        )
-        for _ in range(500):
-            publisher.publish(String(data="old"))
-
-    homebot.do(speak)
-    with _process(homebot, "topic", "hz", "/kept") as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "no new messages\n"
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=120)
-
-
 def test_help_and_version_import_nothing_heavy() -> None:
     """They answer at once: no event loop, no WebSocket, no pydantic is loaded for them."""
     code = (
@@ -336,16 +292,6 @@ def test_help_and_version_import_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.splitlines()[-1] == "[]"
-
-
-def test_a_steady_topic_has_no_deviation() -> None:
-    assert rate_text([10.0, 10.5, 11.0]) == (
-        "average rate: 2.000\n    min: 0.500s max: 0.500s std dev: 0.00000s window: 3"
-    )
-
-
-def test_messages_at_one_instant_have_an_infinite_rate() -> None:
-    assert rate_text([1.0, 1.0]).startswith("average rate: inf\n")
 
 
 def test_json_for_other_programs_is_as_the_standard_library_writes_it() -> None:

@@ -1,8 +1,7 @@
-"""``homebot action`` and ``homebot param``, and the types of topics and services: what they print, letter by letter."""
+"""``homebot action`` and ``homebot param``: what they print, letter by letter."""
 
 import os
 import signal
-from pathlib import Path
 from typing import Any
 
 import anyio
@@ -38,18 +37,6 @@ READ_ONLY = (
     "/robot: parameter 'steps' is read-only; set it before its node starts; settings of gateways and apps are in "
     "homebot.toml"
 )
-DUMP = """\
-/robot:
-  ros__parameters:
-    arm:
-      joints:
-        - shoulder
-        - elbow
-      reach: 0.8
-    speed: 0.5
-    speed.limit: 2.0
-    steps: 3
-"""
 
 
 def robot(graph: Graph) -> Node:
@@ -93,32 +80,11 @@ def door(homebot_with: Any) -> str:
         ("param get robot speed", "0.5\n"),
         ("param get /robot arm.joints", "- shoulder\n- elbow\n"),
         ("param set /robot speed 1", "speed is 1\n"),
-        (
-            "param describe /robot speed",
-            "type: double\ndescription: Metres per second.\nminimum: 0.0\nmaximum: 2.0\nread_only: false\n",
-        ),
-        (
-            "param describe /robot arm.reach",
-            "type: double\nminimum: 0.1\nread_only: false\n",
-        ),
-        ("param dump /robot", DUMP),
         ("action list", "/fibonacci\n/rosie/fibonacci  (at /rosie/brain)\n"),
         (
             "action list -t",
             "/fibonacci [example_interfaces/action/Fibonacci]\n"
             "/rosie/fibonacci [example_interfaces/action/Fibonacci]  (at /rosie/brain)\n",
-        ),
-        (
-            "node info /rosie/brain",
-            "/rosie/brain\n  Subscribers:\n    /hello: std_msgs/msg/String\n"
-            "  Publishers:\n    /rosie/words: std_msgs/msg/String\n"
-            "  Service Servers:\n    /rosie/dock: std_srvs/srv/Trigger\n"
-            "  Service Clients:\n  Action Servers:\n  Action Clients:\n",
-        ),
-        (
-            "action info fibonacci",
-            "Action: /fibonacci [example_interfaces/action/Fibonacci]\n"
-            "Action clients: 0\nAction servers: 1\n    /robot\n",
         ),
         (
             "action send_goal /fibonacci {order: 3}",
@@ -130,12 +96,6 @@ def door(homebot_with: Any) -> str:
             "Sending goal:\n    order: 2\n\nFeedback:\n    sequence: [0, 1, 1]\n\nResult:\n    sequence: [0, 1, 1]\n\n"
             "Goal finished with status: SUCCEEDED\n",
         ),
-        ("action type fibonacci", "example_interfaces/action/Fibonacci\n"),
-        ("action find example_interfaces/Fibonacci", "/fibonacci\n"),
-        ("topic type /hello", "std_msgs/msg/String\n"),
-        ("topic find std_msgs/String", "/chatter\n/hello\n"),
-        ("service type /rosapi/get_time", "rosapi_msgs/srv/GetTime\n"),
-        ("service find rosapi_msgs/srv/GetTime", "/rosapi/get_time\n"),
     ],
 )
 def test_a_command_prints_what_it_should(door: str, capsys: Text, arguments: str, printed: str) -> None:
@@ -155,7 +115,7 @@ def test_a_command_prints_what_it_should(door: str, capsys: Text, arguments: str
             "/robot: no parameter 'power' is declared; declared: arm.joints, arm.reach, speed, speed.limit, steps",
         ),
         ("param get /robto speed", "there is no node '/robto'; did you mean /robot?"),
-        ("param dump /robto", "/robto has no parameters; did you mean /robot?"),
+        ("param list /robto", "/robto has no parameters; did you mean /robot?"),
         ("param set /robot speed 3", "/robot: parameter 'speed' must be from 0 to 2, got 3.0"),
         ("param set /robot steps 4", READ_ONLY),
         (
@@ -166,14 +126,12 @@ def test_a_command_prints_what_it_should(door: str, capsys: Text, arguments: str
             "param set /robot speed {a: 1}",
             "{'a': 1} cannot be a parameter's value",
         ),
-        ("action info /fibonaci", "there is no action /fibonaci; did you mean /fibonacci?"),
+        ("action send_goal /fibonaci", "there is no action /fibonaci; did you mean /fibonacci?"),
         (
             "action send_goal /fibonacci std_msgs/Empty {}",
             "action /fibonacci is a example_interfaces/action/Fibonacci, not a std_msgs/Empty",
         ),
-        ("topic type /helo", "there is no topic /helo; did you mean /hello?"),
-        ("topic find std_msgs/Sting", "there is no topic of type std_msgs/Sting; did you mean std_msgs/msg/String?"),
-        ("service type /zzzz", "there is no service /zzzz; `homebot service list` lists all"),
+        ("service call /zzzz", "there is no service /zzzz; `homebot service list` lists all"),
     ],
 )
 def test_a_command_that_cannot_be_done_says_why(door: str, capsys: Text, arguments: str, problem: str) -> None:
@@ -193,54 +151,6 @@ def test_ctrl_c_cancels_a_goal_and_shows_how_it_ended(door: str, capsys: Text) -
     out, err = capsys.readouterr()
     assert out == "Sending goal:\n    order: 80\n\nResult:\n    sequence: []\n\n"
     assert err == "Cancelling the goal; its end is awaited for 5 s\nGoal finished with status: CANCELED\n"
-
-
-PARAMS = """\
-# for all
-/**:
-  ros__parameters: {speed: 0.1, steps: 3}
-robot:
-  ros__parameters:
-    arm:
-      joints:  # of the left one
-      - shoulder
-      - "elbow # 2"
-      reach: 0.9
-    speed: 1.5   # metres per second; it's slow
-    steps: 4
-"""
-
-
-def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_path: Path) -> None:
-    """Only the read-only one is refused. Those for all nodes count before its own."""
-    file = tmp_path / "robot.yaml"
-    file.write_text(PARAMS)
-    assert main(["--door", door, "param", "load", "/robot", str(file)]) == 1
-    out, err = capsys.readouterr()
-    printed = [line for line in out.splitlines() if "rosapi.refused" not in line]  # the log of the door's process
-    assert printed == ["speed is 1.5", 'arm.joints is ["shoulder", "elbow # 2"]', "arm.reach is 0.9"]
-    assert err == f"homebot: {READ_ONLY}\n"
-    assert main(["--door", door, *split("param dump /robot")]) == 0
-    dumped = capsys.readouterr().out
-    assert dumped == DUMP.replace("0.5", "1.5").replace("0.8", "0.9").replace("- elbow", '- "elbow # 2"')
-    file.write_text(dumped.replace("    steps: 3\n", ""))
-    assert main(["--door", door, "param", "load", "/robot", str(file)]) == 0
-
-
-@pytest.mark.parametrize(
-    ("text", "problem"),
-    [
-        ("/arm:\n  ros__parameters:\n    a: 1\n", "{} has no ros__parameters for /robot, only for /arm"),
-        ("/robot:\n  speed: 1\n", "{} has no ros__parameters for /robot, only for no node"),
-        ("/robot: [1\n", "{} cannot be read: line 2, column 1: expected ',' or ']', but got '<stream end>'"),
-    ],
-)
-def test_a_file_that_cannot_be_loaded_says_why(
-    door: str, capsys: Text, tmp_path: Path, text: str, problem: str
-) -> None:
-    (tmp_path / "robot.yaml").write_text(text)
-    assert main(["--door", door, "param", "load", "/robot", str(tmp_path / "robot.yaml")]) == 1
-    assert capsys.readouterr().err.startswith(f"homebot: {problem.format(tmp_path / 'robot.yaml')}\n")
 
 
 def split(arguments: str) -> list[str]:

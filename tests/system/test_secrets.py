@@ -87,7 +87,7 @@ def test_no_secret_is_told_by_anything(tmp_path: Path, form: str) -> None:
                 command(tmp_path, "config", "check"),
                 command(tmp_path, "config", "check", "--config", "broken.toml"),
                 command(tmp_path, "doctor", *at),
-                command(tmp_path, "node", "info", "/gateway/mqtt", *at),
+                command(tmp_path, "param", "list", "/gateway/mqtt", *at),
                 command(tmp_path, "run", "--mqtt", f"mqtt://robot:{IN_URL}@127.0.0.1:1:2"),
             ]
         )

@@ -44,7 +44,6 @@ _FIRST_OF_CBOR: Final = b"\xa0"  # JSON is ASCII
 _READ: Final = 256 * 1024
 _OPEN_TIMEOUT: Final = 5.0
 _CLOSE_TIMEOUT: Final = 1.0
-_SKIP_AT_MOST: Final = 1.0  # seconds
 _GRACE: Final = 2.0  # seconds by which the server's own time limit may be late
 _NO_RIGHT: Final = "the right "  # the beginning of a refusal because of a missing right
 
@@ -238,22 +237,6 @@ class DoorClient:
             LinkError: The connection broke.
         """
         self.call("/rosapi/get_time")
-
-    def skip_kept(self) -> None:
-        """Skip the messages kept for late joiners, which arrive in one burst after :meth:`subscribe`.
-
-        Live messages in between are skipped too.
-
-        Raises:
-            RefusedError: Something sent before was refused.
-            LinkError: The connection broke.
-        """
-        ends = time.monotonic() + _SKIP_AT_MOST  # a constantly busy topic never pauses
-        self._waiting.clear()
-        self.settle()
-        while self._waiting and time.monotonic() < ends:
-            self._waiting.clear()
-            self.settle()
 
     def next(self, timeout: float | None = None) -> ReceivedMessage:
         """Wait for the next message of the subscriptions and return it.

@@ -1,6 +1,6 @@
 """The entities of the graph and the fields of its messages, as ``/rosapi`` lists them.
 
-Also the commands that ``homebot topic``, ``service`` and ``action`` share: ``list``, ``type`` and ``find``.
+Also the command that ``homebot topic``, ``service`` and ``action`` share: ``list``.
 """
 
 from __future__ import annotations
@@ -129,21 +129,13 @@ def _readable_bytes(text: str) -> str | list[int]:
         return list(value)
 
 
-def add_entity_verbs(verbs: Commands, kind: str, name: str, ros_type: str) -> None:
-    """Add the commands for *kind*, a key of the table above; *name* and *ros_type* are for the examples."""
-    listed = add_verb(verbs, "list", f"list every {kind}")
-    listed.add_argument("-t", "--show-types", action="store_true", help=f"show each {kind}'s type")
-    set_door_command(listed, _list, f"  homebot {kind} list\n  homebot {kind} list -t\n")
-    typed = add_verb(verbs, "type", f"print the type of one {kind}")
-    typed.add_argument("name", metavar=kind.upper(), help=f"name of the {kind}")
-    set_door_command(typed, _type, f"  homebot {kind} type {name}\n")
-    found = add_verb(verbs, "find", f"list the {kind}s of a type")
-    found.add_argument("type", metavar="TYPE", help=f"type of the {kind}s")
-    set_door_command(found, _find, f"  homebot {kind} find {ros_type}\n")
-    for command in (listed, typed, found):
-        command.set_defaults(kind=kind, all=False)
-    for command in (listed, found):
-        command.add_argument("-a", "--all", action="store_true", help=f"show hidden {kind}s too")
+def add_list_verb(verbs: Commands, kind: str) -> None:
+    """Add the command that lists the entities of *kind*, a key of the table above."""
+    command = add_verb(verbs, "list", f"list every {kind}")
+    command.add_argument("-t", "--show-types", action="store_true", help=f"show each {kind}'s type")
+    set_door_command(command, _list, f"  homebot {kind} list\n  homebot {kind} list -t\n")
+    command.set_defaults(kind=kind)
+    command.add_argument("-a", "--all", action="store_true", help=f"show hidden {kind}s too")
 
 
 def add_value_arguments(command: argparse.ArgumentParser, kind: str, value: str) -> None:
@@ -186,21 +178,6 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
         if options.all or not is_hidden_name(name):
             place = f"  (at {', '.join(places[name][1])})" if name in places else ""
             print(f"{name} [{ros_type}]{place}" if options.show_types else f"{name}{place}")
-    return 0
-
-
-def _type(door: DoorClient, options: argparse.Namespace) -> int:
-    print(type_of(door, options.kind, options.name))
-    return 0
-
-
-def _find(door: DoorClient, options: argparse.Namespace) -> int:
-    kind, known = options.kind, _types(door, options.kind, show_hidden=options.all)
-    found = [name for name, ros_type in known.items() if _short(ros_type) == _short(options.type)]
-    if not found:
-        hint = did_you_mean(options.type, {*known.values()}, f"`homebot {kind} list -t` shows the types of all")
-        raise PeerError(f"there is no {kind} of type {options.type}; {hint}")
-    print("\n".join(found))
     return 0
 
 

@@ -1,4 +1,4 @@
-"""``homebot action``: ``list``, ``type``, ``find``, ``info`` and ``send_goal``."""
+"""``homebot action``: ``list`` and ``send_goal``."""
 
 import argparse
 import sys
@@ -8,7 +8,7 @@ from typing import Final
 
 from homebot.cli.arguments import add_verb, add_verbs
 from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
-from homebot.cli.graph_queries import add_entity_verbs, add_value_arguments, check_type, entities, type_of
+from homebot.cli.graph_queries import add_list_verb, add_value_arguments, check_type, type_of
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 from homebot.names import absolute_name
@@ -19,7 +19,7 @@ _CANCEL_WITHIN: Final = 5.0
 
 _EXAMPLES = """\
   homebot action list -t
-  homebot action info /navigate_to_pose
+  homebot action send_goal /fibonacci '{order: 5}'
 """
 _GOAL_EXAMPLES = """\
   homebot action send_goal /fibonacci '{order: 5}'
@@ -29,23 +29,11 @@ _GOAL_EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
-    add_entity_verbs(verbs, "action", "/navigate_to_pose", "nav2_msgs/action/NavigateToPose")
-    command = add_verb(verbs, "info", "show the servers and clients of an action")
-    command.add_argument("action", metavar="ACTION", help="name of the action")
-    set_door_command(command, _info, "  homebot action info /navigate_to_pose\n")
+    add_list_verb(verbs, "action")
     command = add_verb(verbs, "send_goal", "send a goal, and wait for its result; Ctrl-C cancels it")
     add_value_arguments(command, "action", "goal")
     command.add_argument("-f", "--feedback", action="store_true", help="print the feedback too")
     set_door_command(command, _send_goal, _GOAL_EXAMPLES, acts=True)
-
-
-def _info(door: DoorClient, options: argparse.Namespace) -> int:
-    name = absolute_name(options.action)
-    print(f"Action: {name} [{type_of(door, 'action', name)}]")
-    for kind in ("action client", "action server"):
-        nodes = [entity.node for entity in entities(door, kind=kind, name=name)]
-        print(f"{kind.capitalize()}s: {len(nodes)}", *nodes, sep="\n    ")
-    return 0
 
 
 def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:

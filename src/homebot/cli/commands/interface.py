@@ -1,4 +1,4 @@
-"""``homebot interface list``, ``show``, ``find`` and ``import``."""
+"""``homebot interface list``, ``show`` and ``import``."""
 
 import argparse
 from collections.abc import Callable
@@ -8,16 +8,14 @@ from homebot.bridges.rosbridge.types import own_modules
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.config import load_config
 from homebot.errors import UnknownTypeError, UsageError
-from homebot.messages.definition import fields_of
 from homebot.messages.interfaces import Interfaces
-from homebot.messages.interfaces.interface_text import Interface, messages_in
+from homebot.messages.interfaces.interface_text import Interface
 from homebot.messages.interfaces.settings import read_interfaces
 from homebot.messages.type_hash import type_hash
 
 _EXAMPLES = """\
   homebot interface list nav2_msgs
   homebot interface show nav2_msgs/action/NavigateToPose
-  homebot interface find requester_id
   homebot interface import ~/ros2_ws/src
 """
 
@@ -28,14 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listed.add_argument("package", metavar="PACKAGE", nargs="?", default="", help="only those of this package")
     show = add_verb(verbs, "show", "print the definition of a type, and its hash in ROS 2")
     show.add_argument("type", metavar="TYPE", help="PACKAGE/msg/NAME, or with srv or action instead of msg")
-    find = add_verb(verbs, "find", "list types with a word in their name, or with a field of that name or type")
-    find.add_argument("word", metavar="WORD", help="part of the type's name, or a whole field")
     imported = add_verb(verbs, "import", "check and copy the definitions of a workspace, for the table [ros]")
     imported.add_argument("folder", metavar="DIR", type=Path, help="folder with packages in it, at any depth")
     imported.add_argument(
         "--into", metavar="DIR", type=Path, default=Path("interfaces"), help="target folder (default: interfaces)"
     )
-    for verb, command in ((listed, _list), (show, _show), (find, _find), (imported, _import)):
+    for verb, command in ((listed, _list), (show, _show), (imported, _import)):
         set_command(verb, command, _EXAMPLES)
         verb.add_argument("--config", metavar="FILE", type=Path, help="the file with [ros] (default: homebot.toml)")
 
@@ -77,20 +73,6 @@ def _resolve(known: Interfaces, ros_type: str) -> Interface:
         except UnknownTypeError as exc:
             unknown.append(exc)
     raise max(unknown, key=lambda error: len(str(error)))
-
-
-def _find(options: argparse.Namespace) -> int:
-    known, word = _interfaces(options), options.word.lower()
-
-    def has_field(name: str) -> bool:
-        fields = (field for message in messages_in(_resolve(known, name)) for field in fields_of(message))
-        return any(word in (field.name, *field.declaration.lower().split(" ")) for field in fields)
-
-    names = [name for name in known.names() if word in name.lower() or has_field(name)]
-    if not names:
-        raise UsageError(f"no type has {options.word!r} in its name, or a field of that name or type")
-    print("\n".join(names))
-    return 0
 
 
 def _import(options: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""``homebot service``: ``list``, ``type``, ``find``, ``call`` and ``install``."""
+"""``homebot service``: ``list``, ``call`` and ``install``."""
 
 import argparse
 import json
@@ -11,7 +11,7 @@ from typing import Final
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import (
-    add_entity_verbs,
+    add_list_verb,
     add_value_arguments,
     check_type,
     response_schema,
@@ -96,7 +96,7 @@ DeviceAllow=char-ttyACM rw
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
-    add_entity_verbs(verbs, "service", "/rosapi/get_time", "rosapi_msgs/srv/GetTime")
+    add_list_verb(verbs, "service")
     command = add_verb(verbs, "call", "call a service and print its response")
     add_value_arguments(command, "service", "request")
     command.add_argument("--timeout", metavar="S", type=seconds, default=5.0, help="seconds to wait (default: 5)")

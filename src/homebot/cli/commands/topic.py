@@ -1,15 +1,13 @@
-"""``homebot topic``: ``list``, ``type``, ``find``, ``echo``, ``pub``, ``info`` and ``hz``."""
+"""``homebot topic``: ``list``, ``echo`` and ``pub``."""
 
 from __future__ import annotations
 
 import argparse
 import json
-import math
 import re
 import sys
 import time
-from collections import deque
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, seconds, whole
@@ -17,8 +15,7 @@ from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
 from homebot.cli.graph_queries import (
     Schema,
-    add_entity_verbs,
-    entities,
+    add_list_verb,
     message_schema,
     no_such_topic,
     not_yet,
@@ -27,18 +24,16 @@ from homebot.cli.graph_queries import (
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.yaml import message, to_yaml
 from homebot.errors import PeerError
-from homebot.names import absolute_name
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosapi.endpoints import EndpointDetails
     from homebot.devices import Device
 
 _EXAMPLES = """\
   homebot topic list -t
   homebot topic echo /rosout
-  homebot topic info -v /rosout
+  homebot topic pub --once /hello std_msgs/String '{data: hi}'
 """
 _ECHO_EXAMPLES = """\
   homebot topic echo /rosout
@@ -50,26 +45,15 @@ _PUB_EXAMPLES = """\
   homebot topic pub -r 5 -t 10 /hello std_msgs/String '{"data": "hi"}'
   homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp1/in, payload: off}'
 """
-_ENDS = {"publisher": "Publisher", "subscription": "Subscription"}
 _OUT = re.compile(r"/?gateway/([^/]+)/out")
 _SMALL_HOUSE = 200
-_INTERVAL = 1.0
-"""Seconds between two lines of ``hz``."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
-    add_entity_verbs(verbs, "topic", "/rosout", "rcl_interfaces/msg/Log")
+    add_list_verb(verbs, "topic")
     _add_echo(verbs)
     _add_pub(verbs)
-    command = add_verb(verbs, "info", "show the publishers and subscriptions of a topic")
-    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
-    command.add_argument("-v", "--verbose", action="store_true", help="show each node with its QoS")
-    set_door_command(command, _info, "  homebot topic info /rosout\n  homebot topic info -v /rosout\n")
-    command = add_verb(verbs, "hz", "measure the publishing rate of a topic")
-    command.add_argument("topic", metavar="TOPIC", help="name of the topic")
-    command.add_argument("-w", "--window", metavar="N", type=whole, default=10_000, help="messages to average over")
-    set_door_command(command, _hz, "  homebot topic hz /rosout\n  homebot topic hz -w 100 /rosout\n")
 
 
 def _add_echo(verbs: Commands) -> None:
@@ -94,40 +78,6 @@ def _add_pub(verbs: Commands) -> None:
         "-r", "--rate", metavar="HZ", type=positive, default=1.0, help="messages per second (default: 1)"
     )
     set_door_command(command, _pub, _PUB_EXAMPLES, acts=True)
-
-
-def _info(door: DoorClient, options: argparse.Namespace) -> int:
-    ros_type = topic_type(door, options.topic)
-    if not ros_type:
-        raise no_such_topic(door, options.topic)
-    ends = entities(door, name=absolute_name(options.topic))
-    print(f"Type: {ros_type}")
-    for kind, title in _ENDS.items():
-        users = [end for end in ends if end.kind == kind]
-        print(f"{title} count: {len(users)}")
-        if options.verbose:
-            print("".join(f"\n{_details(user, title)}" for user in users), end="\n" if users else "")
-    return 0
-
-
-def _details(end: EndpointDetails, title: str) -> str:
-    return (
-        f"Node: {end.node}\n"
-        f"Topic type: {end.type}\n"
-        f"Endpoint type: {title.upper()}\n"
-        f"QoS profile:\n"
-        f"  Reliability: {end.reliability.upper()}\n"
-        f"  History (Depth): {end.history.upper()} ({end.depth})\n"
-        f"  Durability: {end.durability.upper()}\n"
-        f"  Lifespan: {_span(end.lifespan)}\n"
-        f"  Deadline: {_span(end.deadline)}\n"
-        f"  Liveliness: {end.liveliness.upper()}\n"
-        f"  Liveliness lease duration: {_span(end.liveliness_lease_duration)}\n"
-    )
-
-
-def _span(seconds: float) -> str:
-    return f"{seconds:g} s" if seconds else "Infinite"
 
 
 def _echo(door: DoorClient, options: argparse.Namespace) -> int:
@@ -222,29 +172,3 @@ def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> No
 def _command_addresses(devices: Collection[Device]) -> set[str]:
     known = {end.command_address for device in devices for end in device.endpoints}
     return known | {topic for device in devices for part in device.parts for topic in part.part.writes}
-
-
-def _hz(door: DoorClient, options: argparse.Namespace) -> int:
-    door.subscribe(options.topic)
-    if not topic_type(door, options.topic):
-        print(not_yet(door, options.topic), file=sys.stderr)
-    door.skip_kept()  # irrelevant for the rate
-    times: deque[float] = deque(maxlen=options.window + 1)
-    while True:
-        before = len(times), times[-1] if times else 0.0
-        for _ in door.until(_INTERVAL):
-            times.append(time.monotonic())
-        is_new = (len(times), times[-1] if times else 0.0) != before
-        print(rate_text(times) if is_new and len(times) > 1 else "no new messages", flush=True)
-
-
-def rate_text(times: Sequence[float]) -> str:
-    """Return the average rate of at least two arrival *times*, in seconds, with the spread of the gaps."""
-    gaps = [later - earlier for earlier, later in zip(times, list(times)[1:], strict=False)]
-    mean = sum(gaps) / len(gaps)
-    deviation = math.sqrt(sum((gap - mean) ** 2 for gap in gaps) / len(gaps))
-    rate = 1 / mean if mean > 0 else math.inf
-    return (
-        f"average rate: {rate:.3f}\n"
-        f"    min: {min(gaps):.3f}s max: {max(gaps):.3f}s std dev: {deviation:.5f}s window: {len(times)}"
-    )
