@@ -5,7 +5,8 @@ from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import directory
 
 from homebot.devices import names, services
-from homebot.devices.part import Part
+from homebot.devices.part import Capability, Part
+from homebot.messages.key_value import KeyValue
 
 pytestmark = pytest.mark.virtual_time
 
@@ -39,3 +40,35 @@ async def test_a_screen_knows_which_settings_may_let_in_flood_or_burn(
     name: str, parts: list[Part], asks: list[str]
 ) -> None:
     assert list((await listed(*parts, name=name)).asks_first) == asks
+
+
+async def test_a_screen_shows_a_keypad_only_where_a_code_is_needed() -> None:
+    panel = Capability(name="alarm", settable=True, code="digits")
+    device = await listed(Part(id="p", service_type="x_alarm_panel", capabilities=(panel,), writes=("p/set",)))
+    assert device.codes == (KeyValue(key="alarm", value="digits"),)
+
+
+@pytest.mark.parametrize(
+    ("name", "service_type", "tag", "model", "kind"),
+    [
+        ("Hall", "contact_sensor", "garage_door", "", "garage_door"),
+        ("Kitchen window", "contact_sensor", "door", "", "door"),  # the class knows better than a name
+        ("Fensterkontakt Küche", "contact_sensor", "", "", "window"),
+        ("Haustür", "door_lock", "", "", "door"),
+        ("Porte du garage", "contact_sensor", "", "", "garage_door"),
+        ("Garage", "window_covering", "", "", "garage_door"),
+        ("Puerta principal", "door_lock", "", "", "door"),
+        ("Hoftor", "closure", "", "", "gate"),
+        ("Cancello", "contact_sensor", "", "", "gate"),
+        ("Balkondeur", "contact_sensor", "", "", "door"),
+        ("Motor", "window_covering", "", "", ""),
+        ("Temperatur", "contact_sensor", "", "", ""),
+        ("Sensor 7", "contact_sensor", "", "Window sensor", "window"),
+        ("Sensor 7", "contact_sensor", "", "Door and window sensor", ""),
+        ("Living room", "window_covering", "blind", "", "blind"),
+        ("Door lamp", "light", "", "", ""),
+    ],
+)
+async def test_a_screen_knows_what_opens(name: str, service_type: str, tag: str, model: str, kind: str) -> None:
+    part = part_of(service_type, "contact", id="p", tag=tag)
+    assert (await listed(part, name=name, facts={"model": model})).kind == kind

@@ -113,6 +113,8 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
             "settable": ["on_off", "level"],
             "tags": [],
             "asks_first": [],
+            "codes": [],
+            "kind": "",
         }
         first = await ask.call(services.ListDevices.Request(limit=1000))
         rest = await ask.call(services.ListDevices.Request(offset=200))

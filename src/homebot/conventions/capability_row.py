@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from homebot.conventions.payload import shown
-from homebot.devices.part import Capability
+from homebot.devices.part import Capability, CodeKind
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -46,6 +46,7 @@ class CapabilityRow(Generic[SourceT, ReadT, WriteT]):
     watched: tuple[str | int, ...] = ()
     part: str = ""
     spare_part: str = ""
+    code: CodeKind | Callable[[SourceT], CodeKind] = ""
     named: Callable[[SourceT], str] | None = None
 
     def applies(self, source: SourceT) -> bool:
@@ -71,6 +72,7 @@ class CapabilityRow(Generic[SourceT, ReadT, WriteT]):
             options=_told(self.options, source),
             grid=_told(self.grid, source),
             echoed=assumed and readable and settable,
+            code=_told(self.code, source),
         )
 
 

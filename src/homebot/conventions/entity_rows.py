@@ -3,6 +3,7 @@
 Source of the modes of thermostats: Home Assistant core 2025.4, ``components/climate/__init__.py``.
 """
 
+import re
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import Final, NamedTuple, TypeAlias
@@ -12,6 +13,7 @@ from homebot.conventions.command_values import require_bool, require_number, req
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.payload import clean_text
 from homebot.conventions.units import Quantity, number_grid
+from homebot.devices.part import CodeKind
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -26,6 +28,8 @@ WriteField: TypeAlias = Callable[[Fields, PlainValue, str], Fields]
 
 _MAX_OPTIONS = 500
 _MAX_TEXT = 255
+_OF_DIGITS: Final = re.compile(r"(?:\\d|[0-9^$\[\]{}()+*?,|:-])+")
+"""A regular expression that only digits match."""
 
 
 EntityRow: TypeAlias = CapabilityRow[Fields, ReadField, WriteField]
@@ -102,6 +106,13 @@ def alarm_commands(info: Fields) -> tuple[str, ...]:
     """Return the states that an alarm panel can be commanded to; Home Assistant and ESPHome have the same features."""
     features = whole_of(info, "supported_features")
     return tuple(state for state, (bit, _) in ALARM_ACTIONS.items() if not bit or features & bit)
+
+
+def code_of(told: object) -> CodeKind:
+    """Return the characters of a code of the format *told*: ``number``, ``text``, or a regular expression."""
+    if not isinstance(told, str) or not told:
+        return ""
+    return "digits" if told == "number" or _OF_DIGITS.fullmatch(told) else "text"
 
 
 def push_row(name: str, command: Fields, when: Callable[[Fields], object] | None = None) -> EntityRow:

@@ -10,7 +10,7 @@ from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.payload import JsonMessage
 from homebot.conventions.table_codec import CodedWriter, JointWriter, PayloadParser, Reader, TableCodec, json_object
-from homebot.devices.part import Capability, Category, Part, payload_digest
+from homebot.devices.part import Capability, Category, CodeKind, Part, payload_digest
 
 __all__ = [
     "BytesPart",
@@ -46,6 +46,7 @@ class CapabilityFields(TypedDict, total=False):
     bounds: tuple[float, ...]
     options: tuple[str, ...]
     grid: tuple[float, ...]
+    code: CodeKind
 
 
 class PartBuilder(Generic[MessageT]):
@@ -106,10 +107,11 @@ class PartBuilder(Generic[MessageT]):
         sends_code: bool,
         readable: bool = True,
         options: tuple[str, ...] = (),
+        code: CodeKind = "",
     ) -> None:
         """Add a settable capability as :meth:`add_capability`, with a code: see :attr:`DescribedPart.sends_code`."""
         self.add_capability(
-            name, readable=readable, writer=lambda value, _transition: writer(value, ""), options=options
+            name, readable=readable, writer=lambda value, _transition: writer(value, ""), options=options, code=code
         )
         self._coded_writers[name] = writer
         self._sends_code = sends_code

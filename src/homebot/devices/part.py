@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
 Category: TypeAlias = Literal["", "config", "diagnostic"]
+CodeKind: TypeAlias = Literal["", "digits", "text"]
 
 _EACH = 32
 """The approximate overhead of a text, in bytes."""
@@ -42,6 +43,7 @@ class Capability(Message):
         grid: One of the numbers that it can be set to, and the step between two of them; empty for any number.
         echoed: Whether its reports are declared to repeat a command before the device obeyed, so that they prove
             nothing.
+        code: The characters of the code with which it is set; empty if it needs none. Some values of it may need none.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Capability(Message):
     options: tuple[str, ...] = ()
     grid: tuple[float, ...] = ()
     echoed: bool = False
+    code: CodeKind = ""
 
     def nearest(self, value: float) -> float:
         """Return the number of the grid to which the device rounds *value*; a small level stays on.

@@ -196,6 +196,8 @@ class ListedDevice(Message):
         tags: The words with which the owner tagged it.
         asks_first: The names of those capabilities of which setting may let in, flood or burn, so that a screen asks
             before it does; see :mod:`homebot.devices.always_ask`.
+        codes: The characters of the codes that settings need, by the names of these: ``digits`` or ``text``.
+        kind: Its kind of opening: ``door``, ``window``, ``garage_door``, ``gate``, or a cover such as ``blind``.
     """
 
     id: str
@@ -210,6 +212,8 @@ class ListedDevice(Message):
     settable: tuple[str, ...] = ()
     tags: tuple[str, ...] = ()
     asks_first: tuple[str, ...] = ()
+    codes: tuple[KeyValue, ...] = ()
+    kind: str = ""
 
 
 class ListDevicesResponse(ServiceAnswer):

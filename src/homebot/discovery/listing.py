@@ -4,9 +4,11 @@ from typing import Final
 
 from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.device import Device
+from homebot.devices.opening_kinds import opening_kind
 from homebot.devices.services import ListedDevice, ListedReading
 from homebot.discovery.description import position_of
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.key_value import KeyValue
 
 _UNKNOWN: Final = Time(sec=0, nanosec=0)
 
@@ -19,6 +21,12 @@ def list_device(device: Device, *, needs_approval: bool) -> ListedDevice:
     """
     position = position_of(device.facts)
     used = {part.id: part for part in device.parts if not part.part.category}
+    codes = {
+        capability.name: capability.code
+        for part in used.values()
+        for capability in part.part.capabilities
+        if capability.code
+    }
     settable = {
         part.id: [capability.name for capability in part.part.capabilities if capability.settable]
         for part in used.values()
@@ -49,4 +57,6 @@ def list_device(device: Device, *, needs_approval: bool) -> ListedDevice:
                 name for part, names in settable.items() if names and always_asks(device, used[part]) for name in names
             )
         ),
+        codes=tuple(KeyValue(key=name, value=code) for name, code in codes.items()),
+        kind=opening_kind(device),
     )

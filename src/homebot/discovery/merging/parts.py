@@ -117,8 +117,15 @@ def _joined(best: Capability, other: Capability) -> Capability:
     options = _all_options(best, other) if best.settable == other.settable else shown.options
     readable, settable = best.readable or other.readable, best.settable or other.settable
     echoed = all(one.echoed for one in (best, other) if one.readable)  # the other one is still readable
+    code = best.code or other.code
     return shown.model_copy(
-        update={"readable": readable, "settable": settable, "options": options, "echoed": readable and echoed}
+        update={
+            "readable": readable,
+            "settable": settable,
+            "options": options,
+            "echoed": readable and echoed,
+            "code": code,
+        }
     )
 
 

@@ -180,6 +180,7 @@ def test_a_missing_code_is_refused() -> None:
     with pytest.raises(WrongCodeError):
         panel.command("alarm", "disarmed")
     assert panel.command("alarm", "armed_away") == {"command": 1}
+    assert panel.part("x").capabilities[0].code == "digits"
 
 
 def test_a_transition_is_for_lights_alone() -> None:

@@ -118,6 +118,28 @@ async def test_a_refusal_shows_no_code(value: str, code: str, why: str | None) -
         assert CODE not in response.message
 
 
+@pytest.mark.parametrize(
+    ("kind", "config", "code"),
+    [
+        ("alarm_control_panel", {}, "digits"),
+        ("alarm_control_panel", {"code": "REMOTE_CODE_TEXT"}, "text"),
+        ("alarm_control_panel", {"code": "hunter2"}, "text"),
+        ("alarm_control_panel", {"code": "1234"}, "digits"),
+        ("alarm_control_panel", {"code": None}, ""),
+        ("lock", {"code_format": "^\\d{4}$"}, "digits"),
+        ("lock", {"code_format": "^[a-z]+$"}, "text"),
+        ("lock", {}, ""),
+    ],
+)
+async def test_a_keypad_knows_what_a_code_consists_of(kind: str, config: dict[str, str | None], code: str) -> None:
+    async with simple_house(conventions=(CONVENTION,)) as house:
+        await house.say(f"homeassistant/{kind}/x/config", json.dumps({**ALARM, **config}))
+        sighting = house.sightings.take()
+        assert sighting is not None
+        (part,) = sighting.parts
+        assert [capability.code for capability in part.capabilities] == [code]
+
+
 async def test_no_other_way_to_an_alarm_is_tried_with_a_wrong_code() -> None:
     """It might ask for none."""
     async with simple_house(conventions=(CONVENTION,)) as house:

@@ -434,9 +434,14 @@ def test_a_position_that_cannot_be_set_is_read() -> None:
     assert [(one.name, one.settable) for one in cover.part().capabilities] == [("movement", True), ("position", False)]
 
 
-def test_a_lock_with_a_code_needs_it() -> None:
+@pytest.mark.parametrize(
+    ("code_format", "code"), [("\\d+", "digits"), ("number", "digits"), ("text", "text"), ("^.{4}$", "text")]
+)
+def test_a_lock_with_a_code_needs_it(code_format: str, code: str) -> None:
+    lock = only("lock.a", "locked", code_format=code_format)
     with pytest.raises(WrongCodeError):
-        only("lock.a", "locked", code_format="\\d+").call("lock", "unlocked")
+        lock.call("lock", "unlocked")
+    assert lock.part().capabilities[0].code == code
 
 
 def test_slats_without_a_position_have_two_ends() -> None:

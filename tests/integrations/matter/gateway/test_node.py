@@ -225,6 +225,7 @@ def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_show
     assert args["payload"] == {"PINCode": "MTIzNA=="}
     assert args["timed_request_timeout_ms"] == 1000
     (order,) = encoded(only_device(coded), "lock", "unlocked", code="1234")
+    assert only_device(coded).device.parts[0].capabilities[0].code == "digits"
     assert order.is_secret
     assert "MTIzNA" not in repr(order)
 

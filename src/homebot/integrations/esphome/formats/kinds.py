@@ -26,6 +26,7 @@ from homebot.conventions.entity_rows import (
     ReadField,
     alarm_commands,
     class_of,
+    code_of,
     condition_component,
     has_feature,
     number_component,
@@ -43,6 +44,7 @@ from homebot.conventions.entity_rows import (
 from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturation, to_hue_saturation
 from homebot.conventions.payload import shown
 from homebot.conventions.secrets import names_secret
+from homebot.devices.part import CodeKind
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 from homebot.integrations.esphome.formats.climate import CLIMATE, FAN, WATER_HEATER
@@ -254,6 +256,14 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     return _with_code(command, code)
 
 
+def _lock_code(info: Fields) -> CodeKind:
+    return (code_of(info.get("code_format")) or "text") if info.get("requires_code") is True else ""
+
+
+def _alarm_code(info: Fields) -> CodeKind:
+    return "digits" if info.get("requires_code") is True else ""
+
+
 def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
     """Write an alarm state; the device checks the code if it needs one."""
     state = require_option("alarm", value, alarm_commands(info))
@@ -360,7 +370,9 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
         opening_type,
         (*_movement_rows("movement"), percent_row("tilt", "tilt", "supports_tilt")),
     ),
-    "lock": EntityComponent("door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock),)),
+    "lock": EntityComponent(
+        "door_lock", (EntityRow("lock", read_named("state", _LOCK_STATES), _write_lock, code=_lock_code),)
+    ),
     "valve": EntityComponent("water_valve", _movement_rows("valve")),
     "fan": FAN,
     "switch": EntityComponent(switch_type, (flag_row("on_off", "state"),)),
@@ -374,7 +386,15 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
     ),
     "alarm_control_panel": EntityComponent(
         "x_alarm_panel",
-        (EntityRow("alarm", read_named("state", dict(enumerate(_ALARM_STATES))), _write_alarm, options=_ALARM_STATES),),
+        (
+            EntityRow(
+                "alarm",
+                read_named("state", dict(enumerate(_ALARM_STATES))),
+                _write_alarm,
+                options=_ALARM_STATES,
+                code=_alarm_code,
+            ),
+        ),
     ),
     "media_player": EntityComponent(
         "speaker",

@@ -8,7 +8,7 @@ from hmac import compare_digest
 
 from homebot.conventions.command_values import require_option
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.entity_rows import ALARM_ACTIONS, ALARM_STATES
+from homebot.conventions.entity_rows import ALARM_ACTIONS, ALARM_STATES, code_of
 from homebot.conventions.payload import Readings, shown, unreadable
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
@@ -27,8 +27,8 @@ _REMOTE_CODES = frozenset({"REMOTE_CODE", "REMOTE_CODE_TEXT"})
 def build_lock(config: DiscoveryConfig) -> DescribedPart:
     """Describe a door lock, or a setting if it only locks the keys of a device.
 
-    A door lock that needs a code is commanded with one, and checks it itself. The config's ``code_format`` is only
-    checked for presence: it is a foreign regular expression.
+    A door lock that needs a code is commanded with one, and checks it itself. The config's ``code_format`` is never
+    run: it is a foreign regular expression.
     """
     command = config.required_command()
     if any(words_of(text)[-2:] in _KEY_LOCKS for text in (config.discovery_id, config.text("name"))):
@@ -39,19 +39,20 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
     payloads = {"locked": config.text("payload_lock", "LOCK"), "unlocked": config.text("payload_unlock", "UNLOCK")}
     if config.has("payload_open"):
         payloads["open"] = config.text("payload_open")
-    needs_code = config.has("code_format")
+    code_format = code_of(config.text("code_format"))
 
     def read(text: str) -> Readings:
         return {"lock": states[text]} if text.strip() and text in states else unreadable(text, states)
 
     def write(value: PlainValue, code: str) -> Publications:
-        if needs_code and not code:
+        if code_format and not code:
             raise WrongCodeError.missing(f"lock {shown(value)}")
         return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")
     readable = entity.read_text_from(config.source("state_topic"), read)
-    entity.add_coded_capability("lock", write, sends_code=command.template is not None, readable=readable)
+    sends_code = command.template is not None
+    entity.add_coded_capability("lock", write, sends_code=sends_code, readable=readable, code=code_format)
     entity.add_commands(command)
     return entity.build()
 
@@ -103,6 +104,14 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     entity = Entity(config, "x_alarm_panel")
     readable = entity.read_text_from(source, read)
     sends_code = command.template is not None
-    entity.add_coded_capability("alarm", write, sends_code=sends_code, readable=readable, options=ALARM_STATES)
+    is_of_digits = known_code == "REMOTE_CODE" or known_code.isdecimal()
+    entity.add_coded_capability(
+        "alarm",
+        write,
+        sends_code=sends_code,
+        readable=readable,
+        options=ALARM_STATES,
+        code=("digits" if is_of_digits else "text") if any(is_coded.values()) else "",
+    )
     entity.add_commands(command)
     return entity.build()

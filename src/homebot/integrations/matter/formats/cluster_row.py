@@ -7,6 +7,7 @@ from typing import TypeAlias, TypeVar
 from homebot.conventions.capability_row import CapabilityRow
 from homebot.conventions.command_values import require_option
 from homebot.devices.gateway_messages import Command
+from homebot.devices.part import CodeKind
 from homebot.devices.value import PlainValue
 from homebot.integrations.matter.formats.endpoint import AttributeWrite, MatterEndpoint, MatterOrder, MatterOrders
 from homebot.support.numbers import finite_number, whole_number
@@ -41,6 +42,7 @@ def cluster_row(
     also_read: int | None = None,
     part: str = "",
     spare_part: str = "",
+    code: CodeKind | Callable[[MatterEndpoint], CodeKind] = "",
 ) -> ClusterRow:
     """Return the row of a cluster; an endpoint with the attribute, the feature and the condition has it.
 
@@ -74,6 +76,7 @@ def cluster_row(
         watched=(cluster,) if also_read is None else (cluster, also_read),
         part=part,
         spare_part=spare_part,
+        code=code,
     )
 
 

@@ -191,6 +191,7 @@ OPENING_ROWS: Final = (
         choice(_LOCK_STATES),
         _write_lock,
         options=lambda endpoint: tuple(_lock_commands(endpoint)),
+        code=lambda endpoint: "digits" if endpoint.flag(LOCK, _NEEDS_PIN) else "",
     ),
     cluster_row(
         LOCK,

@@ -19,6 +19,7 @@ from homebot.conventions.entity_rows import (
     WriteField,
     alarm_commands,
     class_of,
+    code_of,
     condition_component,
     number_component,
     opening_type,
@@ -31,6 +32,7 @@ from homebot.conventions.entity_rows import (
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
+from homebot.devices.part import CodeKind
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 from homebot.integrations.homeassistant.formats.components import (
@@ -148,6 +150,10 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     if info.get("code_format") and not code:
         raise WrongCodeError.missing(f"lock {shown(value)}")
     return {"service": service, **({"code": code} if code else {})}
+
+
+def _code_of(info: Fields) -> CodeKind:
+    return code_of(info.get("code_format"))
 
 
 def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
@@ -274,7 +280,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             ),
         ),
     ),
-    "lock": EntityComponent("door_lock", (EntityRow("lock", read_named(*LOCK_STATES), _write_lock),)),
+    "lock": EntityComponent("door_lock", (EntityRow("lock", read_named(*LOCK_STATES), _write_lock, code=_code_of),)),
     "valve": EntityComponent("water_valve", _opening("valve", "valve")),
     "fan": FAN,
     "humidifier": HUMIDIFIER,
@@ -289,7 +295,8 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     ),
     "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, read_named(*MOWER_STATES))),
     "alarm_control_panel": EntityComponent(
-        "x_alarm_panel", (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES),)
+        "x_alarm_panel",
+        (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES, code=_code_of),),
     ),
     "siren": EntityComponent(
         "siren",

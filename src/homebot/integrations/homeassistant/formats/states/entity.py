@@ -202,7 +202,7 @@ class HomeAssistantEntity:
     def part(self) -> Part:
         """Return its part, with the capabilities of its last attributes."""
         kind = DOMAINS[self.domain]
-        rows = described(kind.rows, self.info, assumed=self.info.get("assumed_state") is True)
+        rows = described(kind.rows, self._known, assumed=self.info.get("assumed_state") is True)
         self._rows = {capability.name: row for capability, row in rows}
         is_set = any(row.write for _, row in rows)
         service_type = kind.service_type if isinstance(kind.service_type, str) else kind.service_type(self.info)
@@ -240,12 +240,17 @@ class HomeAssistantEntity:
         Raises:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        info = {**self.info, **self._taken, **({"code_format": None} if self.entry.has_code else {})}
+        info = {**self._known, **self._taken}
         data = dict(writer_of(self._rows.values(), capability)(info, value, code))
         service = str(data.pop("service"))
         if transition and self._fades:
             data["transition"] = require_transition(transition, _MAX_TRANSITION_S)
         return ServiceCall(self.domain, service, self.entity_id, data)
+
+    @property
+    def _known(self) -> Fields:
+        """Its attributes, without the format of a code that Home Assistant knows."""
+        return {**self.info, "code_format": None} if self.entry.has_code else self.info
 
     @property
     def _fades(self) -> bool:
