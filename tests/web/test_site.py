@@ -11,10 +11,13 @@ from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.health import GetHealth
+from homebot.devices.names import RUNTIME_HEALTH
+from homebot.graph import Node
 from homebot.runtime import Runtime
 from homebot.web.site import answer
 
-EVERY_FILE = ["/", "/page.js", "/page.css", "/icon.svg", "/icon.png", "/licences.txt", "/vocabulary.json"]
+EVERY_FILE = ["/", "/page.js", "/page.css", "/icon.svg", "/icon.png", "/licences.txt", "/vocabulary.json", "/worker.js"]
 MANIFEST = "/manifest.webmanifest"
 
 
@@ -33,6 +36,7 @@ def test_a_file_has_its_type_and_length_and_a_policy_that_lets_no_foreign_script
     assert headers["Content-Length"] == str(len(content))
     assert headers["Content-Security-Policy"].startswith("default-src 'none'; script-src 'self'; ")
     assert headers["X-Content-Type-Options"] == "nosniff"
+    assert headers["Content-Security-Policy"].endswith("; require-trusted-types-for 'script'; trusted-types worker")
 
 
 @pytest.mark.parametrize("path", [*EVERY_FILE, MANIFEST])
@@ -62,7 +66,21 @@ def test_a_file_that_the_browser_has_is_not_sent_again() -> None:
     assert (again[0], again[2]) == (HTTPStatus.NOT_MODIFIED, b"")
 
 
-@pytest.mark.parametrize("path", ["/robots.txt", "/../secrets", "/source/page.js", "//etc/passwd"])
+async def test_a_worker_keeps_the_files_of_the_build_that_homebot_says_it_has() -> None:
+    """A page whose build differs from that of homebot reloads."""
+    first = body("/worker.js").partition("\n")[0]
+    named = re.fullmatch(r'const BUILD = "(\w{16})", FILES = (\[.*\]);', first)
+    assert named
+    assert {"/" if name == "index.html" else f"/{name}" for name in json.loads(named[2])} == {
+        *EVERY_FILE,
+        MANIFEST,
+    } - {"/worker.js"}
+    async with Runtime(parse_config({}, "test")) as runtime, Node(runtime.graph, "asker") as asker:
+        health = await asker.create_client(GetHealth, RUNTIME_HEALTH).call(GetHealth.Request())
+    assert health.build == named[1]
+
+
+@pytest.mark.parametrize("path", ["/index.html", "/robots.txt", "/../secrets", "/source/page.js", "//etc/passwd"])
 def test_there_are_no_other_files(path: str) -> None:
     assert answer(path, "") is None
 

@@ -86,6 +86,8 @@ class HealthResponse(Message):
     Attributes:
         troubles: Its present problems, in words; empty if there are none.
         notes: Its limits in the present setup, in words; these are not problems.
+        home: The name of the home; of the runtime alone, as the next.
+        build: The build of the page; a page of another one reloads.
     """
 
     counts: tuple[Count, ...]
@@ -94,6 +96,7 @@ class HealthResponse(Message):
     failures: tuple[PartFailure, ...] = ()
     notes: tuple[str, ...] = ()
     home: str = ""
+    build: str = ""
 
 
 GetHealth = ServiceType("homebot/srv/GetHealth", HealthRequest, HealthResponse)

@@ -74,6 +74,7 @@ class RuntimeHealth:
             failures=tuple(self._failures()),
             notes=await to_thread.run_sync(self._notes),
             home=self._home,
+            build=await to_thread.run_sync(_page_build),
         )
 
     def _notes(self) -> tuple[str, ...]:
@@ -122,6 +123,12 @@ class RuntimeHealth:
             for one in () if node is None else node.entities:
                 if isinstance(one, Subscription):
                     yield one.losses
+
+
+def _page_build() -> str:
+    from homebot.web.site import build  # noqa: PLC0415 - few runs are asked
+
+    return build()
 
 
 def _failure(part: str, what: str, count: int, at: float, why: str, outcome: str = "") -> PartFailure:

@@ -15,24 +15,28 @@ from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.wording.values import flag_texts
 
 _TYPES: Final = {
-    "": ("index.html", "text/html; charset=utf-8"),
-    "icon.png": ("icon.png", "image/png"),
-    "icon.svg": ("icon.svg", "image/svg+xml"),
-    "licences.txt": ("licences.txt", "text/plain; charset=utf-8"),
-    "manifest.webmanifest": ("manifest.webmanifest", "application/manifest+json"),
-    "page.css": ("page.css", "text/css; charset=utf-8"),
-    "page.js": ("page.js", "text/javascript; charset=utf-8"),
-    "vocabulary.json": ("", "application/json"),
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+    ".webmanifest": "application/manifest+json",
 }
-"""File and type of each path; that without a file is made of the vocabulary."""
+"""Types by the ends of names."""
+
+_INDEX: Final = "index.html"
+_VOCABULARY: Final = "vocabulary.json"
+_WORKER: Final = "worker.js"
 
 _AUTHORITY: Final = "authority.crt"
 
 _HEADERS: Final = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-        "manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
-        "require-trusted-types-for 'script'; trusted-types 'none'"
+        "manifest-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
+        "require-trusted-types-for 'script'; trusted-types worker"
     ),
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -61,20 +65,36 @@ def answer(
         body = (authority / name).read_bytes()
         kind, length = "application/x-x509-ca-cert", str(len(body))
         return HTTPStatus.OK, {**_HEADERS, "Content-Type": kind, "Content-Length": length}, body
-    if name not in _TYPES:
+    if name == _INDEX or (name or _INDEX) not in _names():
         return None
+    name = name or _INDEX
     is_packed = "gzip" in [one.strip() for one in encodings.split(",")] and not name.endswith(".png")
     own, body = _file(name, is_packed=is_packed)
     headers = {**_HEADERS, "ETag": own, **({"Content-Encoding": "gzip"} if is_packed else {})}
     if etag == own:
         return HTTPStatus.NOT_MODIFIED, {**headers, "Content-Length": "0"}, b""
-    return HTTPStatus.OK, {**headers, "Content-Type": _TYPES[name][1], "Content-Length": str(len(body))}, body
+    return HTTPStatus.OK, {**headers, "Content-Type": _TYPES[Path(name).suffix], "Content-Length": str(len(body))}, body
+
+
+@cache
+def build() -> str:
+    """Return the name of this build of the page: it changes with any of its files."""
+    digests = [f"{name} {_file(name, is_packed=False)[0]}" for name in _names() if name != _WORKER]
+    return hashlib.sha256("\n".join(digests).encode()).hexdigest()[:16]
+
+
+@cache
+def _names() -> tuple[str, ...]:
+    shipped = [file.name for file in files("homebot.web").joinpath("page").iterdir() if file.is_file()]
+    return tuple(sorted([*(name for name in shipped if Path(name).suffix in _TYPES), _VOCABULARY]))
 
 
 @cache
 def _file(name: str, *, is_packed: bool) -> tuple[str, bytes]:
-    file = _TYPES[name][0]
-    body = files("homebot.web").joinpath("page", file).read_bytes() if file else _vocabulary()
+    body = _vocabulary() if name == _VOCABULARY else files("homebot.web").joinpath("page", name).read_bytes()
+    if name == _WORKER:  # a browser takes a worker for a new one if its text differs
+        shell = [file for file in _names() if file != _WORKER]
+        body = f"const BUILD = {json.dumps(build())}, FILES = {json.dumps(shell)};\n".encode() + body
     body = gzip.compress(body, mtime=0) if is_packed else body
     return f'"{hashlib.sha256(body).hexdigest()[:32]}"', body
 
