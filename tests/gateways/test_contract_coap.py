@@ -104,7 +104,6 @@ class CoapLamp(OrderedLamp):
         """Let another endpoint register, and send what is no state as fast as it can."""
 
         class Stranger(resource.ObservableResource):  # type: ignore[misc]  # the library has no types
-            rt = "oic.r.temperature"
             ct = "50"
 
             async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
@@ -114,7 +113,7 @@ class CoapLamp(OrderedLamp):
         site, strangers, port = resource.Site(), [Stranger() for _ in range(20)], reserve_datagram_port()
         site.add_resource([".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader))
         for number, stranger in enumerate(strangers):
-            site.add_resource([f"t{number}"], stranger)
+            site.add_resource(["3303", f"{number}", "5700"], stranger)
         await self.world.start(serve, port, site)
         context = await aiocoap.Context.create_client_context(transports=["udp6"])
         message = aiocoap.Message(

@@ -1,6 +1,6 @@
 """Simulated devices that are CoAP servers: they describe themselves, can be observed, and register in a directory.
 
-A *lamp* has a Thing Description; any other kind has OCF resources and none. They know nothing of homebot.
+A *lamp* has a Thing Description; any other kind has a resource of IPSO and none. They know nothing of homebot.
 """
 
 import json
@@ -23,15 +23,16 @@ from homebot.support.numbers import to_number
 TEXT, LINK_FORMAT, JSON, TD = 0, 40, 50, 432
 _LIFETIME = 60
 
-_SENSORS: Mapping[str, tuple[str, str]] = {
-    "lux": ("oic.r.sensor.illuminance", "illuminance"),
-    "motion": ("oic.r.sensor.motion", "value"),
-    "thermostat": ("oic.r.temperature", "temperature"),
+_SENSORS: Mapping[str, tuple[str, str, str]] = {
+    "lux": ("3301", "0", "5700"),
+    "motion": ("3302", "0", "5500"),
+    "thermostat": ("3303", "0", "5700"),
 }
+"""The paths of IPSO."""
 
 
 class CoapDevice(ServedDevice):
-    """A lamp with a Thing Description, or a sensor with an OCF resource.
+    """A lamp with a Thing Description, or a sensor with a resource of IPSO.
 
     Args:
         port: The port; 0 for any free one, which it keeps.
@@ -139,9 +140,8 @@ class CoapDevice(ServedDevice):
                 (("brightness",), _StateResource(lambda: round(self.state.brightness * 254), self._dim, "light")),
                 ((".well-known", "wot"), _ThingResource(self._description)),
             ]
-        kind, member = _SENSORS.get(self.device.kind, ("oic.r.sensor.illuminance", "illuminance"))
         return [
-            ((self.device.kind,), _StateResource(lambda: {member: _sensed(self.device.kind, self.state)}, None, kind))
+            (_SENSORS[self.device.kind], _StateResource(lambda: _sensed(self.device.kind, self.state), None, "ipso"))
         ]
 
     def _switch(self, value: object) -> bool:
@@ -235,7 +235,7 @@ def _forms(path: str) -> list[dict[str, object]]:
 
 def _sensed(kind: str, state: DeviceState) -> object:
     if kind == "motion":
-        return state.text == "on"
+        return int(state.text == "on")
     return state.celsius if kind == "thermostat" else state.value
 
 

@@ -31,7 +31,7 @@ class CoapNetwork(FamilyNetwork):
 
 
 class CoapFamily(ServedFamily):
-    """Lamps with a Thing Description, and sensors with OCF resources."""
+    """Lamps with a Thing Description, and sensors with resources of IPSO."""
 
     kinds = frozenset({"lamp", "lux", "motion", "thermostat"})
     device = "homebot.house.coap_devices:CoapDevice"

@@ -96,7 +96,7 @@ def test_many_forms_are_read_up_to_a_limit() -> None:
 
 
 def test_an_object_with_one_member_stands_for_that_member() -> None:
-    """As OCF and many small servers spell a switch: {"value": true}."""
+    """As many small servers spell a switch: {"value": true}."""
     schema = {"type": "object", "properties": {"value": {"type": "boolean"}}, "@type": "OnOffProperty"}
     forms = [{"href": "http://lamp/on"}]
     found = thing(forms, properties={"p": schema | {"forms": forms}})

@@ -36,7 +36,6 @@ def test_an_unknown_number_is_a_type_that_nothing_understands_and_comes_back() -
         ("text/plain", b"21.5", 21.5),
         ("application/json", b'{"a": 1}', {"a": 1}),
         ("application/cbor", b"\xa1\x65value\xf5", {"value": True}),
-        ("application/vnd.ocf+cbor", b"\xa1\x65value\xf4", {"value": False}),
         ("application/senml+json", b'[{"n":"urn:dev:ow:10e2073a01080063","u":"Cel","v":23.1}]', 23.1),
         ("application/senml+json", b'[{"bn":"u:","n":"a","vb":true},{"n":"b","vs":"x"}]', {"u:a": True, "u:b": "x"}),
         ("application/senml+json", b'[{"bn":"t","bv":20,"v":1},{"v":2}]', 22.0),

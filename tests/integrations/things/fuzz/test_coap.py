@@ -18,8 +18,8 @@ from homebot.integrations.things.formats.resource_types import thing_of_links
 from homebot.integrations.things.formats.thing import Thing
 
 LINKS = (
-    b'</a/light>;rt="oic.r.switch.binary";if="oic.if.a oic.if.baseline";obs;ct="50 60",'
-    b'</a/dim>;rt="oic.r.light.dimming",</3303/0/5700>;obs,</time>;obs;title="Clock \\"1\\"",</.well-known/wot>;ct=432'
+    b'</3306/0/5850>;rt="light";if="core.a core.ll";obs;ct="50 60",'
+    b'</3311/0/5851>,</3303/0/5700>;obs,</time>;obs;title="Clock \\"1\\"",</.well-known/wot>;ct=432'
 )
 ENDPOINTS = b'</reg/1/>;ep="lamp";d="home";base="coap://[2001:db8::1]:61616";lt=60,</reg/2/>;ep=x;con="coap://h"'
 THING = {

@@ -10,7 +10,6 @@ import pytest
 import structlog
 
 from homebot.clock import Clock, LoopClock
-from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
@@ -19,7 +18,6 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.integrations.things.formats.binding import RequestBinding
 from homebot.integrations.things.formats.parse import CONTEXT, read_thing
-from homebot.integrations.things.formats.resource_types import thing_of_links
 from homebot.integrations.things.formats.thing import Form, Thing
 from homebot.integrations.things.http.thing_device import ThingDevice, ThingPayload, describe_thing
 
@@ -333,54 +331,6 @@ async def test_one_bad_push_does_not_end_the_observation() -> None:
     assert rig.host.values["", "on_off"] is True
     assert len(rig.host.rejected) == 2
     assert ON not in rig.port.reads
-
-
-def ocf_thermostat(unit: str, measured: str, wanted: str) -> Rig:
-    """Return a thermostat of OCF, whose values name their unit; an empty *unit* is not named."""
-    named = f', "units": "{unit}"' if unit else ""
-    links = parse_links(
-        b'</m>;rt="oic.r.temperature";if="oic.if.s";ct=50,</w>;rt="oic.r.temperature";if="oic.if.a";ct=50'
-    )
-    thing = thing_of_links(links, {one.target: f"web://h{one.target}" for one in links}, "Heating")
-    values = {"web://h/m": measured, "web://h/w": wanted}
-    return Rig(thing, values={name: f'{{"temperature": {one}{named}}}'.encode() for name, one in values.items()})
-
-
-@pytest.mark.parametrize(
-    ("unit", "measured", "wanted", "written"),
-    [
-        ("F", "68", "69.8", b'{"temperature": 71.6}'),
-        ("K", "293.15", "294.15", b'{"temperature": 295.15}'),
-        ("C", "20", "21", b'{"temperature": 22}'),
-        ("", "20", "21", b'{"temperature": 22}'),
-    ],
-)
-async def test_a_value_that_names_its_unit_is_converted_and_set_in_it(
-    unit: str, measured: str, wanted: str, written: bytes
-) -> None:
-    rig = ocf_thermostat(unit, measured, wanted)
-    await rig.run_for(1)
-    assert rig.host.values == {
-        ("temperature", "temperature"): pytest.approx(20.0),
-        ("", "heating_setpoint"): pytest.approx(21.0),
-    }
-    await rig.thing.perform(command("heating_setpoint", 22.0))
-    assert rig.port.written == [("web://h/w", written)]
-
-
-async def test_a_unit_that_no_value_has_named_yet_is_asked_for_before_anything_is_set() -> None:
-    rig = ocf_thermostat("F", "68", "69.8")
-    await rig.thing.perform(command("heating_setpoint", 22.0))
-    await rig.thing.perform(command("heating_setpoint", 20.0))
-    assert rig.port.reads == ["web://h/w"]
-    assert [payload for _, payload in rig.port.written] == [b'{"temperature": 71.6}', b'{"temperature": 68}']
-
-
-async def test_a_value_in_an_unknown_unit_is_none() -> None:
-    rig = ocf_thermostat("R", "527", "530")
-    await rig.run_for(1)
-    assert rig.host.values == {}
-    assert len(rig.host.rejected) == 2
 
 
 def test_the_owner_sees_the_address_and_payload_of_each_command_before_an_approval() -> None:

@@ -27,7 +27,6 @@ _TYPES: Mapping[int, str] = {
     110: "application/senml+json",
     112: "application/senml+cbor",
     TD_FORMAT: "application/td+json",
-    10000: "application/vnd.ocf+cbor",
 }
 _NUMBERS = {name: number for number, name in _TYPES.items()}
 _CBOR = re.compile(r"application/([a-z0-9.+-]+\+)?cbor")

@@ -8,7 +8,7 @@ import json
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
@@ -52,20 +52,6 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
     if _is_fahrenheit(capability, affordance):
         return to_celsius(number)
     return _conversion(capability, affordance).value(number)
-
-
-def in_told_unit(capability: str, affordance: Affordance, document: object) -> Affordance | None:
-    """Return *affordance* with the unit named in *document* beside the value; None if the unit is unsuitable.
-
-    Without one, the affordance is returned unchanged.
-    """
-    schema = affordance.schema
-    unit = document.get(schema.unit_member) if schema.unit_member and isinstance(document, dict) else None
-    if unit is None:
-        return affordance
-    if not isinstance(unit, str) or _known_conversion(capability, unit) is None:
-        return None
-    return replace(affordance, schema=replace(schema, unit=unit))
 
 
 def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
@@ -134,12 +120,8 @@ def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:
 
 def _conversion(capability: str, affordance: Affordance) -> Conversion:
     unit = unit_of(affordance.schema)
-    return (_known_conversion(capability, unit) if unit else None) or Conversion()
-
-
-def _known_conversion(capability: str, unit: str) -> Conversion | None:
     measured = "temperature" if CAPABILITIES[capability].unit == "°C" else capability
-    return conversion_of(measured, unit[:_MAX_UNIT_CHARACTERS])
+    return (conversion_of(measured, unit[:_MAX_UNIT_CHARACTERS]) if unit else None) or Conversion()
 
 
 TEXT_CONTENT_TYPE = "text/plain"

@@ -1,15 +1,16 @@
-"""Devices without a Thing Description, as things: the resource types in their links. Pure.
+"""Devices without a Thing Description, as things: the resources in their links. Pure.
 
-OCF resources are known by their type (``rt``), IPSO ones by the numbers in their path. Another resource that can be
-observed, or that its interface calls a sensor, is there to be read as a text.
+Those of IPSO are known by the numbers in their path. Another resource that can be observed, or that its interface calls
+a sensor, is there to be read as a text.
 
-Source: OCF Resource Type Specification 2.2.5, section 6; OMA LwM2M registry, objects 3200 to 3347; RFC 9176 and the
-CoRE interfaces draft (``core.s``, ``core.a``) for ``if``.
+Source: OMA LwM2M registry, objects 3200 to 3347; RFC 9176 and the CoRE interfaces draft (``core.s``, ``core.a``) for
+``if``.
 """
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from operator import attrgetter
 from types import MappingProxyType
 from urllib.parse import unquote
 
@@ -27,46 +28,16 @@ class _Known:
     """A known kind of resource.
 
     Attributes:
-        member: The member of the object that has the value.
-        semantic: The semantic type, where the name does not say it.
         enum: The two spellings of no and yes, for a boolean that is spelt as text.
-        unit_member: The member of the object that names another unit.
     """
 
     name: str
     type: DataType
     unit: str = ""
     bounds: tuple[float, float] | None = None
-    member: str = ""
     settable: bool = False
-    semantic: str = ""
     enum: tuple[str, ...] = ()
-    unit_member: str = ""
 
-
-_OCF: Mapping[str, _Known] = {
-    "oic.r.switch.binary": _Known("on", "boolean", member="value", settable=True, semantic="OnOffProperty"),
-    "oic.r.light.dimming": _Known("brightness", "integer", "%", (0, 100), "dimmingSetting", settable=True),
-    "oic.r.light.brightness": _Known("brightness", "integer", "%", (0, 100), "brightness", settable=True),
-    "oic.r.colour.colourtemperature": _Known("color_temperature", "integer", "mired", member="ct", settable=True),
-    "oic.r.openlevel": _Known("position", "integer", "%", (0, 100), "openLevel", settable=True),
-    "oic.r.lock.status": _Known(
-        "lock", "string", member="lockState", settable=True, semantic="LockedProperty", enum=("Unlocked", "Locked")
-    ),
-    "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature", unit_member="units"),
-    "oic.r.humidity": _Known("humidity", "number", "%", member="humidity"),
-    "oic.r.sensor.illuminance": _Known("illuminance", "number", "lux", member="illuminance"),
-    "oic.r.sensor.atmosphericpressure": _Known("pressure", "number", "hPa", member="atmosphericPressure"),
-    "oic.r.sensor.motion": _Known("motion", "boolean", member="value"),
-    "oic.r.sensor.presence": _Known("motion", "boolean", member="value"),
-    "oic.r.sensor.water": _Known("water_leak", "boolean", member="value"),
-    "oic.r.sensor.smoke": _Known("smoke", "boolean", member="value"),
-    "oic.r.sensor.carbonmonoxide": _Known("carbon_monoxide_alarm", "boolean", member="value"),
-    "oic.r.energy.battery": _Known("battery", "integer", "%", member="charge"),
-}
-
-_TARGET_TEMPERATURE = replace(_OCF["oic.r.temperature"], name="target_temperature", settable=True)
-"""A temperature of OCF that can be set: a thermostat's measurement has the same type."""
 
 _ONE_OR_ZERO = ("0", "1")
 _IPSO: Mapping[tuple[int, int], _Known] = {
@@ -102,22 +73,13 @@ _IPSO: Mapping[tuple[int, int], _Known] = {
 
 _IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
 _IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
-_LIGHT, _OCF_LIGHT = "3311", "oic.r.light."
+_LIGHT = "3311"
 _OF_INSTANCE: Mapping[str, str] = MappingProxyType({"on": "on_off", "brightness": "level"})
 """The capabilities that belong to one instance of an IPSO object, by the names of properties."""
 
-_THING_TYPES: Mapping[str, str] = {
-    "oic.d.light": "Light",
-    "oic.d.smartplug": "SmartPlug",
-    "oic.d.switch": "OnOffSwitch",
-    "oic.d.smartlock": "Lock",
-    "oic.d.blind": "WindowCovering",
-    "oic.d.thermostat": "Thermostat",
-}
-_READ_ONLY = frozenset({"oic.if.s", "oic.if.r", "core.s", "core.rp", "core.lb", "sensor"})
-_OCF_ACTUATORS = frozenset({"oic.if.a", "oic.if.rw"})
-_ACTUATORS = _OCF_ACTUATORS | {"core.a", "core.p", "actuator"}
-_NEVER = ("/.well-known/", "/oic/", "/rd", "/bs")
+_READ_ONLY = frozenset({"core.s", "core.rp", "core.lb", "sensor"})
+_ACTUATORS = frozenset({"core.a", "core.p", "actuator"})
+_NEVER = ("/.well-known/", "/rd", "/bs")
 
 
 def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: str) -> Thing:
@@ -125,17 +87,13 @@ def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: s
     given = tuple(links)
     implied = {link: href for source in given for link, href in _implied(source, given, resolve[source.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
-    lit = {_folder(link) for link in given if any(word.startswith(_OCF_LIGHT) for word in link.words("rt"))}
-    # a switch beside a brightness comes first: of several switches, that one is the lamp's
-    listed = sorted((*given, *implied), key=lambda link: (_folder(link) not in lit, link.target))
+    listed = sorted((*given, *implied), key=attrgetter("target"))
     lamps = [instance for link in listed if (instance := _instance(link, _LIGHT))]
     affordances = [made for link in listed if (made := _affordance(link, resolve[link.target], lamps)) is not None]
-    words = (word for link in listed for word in link.words("rt"))
-    types = tuple(dict.fromkeys(_THING_TYPES[word] for word in words if word in _THING_TYPES))
     return Thing(
         id="",
         title=name,
-        types=types or (("Light",) if lamps or lit else ()),
+        types=("Light",) if lamps else (),
         description="",
         affordances=tuple(affordances[:MAX_RESOURCES]),
     )
@@ -179,12 +137,11 @@ def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, 
 
 
 def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | None:
-    kind = _kind(link)
-    if kind is None or link.target.startswith(_NEVER) or not href:
+    known = _kind(link)
+    if known is None or link.target.startswith(_NEVER) or not href:
         return None
-    known, default_type = kind
     named = [content_type_of(int(word)) for word in link.words("ct") if word.isdecimal() and len(word) <= 5]
-    content_type: str | None = default_type
+    content_type: str | None = "text/plain"
     if named:
         content_type = next((known_type for known_type in named if coap_formats(known_type) is not None), None)
     if content_type is None:
@@ -196,38 +153,31 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
         name=known.name,
         kind="property",
         title=clean_text(link.get("title"), 60),
-        types=(known.semantic,) if known.semantic else (),
-        schema=DataSchema(known.type, known.unit, low, high, known.enum, known.member, unit_member=known.unit_member),
+        types=(),
+        schema=DataSchema(known.type, known.unit, low, high, known.enum),
         read_only=not is_settable,
         write_only=False,
-        forms=_forms(link, href, content_type, known),
+        forms=_forms(link, href, content_type),
         extension=_placed(link, known, lamps),
     )
 
 
-def _kind(link: WebLink) -> tuple[_Known, str] | None:
-    """Return the kind of a resource, and the content type that it has by default; None for another one."""
-    interfaces = frozenset(link.words("if"))
-    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
-    if known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS):
-        known = _TARGET_TEMPERATURE
-    if known is not None:
-        return known, "application/vnd.ocf+cbor"
+def _kind(link: WebLink) -> _Known | None:
+    """Return the kind of a resource; None for one that is no value."""
     match = _IPSO_PATH.fullmatch(link.target)
     if match is not None and (known := _IPSO.get((int(match[1]), int(match[2])))) is not None:
-        return known, "text/plain"
-    if not link.has("obs") and interfaces.isdisjoint(_READ_ONLY):
+        return known
+    if not link.has("obs") and _READ_ONLY.isdisjoint(link.words("if")):
         return None
     last = unquote(link.target.rstrip("/").rpartition("/")[2])
-    return _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
+    return _Known(clean_text(link.get("title") or last, 60) or "value", "string")
 
 
-def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[Form, ...]:
+def _forms(link: WebLink, href: str, content_type: str) -> tuple[Form, ...]:
     scheme = href.partition(":")[0].lower()
-    method = "POST" if known.member else "PUT"  # OCF changes by UPDATE, which is POST in CoAP
     observed = Form(("observeproperty",), scheme, href, subprotocol="cov:observe", content_type=content_type)
     return (
         *((observed,) if link.has("obs") else ()),
         Form(("readproperty",), scheme, href, content_type=content_type),
-        Form(("writeproperty",), scheme, href, method=method, content_type=content_type),
+        Form(("writeproperty",), scheme, href, method="PUT", content_type=content_type),
     )

@@ -96,8 +96,6 @@ class DataSchema:
             one. The other fields are those of the member.
         words: Texts that may replace a number, such as ``unmeasurable``; the number is then unknown.
         members: Of an object with several members, the required ones with a single value, by name.
-        unit_member: The name of the member beside :attr:`member` that names the unit of a value, if it is not
-            :attr:`unit`.
     """
 
     type: DataType = ""
@@ -108,7 +106,6 @@ class DataSchema:
     member: str = ""
     words: tuple[str, ...] = ()
     members: tuple[tuple[str, DataSchema], ...] = ()
-    unit_member: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,8 +24,8 @@ from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCodec
 from homebot.integrations.things.formats.binding import Binding, ClassifiedAffordance, ClassifiedPart, RequestBinding
 from homebot.integrations.things.formats.classify import parts_of
-from homebot.integrations.things.formats.payload import decode_document, encode_document, in_told_unit
-from homebot.integrations.things.formats.thing import Affordance, Form, Thing, facts_of, identifiers_of
+from homebot.integrations.things.formats.payload import decode_document, encode_document
+from homebot.integrations.things.formats.thing import Form, Thing, facts_of, identifiers_of
 from homebot.support.isolation import run_as, ungrouped
 
 
@@ -100,16 +100,14 @@ class _RequestCodec(ShowingCodec):
         return (Publication(f"{form.method} {form.href}".strip(), _encode(self.binding, by, form, value)),)
 
 
-def _encode(
-    binding: Binding, affordance: ClassifiedAffordance, form: Form, value: PlainValue, in_unit: Affordance | None = None
-) -> bytes:
+def _encode(binding: Binding, affordance: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
     if affordance.affordance.kind == "action" and affordance.capability.name == "push":
         require_true(affordance.capability.name, value)
         return b""
     format_ = binding.formats(form.content_type)
     if format_ is None:
         raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
-    return format_.encode(encode_document(affordance.capability, in_unit or affordance.affordance, value))
+    return format_.encode(encode_document(affordance.capability, affordance.affordance, value))
 
 
 @dataclass(slots=True, eq=False)
@@ -153,7 +151,6 @@ class ThingDevice:
         self._key = device.key if is_behind else ""
         self._parts: tuple[ClassifiedPart, ...] = parts_of(thing, port.binding)
         self._asked: list[_ThingSource] = []
-        self._in_units: dict[tuple[str, str], Affordance] = {}  # by part and capability, in the unit received last
         self._asks_now = anyio.Event()
         self._turn = anyio.Lock()
         self._is_reached = False
@@ -182,23 +179,14 @@ class ThingDevice:
         if command.capability not in settable:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
         values = implied_settings(command.capability, command.value.plain(), settable)
-        for name, _ in values:
-            setting = settable[name]
-            if setting.affordance.schema.unit_member and (command.part, setting.capability.name) not in self._in_units:
-                forms = self._port.binding.read_forms(setting.affordance)
-                await self._ask_all(_grouped([(form, command.part, setting) for form in forms[:1]]))
         requests = [(settable[name], *settable[name].request(value)) for name, value in values]
         payloads = [
-            (affordance, form, self._payload(command.part, by, form, value)) for affordance, by, form, value in requests
+            (affordance, form, _encode(self._port.binding, by, form, value)) for affordance, by, form, value in requests
         ]
         for affordance, form, payload in payloads:
             await self._port.write(form, payload)
             if any(affordance is asked for source in self._asked for _, asked in source.affordances):
                 self._asks_now.set()
-
-    def _payload(self, part: str, affordance: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
-        in_unit = self._in_units.get((part, affordance.capability.name))
-        return _encode(self._port.binding, affordance, form, value, in_unit)
 
     def _sources(self) -> tuple[_ThingSource, ...]:
         """Split the readable properties into observed (returned) and polled ones."""
@@ -313,10 +301,7 @@ class ThingDevice:
     async def _report_value(
         self, part: str, source: ClassifiedAffordance, document: object, payload: ThingPayload
     ) -> None:
-        affordance = in_told_unit(source.capability.name, source.affordance, document)
-        if source.affordance.schema.unit_member and affordance is not None:
-            self._in_units[part, source.capability.name] = affordance
-        value = None if affordance is None else decode_document(source.capability, affordance, document)
+        value = decode_document(source.capability, source.affordance, document)
         if value is None:
             self._host.reject(payload.data, f"{source.affordance.name[:60]!a} cannot be {shown(document)}")
         else:

@@ -23,16 +23,6 @@ def kinds(parts: tuple[ClassifiedPart, ...]) -> dict[str, list[tuple[str, bool]]
 @pytest.mark.parametrize(
     ("links", "expected"),
     [
-        (
-            '</a/light>;rt="oic.r.switch.binary";if="oic.if.a oic.if.baseline";obs,'
-            '</a/dim>;rt="oic.r.light.dimming";if="oic.if.a"',
-            {"light": [("level", True), ("on_off", True)]},
-        ),
-        ('</s>;rt="oic.r.switch.binary",</p>;rt="oic.d.smartplug"', {"plug": [("on_off", True)]}),
-        ('</s>;rt="oic.r.switch.binary"', {"switch": [("on_off", True)]}),
-        ('</t>;rt="oic.r.temperature";if="oic.if.s"', {"temperature_sensor": [("temperature", False)]}),
-        ('</m>;rt="oic.r.sensor.motion"', {"occupancy_sensor": [("occupancy", False)]}),
-        ('</l>;rt="oic.r.lock.status";if="oic.if.a"', {"door_lock": [("lock", True)]}),
         ("</3311/0/5850>,</3311/0/5851>", {"light": [("on_off", True), ("level", True)]}),
         ("</3303/0/5700>;obs", {"temperature_sensor": [("temperature", False)]}),
         (
@@ -47,14 +37,12 @@ def kinds(parts: tuple[ClassifiedPart, ...]) -> dict[str, list[tuple[str, bool]]
             {"light": [("on_off", True)], "electrical_meter": [("energy", False)], "x_setting": [("number", True)]},
         ),
         ("</3315/0>", {"x_sensor": [("measurement", False)]}),
-        (
-            '</t/current>;rt="oic.r.temperature";if="oic.if.s",</t/desired>;rt="oic.r.temperature";if="oic.if.a"',
-            {"temperature_sensor": [("temperature", False)], "thermostat": [("heating_setpoint", True)]},
-        ),
         ("</3310/0>,</3303>", {}),
         ('</time>;obs;rt="ticktock";title="Clock"', {"x_sensor": [("value", False)]}),
-        ("</storage>,</.well-known/core>,</oic/res>;rt=oic.wk.res", {}),
-        ('</t>;rt="oic.r.temperature";ct=30000', {}),
+        ("</storage>,</.well-known/core>", {}),
+        ("</3303/0/5700>;ct=30000", {}),
+        ('</hall>;if="core.s"', {"x_sensor": [("value", False)]}),
+        ('</3306/0/5850>;if="core.s"', {"switch": [("on_off", False)]}),
     ],
 )
 def test_known_resources_are_capabilities(links: str, expected: dict[str, list[tuple[str, bool]]]) -> None:
@@ -75,27 +63,7 @@ def test_each_lamp_has_its_own_brightness_and_no_relay_is_its_switch() -> None:
     ]
 
 
-def test_the_switch_of_a_lamp_is_the_one_beside_its_brightness() -> None:
-    links = (
-        '</fan/power>;rt="oic.r.switch.binary",</lamp/dim>;rt="oic.r.light.dimming",'
-        '</lamp/power>;rt="oic.r.switch.binary"'
-    )
-    assert [
-        (one.part.service_type, [each.affordance.forms[0].href for each in one.affordances])
-        for one in parts_of(thing(links), COAP_BINDING)
-    ] == [("light", ["coap://h/lamp/dim", "coap://h/lamp/power"]), ("switch", ["coap://h/fan/power"])]
-
-
 def test_values_are_read_and_written_as_the_resource_has_them() -> None:
-    (light,) = parts_of(thing('</a>;rt="oic.r.switch.binary",</b>;rt="oic.r.light.dimming"'), COAP_BINDING)
-    on, level = light.affordances
-    assert decode_document(on.capability, on.affordance, {"value": True, "rt": ["oic.r.switch.binary"]}) == (True,)
-    assert encode_document(on.capability, on.affordance, False) == {"value": False}
-    assert decode_document(level.capability, level.affordance, {"dimmingSetting": 40}) == (40.0,)
-    (lock,) = parts_of(thing('</l>;rt="oic.r.lock.status"'), COAP_BINDING)
-    (state,) = lock.affordances
-    assert decode_document(state.capability, state.affordance, {"lockState": "Locked"}) == ("locked",)
-    assert encode_document(state.capability, state.affordance, "unlocked") == {"lockState": "Unlocked"}
     (lamp,) = parts_of(thing("</3311/0/5850>"), COAP_BINDING)
     (switch,) = lamp.affordances
     assert decode_document(switch.capability, switch.affordance, 1) == (True,)
@@ -103,5 +71,5 @@ def test_values_are_read_and_written_as_the_resource_has_them() -> None:
 
 
 def test_the_resources_of_one_device_are_limited() -> None:
-    many = ",".join(f'</{number}>;rt="oic.r.temperature"' for number in range(500))
+    many = ",".join(f"</3303/{number}/5700>" for number in range(500))
     assert len(thing(many).affordances) == MAX_RESOURCES
