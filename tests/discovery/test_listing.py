@@ -10,12 +10,16 @@ from homebot.messages.key_value import KeyValue
 
 pytestmark = pytest.mark.virtual_time
 
+ANY = services.ListDevices.Request()
 
-async def listed(*parts: Part, name: str = "Device", facts: dict[str, str] | None = None) -> services.ListedDevice:
+
+async def listed(
+    *parts: Part, name: str = "Device", facts: dict[str, str] | None = None, asked: services.ListDevicesRequest = ANY
+) -> services.ListedDevice:
     async with directory() as house:
         await house.hears(announce("d", *parts, ids=("id:d",), name=name, facts=facts, at=1.0, confirmed=True))
         ask = house.asker.create_client(services.ListDevices, names.LIST_DEVICES)
-        (device,) = (await ask.call(services.ListDevices.Request())).devices
+        (device,) = (await ask.call(asked)).devices
         return device
 
 
@@ -72,3 +76,22 @@ async def test_a_screen_shows_a_keypad_only_where_a_code_is_needed() -> None:
 async def test_a_screen_knows_what_opens(name: str, service_type: str, tag: str, model: str, kind: str) -> None:
     part = part_of(service_type, "contact", id="p", tag=tag)
     assert (await listed(part, name=name, facts={"model": model})).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("scope", "rights", "commanded"),
+    [
+        ((), ("act", "read"), {"light"}),  # without a token
+        ((), ("read",), set()),
+        (("act: all",), ("act", "read"), {"light", "door_lock"}),
+        (("act: light",), ("act", "read"), {"light"}),
+        (("act: door_lock",), ("act", "read"), {"door_lock"}),
+        (("ask: all",), ("act", "ask", "read"), {"light", "door_lock"}),
+    ],
+)
+async def test_a_screen_shows_buttons_only_for_devices_that_its_token_may_command(
+    scope: tuple[str, ...], rights: tuple[str, ...], commanded: set[str]
+) -> None:
+    asked = services.ListDevices.Request(issuer="client:wall", scope=scope, rights=rights)
+    parts = [settable("light", "on_off"), settable("door_lock", "lock"), part_of("contact_sensor", "contact", id="p")]
+    assert {part.service_type for part in parts if (await listed(part, asked=asked)).may_act} == commanded

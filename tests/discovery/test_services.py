@@ -115,6 +115,7 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
             "asks_first": [],
             "codes": [],
             "kind": "",
+            "may_act": True,
         }
         first = await ask.call(services.ListDevices.Request(limit=1000))
         rest = await ask.call(services.ListDevices.Request(offset=200))

@@ -1,6 +1,7 @@
 """Rights of external programs in the owner's words: ``read``, ``act: light in hall``, ``ask: lock``. Pure."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 from homebot.devices.always_ask import is_declared
@@ -180,6 +181,12 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
         act_scope=(*(f"act: {query}" for query in wanted), *(f"ask: {query}" for query in asked)),
         robots=tuple(found.get(Right.ROBOT, ())),
     )
+
+
+@lru_cache(maxsize=256)
+def rights_of(scope: tuple[str, ...]) -> ClientRights:
+    """Return the rights to devices of a client with *scope*, which is empty without a token, as :func:`read_scope`."""
+    return read_scope(scope) if scope else LOCAL_RIGHTS
 
 
 def without_taught_room(device: Device) -> Device:

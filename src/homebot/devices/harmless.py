@@ -10,7 +10,7 @@ from typing import Final
 
 from homebot.devices import words
 from homebot.devices.always_ask import models_of, names_of, why_it_asks
-from homebot.devices.client_rights import HARMLESS
+from homebot.devices.client_rights import HARMLESS, ClientRights
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import spoken_type
 from homebot.devices.names import OWNER
@@ -47,6 +47,21 @@ def why_not_harmless(device: Device, part: DevicePart, settings: Mapping[str, Pl
     if kind == "window_covering":
         return _why_no_blind(device, part)
     return _why_no_lamp(device, part) if kind in {"plug", "switch"} else f"it is {spoken_type(kind)}"
+
+
+def why_not_covered(
+    rights: ClientRights, device: Device, part: DevicePart, asks: str, settings: Mapping[str, PlainValue] | None = None
+) -> str | None:
+    """Return why *part* asks, or is not harmless, or empty, if *rights* do not cover it; None if they do.
+
+    Args:
+        asks: Why it always asks; empty if it does not.
+        settings: As for :func:`why_not_harmless`.
+    """
+    limit = asks
+    if not limit and rights.acts_on_harmless and not rights.acts_on_ordinary:
+        limit = why_not_harmless(device, part, settings)
+    return None if rights.may_command(device, part, asks=bool(asks), is_harmless=not limit) else limit
 
 
 def _why_no_blind(device: Device, part: DevicePart) -> str:

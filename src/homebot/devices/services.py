@@ -1,6 +1,8 @@
 """The services with which layers ask each other about devices."""
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field
 
 from homebot.devices.device import Device, DeviceChange, Freshness
 from homebot.devices.gateway_messages import RawMessage
@@ -163,6 +165,7 @@ class ListDevicesRequest(Message):
         offset: The number of devices to skip.
         limit: The largest number of devices, at most 200; 0 for 200.
         is_spelled: Whether a typo matches nothing, as in a command.
+        issuer: The client that asks, set by the door, as its *scope* and its *rights*.
     """
 
     query: tuple[QueryTerm, ...] = ()
@@ -170,6 +173,9 @@ class ListDevicesRequest(Message):
     offset: UInt32 = 0
     limit: UInt32 = 0
     is_spelled: bool = False
+    issuer: str = ""
+    scope: Annotated[tuple[str, ...], Field(max_length=100)] = ()
+    rights: tuple[str, ...] = ()
 
 
 class ListedReading(Reading):
@@ -198,6 +204,7 @@ class ListedDevice(Message):
             before it does; see :mod:`homebot.devices.always_ask`.
         codes: The characters of the codes that settings need, by the names of these: ``digits`` or ``text``.
         kind: Its kind of opening: ``door``, ``window``, ``garage_door``, ``gate``, or a cover such as ``blind``.
+        may_act: Whether the client that asks may set all that can be set of one of its parts, perhaps with a question.
     """
 
     id: str
@@ -214,6 +221,7 @@ class ListedDevice(Message):
     asks_first: tuple[str, ...] = ()
     codes: tuple[KeyValue, ...] = ()
     kind: str = ""
+    may_act: bool = False
 
 
 class ListDevicesResponse(ServiceAnswer):

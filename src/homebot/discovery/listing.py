@@ -2,8 +2,10 @@
 
 from typing import Final
 
-from homebot.devices.always_ask import always_asks, waits_for_approval
+from homebot.devices.always_ask import waits_for_approval, why_it_asks
+from homebot.devices.client_rights import ClientRights
 from homebot.devices.device import Device
+from homebot.devices.harmless import why_not_covered
 from homebot.devices.opening_kinds import opening_kind
 from homebot.devices.services import ListedDevice, ListedReading
 from homebot.discovery.description import position_of
@@ -13,10 +15,11 @@ from homebot.messages.key_value import KeyValue
 _UNKNOWN: Final = Time(sec=0, nanosec=0)
 
 
-def list_device(device: Device, *, needs_approval: bool) -> ListedDevice:
+def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -> ListedDevice:
     """Return *device* in short form.
 
     Args:
+        rights: The rights of the client that asks.
         needs_approval: Whether commands wait for the owner's approval.
     """
     position = position_of(device.facts)
@@ -31,6 +34,7 @@ def list_device(device: Device, *, needs_approval: bool) -> ListedDevice:
         part.id: [capability.name for capability in part.part.capabilities if capability.settable]
         for part in used.values()
     }
+    asks = {part: why_it_asks(device, used[part]) for part, names in settable.items() if names}
     return ListedDevice(
         id=device.id,
         name=device.name,
@@ -52,11 +56,12 @@ def list_device(device: Device, *, needs_approval: bool) -> ListedDevice:
         position=() if position is None else (position.x, position.y),
         settable=tuple(dict.fromkeys(name for names in settable.values() for name in names)),
         tags=device.tags,
-        asks_first=tuple(
-            dict.fromkeys(
-                name for part, names in settable.items() if names and always_asks(device, used[part]) for name in names
-            )
-        ),
+        asks_first=tuple(dict.fromkeys(name for part, why in asks.items() if why for name in settable[part])),
         codes=tuple(KeyValue(key=name, value=code) for name, code in codes.items()),
         kind=opening_kind(device),
+        may_act=any(
+            (rights.acts_on_harmless and used[part].part.members)  # as far as these allow
+            or why_not_covered(rights, device, used[part], why) is None
+            for part, why in asks.items()
+        ),
     )

@@ -12,6 +12,7 @@ from anyio import to_thread
 import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, names
 from homebot.devices import services as messages
+from homebot.devices.client_rights import ALL_RIGHTS, ClientRights, rights_of
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.matching import is_spelled
 from homebot.devices.query.term_messages import query_terms, read_terms
@@ -23,6 +24,7 @@ from homebot.discovery.places_services import OwnerRequests, PlacesServices
 from homebot.discovery.search.rank import rank, reasons
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
+from homebot.rights import Right
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
@@ -173,12 +175,15 @@ class DirectoryServices:
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
+        rights = ALL_RIGHTS
+        if request.issuer:
+            rights = rights_of(request.scope) if Right.ACT.value in request.rights else ClientRights()
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
             message=self._note(read_terms(request.query, self._exists), found),
             devices=tuple(
-                list_device(device, needs_approval=self._index.postings.needs_approval) for device in devices
+                list_device(device, rights, needs_approval=self._index.postings.needs_approval) for device in devices
             ),
             total=len(found),
             sequence=self._index.sequence,

@@ -3,7 +3,6 @@
 import shlex
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
 from typing import Final
 
 from homebot.control.command import IssuedCommand
@@ -22,15 +21,14 @@ from homebot.devices.client_rights import (
     EDIT_ROUTINE,
     HARMLESS,
     LOCAL_CLIENT,
-    LOCAL_RIGHTS,
     ORDINARY,
     ClientRights,
     issuer_of_client,
-    read_scope,
+    rights_of,
 )
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_lookup import references
-from homebot.devices.harmless import why_not_harmless
+from homebot.devices.harmless import why_not_covered
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
@@ -60,7 +58,7 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
     why, rights = command.why_it_asks, command.rights
     if rights.acts_on_ordinary and (not why or rights.acts_on_all):
         return _GRANTED  # as nearly always
-    limit = _limit(command, rights)
+    limit = why_not_covered(rights, command.device, command.part, command.why_it_asks, command.settings)
     if limit is None:
         return _GRANTED
     if limit and _may_make_safe(command, rights):
@@ -85,15 +83,6 @@ def _not_granted(command: IssuedCommand, limit: str, *, needs_approval: bool) ->
     return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
 
 
-def _limit(command: IssuedCommand, rights: ClientRights) -> str | None:
-    """Return why the part always asks, or is not harmless, or empty, if *rights* do not cover it; None if they do."""
-    device, part, limit = command.device, command.part, command.why_it_asks
-    if not limit and rights.acts_on_harmless and not rights.acts_on_ordinary:
-        limit = why_not_harmless(device, part, command.settings)
-    may = rights.may_command(device, part, asks=bool(command.why_it_asks), is_harmless=not limit)
-    return None if may else limit
-
-
 def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse every command to a dangerous part, unless the owner approved a route that takes it."""
     device, why = command.device, command.why_it_asks
@@ -111,12 +100,12 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
         needs_approval: Whether dangerous devices need an approval; if so, the reason names it along with the right.
     """
     try:
-        rights = _rights(command.scope)
+        rights = rights_of(command.scope)
     except UsageError as exc:
         return str(exc)
     if command.trigger.kind == "lease" and must_ask(command):
         return f"a person must agree to each command of {command.issuer} to {command.device.id}, so it cannot hold it"
-    limit = _limit(command, rights)
+    limit = why_not_covered(rights, command.device, command.part, command.why_it_asks, command.settings)
     if limit is None or (_may_make_safe(command, rights) if limit else _may_command_members(command)):
         return ""
     return _refusal_text(command, limit, needs_approval=needs_approval)
@@ -143,7 +132,7 @@ def must_ask(command: IssuedCommand) -> bool:
     if not command.is_client:
         return False
     try:
-        rights = _rights(command.scope)
+        rights = rights_of(command.scope)
     except UsageError:
         return True
     device, part = command.device, command.part
@@ -154,7 +143,7 @@ def must_ask(command: IssuedCommand) -> bool:
 def names_it(command: IssuedCommand) -> bool:
     """Return whether a right of its issuer fits its part by a query, not as all that is harmless or ordinary does."""
     try:
-        rights = _rights(command.scope) if command.is_client else command.rights
+        rights = rights_of(command.scope) if command.is_client else command.rights
     except UsageError:
         return False
     facets = PartFacets(command.device, command.part)
@@ -248,11 +237,6 @@ def _client_advice(command: IssuedCommand, right: str) -> str:
     is_local = command.issuer == issuer_of_client(LOCAL_CLIENT)
     table = "door" if is_local else f"door.tokens.{command.issuer.partition(':')[2]}"
     return f"add '{right}' to that, in the table [{table}] of homebot.toml"
-
-
-@lru_cache(maxsize=256)
-def _rights(scope: tuple[str, ...]) -> ClientRights:
-    return read_scope(scope) if scope else LOCAL_RIGHTS
 
 
 def _approval_step(command: IssuedCommand) -> str:
