@@ -21,13 +21,13 @@ def test_installed_plugins_are_found_by_name() -> None:
     assert load_plugin("homebot.apps", "light_service") is LightService
 
 
-def test_an_integration_names_classes_of_its_own_beside_it() -> None:
-    files = [*SOURCE.glob("integrations/*/entry_points.txt")]
-    assert {file.parent for file in files} == {file.parent for file in SOURCE.glob("integrations/*/__init__.py")}
-    for file in files:
-        for point in Distribution.at(file.parent).entry_points:
+def test_an_integration_or_a_feature_names_classes_of_its_own_beside_it() -> None:
+    folders = {file.parent for file in SOURCE.glob("*/*/entry_points.txt")}
+    assert folders >= {file.parent for file in SOURCE.glob("integrations/*/__init__.py")}
+    for folder in folders:
+        for point in Distribution.at(folder).entry_points:
             assert plugin_path(point.group, point.name) == point.value
-            assert point.value.startswith(f"homebot.integrations.{file.parent.name}.")
+            assert point.value.startswith(f"homebot.{folder.parent.name}.{folder.name}.")
 
 
 def test_a_package_that_comes_onto_the_path_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,7 +23,8 @@ from homebot.support.similar import did_you_mean
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
-_INTEGRATIONS: Final = Path(__file__).with_name("integrations")
+_OWN: Final = tuple(Path(__file__).with_name(name) for name in ("features", "integrations"))
+"""The folders of which each folder may have plug-ins of its own."""
 
 _LOADERS: Final = {Path(__file__), Path(importlib.__file__), Path(importlib.metadata.__file__)}
 """The files of Python and homebot that import plug-ins."""
@@ -206,9 +207,9 @@ def _entry_point(group: str, name: str) -> EntryPoint | None:
 
 @lru_cache(maxsize=1)
 def _own_entry_points(path: tuple[str, ...]) -> _Groups:
-    """Return the groups of homebot itself: of its integrations, and of its package if that is on Python's *path*."""
+    """Return the groups of homebot itself: of features, integrations, and its package if that is on Python's *path*."""
     del path  # only the key of the cache
-    files = sorted(_INTEGRATIONS.glob("*/entry_points.txt"))
+    files = [file for folder in _OWN for file in sorted(folder.glob("*/entry_points.txt"))]
     points = [point for file in files for point in Distribution.at(file.parent).entry_points]
     with suppress(PackageNotFoundError):
         points += distribution("homebot").entry_points
