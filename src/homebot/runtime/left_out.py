@@ -1,6 +1,5 @@
 """Wrong routines, groups and tables of features in a configuration, which stop nothing else. Pure."""
 
-import re
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -29,7 +28,7 @@ def without_mistakes(
     gone = {key.partition(".")[2] for key in wrong}
     apps = {name: table for name, table in config.apps.items() if name not in gone}
     config = config.model_copy(update={"apps": apps})
-    limits = fold(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
+    limits = _words_in(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
     for kind, read in readers.items():
         while (error := _mistake_in(partial(read, config))) is not None:
             if error.key == kind:  # it is of no feature
@@ -54,9 +53,15 @@ def _with_tables(config: Config, kind: str, tables: tuple[object, ...] | None) -
     return config.model_copy(update={"features": others if tables is None else {**others, kind: tables}})
 
 
-def _is_named(group: object, folded: str) -> bool:
+def _is_named(group: object, limits: str) -> bool:
     name = group.get("name") if isinstance(group, dict) else None
-    return isinstance(name, str) and re.search(rf"\b{re.escape(fold(name))}\b", folded) is not None
+    return isinstance(name, str) and _words_in(name) in limits
+
+
+def _words_in(text: str) -> str:
+    """Return the folded words of *text*, each between blanks."""
+    words = "".join(character if character.isalnum() else " " for character in text).split()
+    return f" {' '.join(map(fold, words))} "
 
 
 def _mistake_in(read: Callable[[], object]) -> ConfigError | None:

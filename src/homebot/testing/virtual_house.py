@@ -1,13 +1,11 @@
 """A house in a test with virtual time: a day passes in well under a second."""
 
 import asyncio
-import re
 from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from random import Random
-from typing import Final
 
 import anyio
 
@@ -31,8 +29,7 @@ from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing.contexts import in_background, plain_logs
 from homebot.testing.house import DEFAULT_WAIT, EVERYTHING, TestHouse, house_config
 from homebot.units import parse_duration
-
-_TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
+from homebot.words.times import read_time
 
 
 def parse_time(when: str | datetime) -> datetime:
@@ -63,10 +60,8 @@ def next_moment(now: datetime, when: str | datetime) -> datetime:
     Raises:
         UsageError: It is invalid or in the past.
     """
-    time_of_day = _TIME_OF_DAY.fullmatch(when.strip()) if isinstance(when, str) else None
-    if time_of_day is not None:
-        hour, minute, second = (int(part or 0) for part in time_of_day.groups())
-        moment = now.replace(hour=hour, minute=minute, second=second, microsecond=0)
+    with suppress(UsageError):
+        moment = datetime.combine(now, read_time(when), now.tzinfo)
         return moment if moment > now else moment + timedelta(days=1)
     moment = parse_time(when)
     if moment < now:

@@ -3,6 +3,7 @@
 A name is the whole name without regard to case and accents; a similar one is a suggestion, and never the answer.
 """
 
+import re
 from collections.abc import Iterable
 
 from homebot.errors import UsageError
@@ -40,3 +41,9 @@ def no_such(kind: str, text: str, names: Iterable[str], otherwise: str = "") -> 
     known = [*dict.fromkeys(names)]
     hint = did_you_mean(text, known, otherwise or f"{kind}s are {', '.join(known) or 'none'}")
     return f"there is no {kind} {text!r}; {hint}"
+
+
+def rename_scene(text: str, old: str, new: str) -> str:
+    """Return the table *text* of a routine, with the scene *old* called *new* in the steps that apply it."""
+    step = re.compile(rf"""(?P<quote>["'])scene\s+{re.escape(old)}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
+    return step.sub(lambda found: f"{found['quote']}scene {new}", text)

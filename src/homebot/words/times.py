@@ -34,13 +34,13 @@ _BETWEEN: Final = re.compile(r"between (?P<begin>.+?) and (?P<end>.+)")
 _HALF: Final = re.compile(r"(?P<word>after|before) (?P<end>.+)")
 
 
-def read_time(text: str) -> time:
+def read_time(text: object) -> time:
     """Return the time of day *text*, such as ``22:00`` or ``7:30:15``.
 
     Raises:
         UsageError: It is not a time of day.
     """
-    if type(text) is not str or (found := _TIME.fullmatch(text.strip())) is None:
+    if not isinstance(text, str) or (found := _TIME.fullmatch(text.strip())) is None:
         raise UsageError(f"{text!r} is not a time of day; write it like 22:00 or 7:30:15")
     hour, minute, second = (int(part or 0) for part in found.groups())
     return time(hour, minute, second)

@@ -399,6 +399,10 @@ async def test_no_mistake_in_a_routine_group_or_scene_stops_anything_else(tmp_pa
         },
         {"door": {"scope": ["read", "act: locks and not group=valuables"]}},
         {"apps": {"light_service": {"act": "lights and not group=valuables"}}},
+        {
+            "control": {"quiet_hours": [{"start": "00:00", "end": "06:00", "commands": ["open lock"] * 50}]},
+            "apps": {"light_service": {"act": "lights and not group=valuables"}},
+        },
     ],
 )
 def test_a_wrong_group_that_a_policy_or_right_asks_for_is_no_small_matter(limit: dict[str, object]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 import shlex
 from collections.abc import Sequence
 from contextlib import suppress
@@ -33,6 +32,7 @@ from homebot.devices.wording.values import state_text
 from homebot.errors import PeerError, UsageError
 from homebot.feature import all_features, load
 from homebot.support.printable import printable
+from homebot.words.phrases import DRIVE_VERBS
 
 if TYPE_CHECKING:
     from homebot.devices import Device
@@ -103,10 +103,15 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
 
 def sent_by_routines(door: DoorClient, robot: str) -> list[tuple[RoutineNote, str]]:
     """Return the outcomes of the steps of routines that sent *robot*, oldest first, each with the routine."""
-    step = re.compile(rf"['\"]{re.escape(robot)} (?:go|goes|drive|drives) to ", re.IGNORECASE)
+    steps = [f"{quote}{robot} {verb} to ".casefold() for quote in "'\"" for verb in DRIVE_VERBS]
     with suppress(PeerError):  # an older homebot has none
         routines = cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {}))).routines
-        found = [(note, routine.name) for routine in routines for note in routine.notes if step.search(note.text)]
+        found = [
+            (note, routine.name)
+            for routine in routines
+            for note in routine.notes
+            if any(step in note.text.casefold() for step in steps)
+        ]
         return sorted(found, key=lambda one: to_seconds(one[0].at))
     return []
 

@@ -1,6 +1,5 @@
 """A habit as a routine, with its proof in words; and routines of habits that people undo. Pure."""
 
-import re
 from collections.abc import Iterable, Sequence
 from hashlib import sha256
 from typing import Final, NamedTuple
@@ -14,7 +13,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.rule_words.routine_text import routine_text
 from homebot.words.times import DaysAndTime, SunMoment
 
-_QUOTED: Final = re.compile(r'name="([^"]+)"')
 _LONGEST: Final = 100
 _MOST_OCCASIONS: Final = 100
 _AGAINST: Final = 600.0
@@ -34,7 +32,8 @@ class Undone(NamedTuple):
 
 def proposal_of(habit: FoundHabit) -> HabitProposal:
     """Return the routine that would act as people do."""
-    name = _QUOTED.sub(r"\1", f"{habit.do} {'at' if _is_timed(habit.when) else 'after'} {habit.when}")
+    first, *others = f"{habit.do} {'at' if _is_timed(habit.when) else 'after'} {habit.when}".split('name="')
+    name = "".join((first, *(text.replace('"', "", 1) for text in others)))
     table: dict[str, object] = {"name": name[:_LONGEST], "when": [habit.when]}
     if habit.conditions:
         table["if"] = list(habit.conditions)

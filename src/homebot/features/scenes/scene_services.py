@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from functools import partial
@@ -32,13 +31,14 @@ from homebot.features.scenes.scene_changes import SceneChanges
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
+from homebot.words.names import rename_scene
 
 if TYPE_CHECKING:
     from homebot.feature_context import FeatureContext
 
 UNREADABLE = "scenes.unreadable"
 
-_PLAIN: Final = re.compile(r"[^\"'\\,]+")
+_NEVER_IN_STEPS: Final = frozenset("\"'\\,")
 """A name that stands in a text of TOML as it is."""
 
 _PATIENCE: Final = 60.0
@@ -110,16 +110,15 @@ class SceneServices:
     async def _rename_uses(self, old: str, new: str) -> list[str]:
         """Rename a scene in the kept routines that apply it; return which others still name the *old* one."""
         problems = list[str]()
-        step = re.compile(rf"""(?P<quote>["'])scene\s+{re.escape(old)}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
         if not (routines := self._node.create_client(ListRoutines, names.LIST_ROUTINES)).service_is_ready():
             return problems
         change = self._node.create_client(ChangeRoutine, names.CHANGE_ROUTINE)
         with closing(routines), closing(change):
             for routine in (await routines.call(RoutinesRequest())).routines:
-                text = step.sub(lambda found: f"{found['quote']}scene {new}", routine.text)
+                text = rename_scene(routine.text, old, new)
                 if text == routine.text:
                     continue
-                if not (routine.is_kept and _PLAIN.fullmatch(new)):
+                if not (routine.is_kept and _NEVER_IN_STEPS.isdisjoint(new)):
                     problems.append(f"the routine {routine.name} still applies {old}; change it there")
                     continue
                 own = self._node.full_name
