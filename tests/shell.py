@@ -28,6 +28,16 @@ class Homebot:
     def run(self, command: str) -> subprocess.CompletedProcess[str]:
         return run(command, door=self.door, cwd=self.folder)
 
+    def begin(self, command: str) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            shlex.split(command),
+            cwd=self.folder,
+            env=environment(self.door),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
 
 def environment(door: str) -> dict[str, str]:
     return {**os.environ, "HOMEBOT_DOOR": door, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
@@ -84,3 +94,15 @@ def homebot_in(folder: Path, *arguments: str, until: tuple[str, ...], house: str
             _, rest = process.communicate(timeout=120)
     assert process.returncode == 0
     assert "Traceback" not in rest, rest
+
+
+def installed_package(there: Path, new: str, enter: str, *then: str) -> Path:
+    """Write a package by the commands of a guide in *there*, and install it beside it without a network; its folder."""
+    written = run(new, cwd=there)
+    assert (written.returncode, written.stderr) == (0, "")
+    assert f"try it: {' && '.join((enter, *then))}" in written.stdout
+    folder = there / enter.removeprefix("cd ")
+    offline = ("--no-deps", "--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet")
+    pip = [sys.executable, "-m", "pip", "install", *offline, "--target", str(there / "installed"), str(folder)]
+    subprocess.run(pip, check=True, timeout=120)
+    return folder

@@ -1,12 +1,11 @@
 """A new feature is found where it is installed, passes its own test, answers, and leaves no trace when it is gone."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from tests.guide import commands_in, guide
-from tests.shell import homebot_in, run
+from tests.shell import homebot_in, installed_package, run
 
 from homebot.cli.main import main
 
@@ -15,16 +14,8 @@ NEW, ENTER, INSTALL, TEST, RUN, *ASKED = commands_in(guide("features"))
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the guide, installed beside it as pip does it offline."""
-    there = tmp_path_factory.mktemp("there")
-    written = run(NEW, cwd=there)
-    assert (written.returncode, written.stderr) == (0, "")
-    assert f"try it: {ENTER} && {INSTALL} && {TEST} && {RUN}" in written.stdout
-    folder: Path = there / ENTER.removeprefix("cd ")
-    offline = ("--no-deps", "--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet")
-    pip = [sys.executable, "-m", "pip", "install", *offline, "--target", str(there / "installed"), str(folder)]
-    subprocess.run(pip, check=True, timeout=120)
-    return folder
+    """The folder of the guide, installed beside it."""
+    return installed_package(tmp_path_factory.mktemp("there"), NEW, ENTER, INSTALL, TEST, RUN)
 
 
 @pytest.mark.slow

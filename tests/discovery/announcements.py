@@ -3,10 +3,11 @@
 from itertools import islice
 from typing import Literal
 
-from homebot.devices import KeyValue, Sighting
+from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue, Reading, Value
+from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 
 WHOLE_DEVICE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
@@ -103,4 +104,22 @@ def tell(
         stream=f"{sighting.key} {address}",
         retained=retained,
         received_at=Time.from_seconds(at),
+    )
+
+
+def only_device(index: DeviceIndex) -> Device:
+    (device,) = index.devices()
+    return device
+
+
+def contents(device: Device) -> frozenset[object]:
+    """Return its parts without their ids, which depend on the order of announcements."""
+    return frozenset(
+        (
+            frozenset((way.key, way.part, way.takes) for way in one.routes),
+            one.part.service_type,
+            one.part.category,
+            frozenset(one.part.capabilities),
+        )
+        for one in device.parts
     )

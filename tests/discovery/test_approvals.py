@@ -3,9 +3,9 @@
 from typing import Any
 
 import pytest
-from tests.discovery.announcements import announce, part_of, tell
+from tests.discovery.announcements import announce, only_device, part_of, tell
 
-from homebot.devices import Device, Sighting
+from homebot.devices import Sighting
 from homebot.devices.always_ask import always_asks, is_approved, waits_for_approval
 from homebot.devices.part import Capability, CommandDescription
 from homebot.discovery import DeviceIndex, OwnerFacts
@@ -31,11 +31,6 @@ def changed(sighting: Sighting, **fields: Any) -> Sighting:
     """The announcement with other fields of its only part."""
     (part,) = sighting.parts
     return sighting.model_copy(update={"parts": (part.model_copy(update=fields),)})
-
-
-def only(index: DeviceIndex) -> Device:
-    (device,) = index.devices()
-    return device
 
 
 def approved(index: DeviceIndex) -> list[str]:
@@ -69,18 +64,18 @@ def test_an_approved_lock_that_is_announced_differently_waits_again_and_says_wha
     index: DeviceIndex, lock: Sighting, fields: dict[str, Any], problem: str
 ) -> None:
     index.observe(lock)
-    assert waits_for_approval(only(index))
+    assert waits_for_approval(only_device(index))
     index.places.approve("door", 1.0)
-    assert not waits_for_approval(only(index))
+    assert not waits_for_approval(only_device(index))
     index.observe(changed(lock, **fields), 2.0)
-    device = only(index)
+    device = only_device(index)
     assert waits_for_approval(device)
     assert not is_approved(device)
     assert [(one.value, one.convention, one.key) for one in device.facts if one.name == "changed_since_approval"] == [
         (problem, "owner", lock.key)
     ]
     assert index.places.approve("door", 3.0) == (f"{lock.key}: {problem}",)
-    assert not waits_for_approval(only(index))
+    assert not waits_for_approval(only_device(index))
 
 
 def test_an_approval_of_what_was_shown_is_refused_once_it_is_announced_otherwise(
@@ -91,19 +86,19 @@ def test_an_approval_of_what_was_shown_is_refused_once_it_is_announced_otherwise
     index.observe(changed(lock, payloads="unlock sends LOCK"), 1.0)
     with pytest.raises(RefusedError, match="it changed since it was shown; look at it again"):
         index.places.approve("door", 2.0, shown)
-    assert waits_for_approval(only(index))
+    assert waits_for_approval(only_device(index))
     index.observe(lock, 3.0)
     index.places.approve("door", 4.0, shown)
-    assert not waits_for_approval(only(index))
+    assert not waits_for_approval(only_device(index))
 
 
 def test_an_approved_lock_with_another_identifier_waits_again(index: DeviceIndex, lock: Sighting) -> None:
     index.observe(lock)
     index.places.approve("door", 1.0)
     index.observe(lock.model_copy(update={"identifiers": (MAC, "id:other")}), 2.0)
-    assert waits_for_approval(only(index))
+    assert waits_for_approval(only_device(index))
     index.observe(lock.model_copy(update={"name": "Front door", "area": "Hall", "why": "renamed"}), 3.0)
-    assert not waits_for_approval(only(index))  # as it was approved, but for what people call it
+    assert not waits_for_approval(only_device(index))  # as it was approved, but for what people call it
 
 
 def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved(
@@ -113,16 +108,16 @@ def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved
     index.places.approve("door", 1.0)
     joins = announce("lock/other", part_of("door_lock", "lock", id="o", writes=("garage/cmd/set",)), ids=(MAC,))
     index.observe(joins, 2.0)
-    device = only(index)
+    device = only_device(index)
     assert {one.id: [bool(route.approved) for route in one.routes] for one in device.parts} == {
         "l": [True],
         "o": [False],
     }
     assert waits_for_approval(device)
     again = restored(index)
-    assert waits_for_approval(only(again))
+    assert waits_for_approval(only_device(again))
     again.places.approve("door", 3.0)
-    assert not waits_for_approval(only(again))
+    assert not waits_for_approval(only_device(again))
 
 
 def test_what_joins_an_approved_device_neither_names_nor_places_it(index: DeviceIndex, lock: Sighting) -> None:
@@ -130,9 +125,9 @@ def test_what_joins_an_approved_device_neither_names_nor_places_it(index: Device
     index.observe(lock)
     index.places.approve("door", 1.0)
     index.observe(announce("sensor/evil", part_of("x_sensor"), ids=(MAC,), name="Shed lock", area="Shed"), 2.0)
-    assert (only(index).names, only(index).area) == (("Door",), "")
+    assert (only_device(index).names, only_device(index).area) == (("Door",), "")
     index.places.disapprove("door")
-    assert (only(index).names, only(index).area) == (("Door", "Shed lock"), "Shed")
+    assert (only_device(index).names, only_device(index).area) == (("Door", "Shed lock"), "Shed")
 
 
 @pytest.mark.parametrize("kind", ["light", "switch", "x_setting"])
@@ -147,7 +142,7 @@ def test_what_joins_on_the_topic_of_a_lock_always_asks(
     apart = part_of("light", "on_off", id="a", writes=("porch/set",))
     for key, part in (("lock/door", bolt), ("light/door", lamp), ("light/porch", apart)):
         index.observe(announce(key, part, ids=(MAC,), name="Box"))
-    device = only(index)
+    device = only_device(index)
     assert {part.id: always_asks(device, part) for part in device.parts} == {"l": True, "g": True, "a": False}
 
 
@@ -161,23 +156,23 @@ def test_a_further_route_to_an_approved_part_is_not_approved_and_reports_nothing
         "lock/twin", part_of("door_lock", "lock", id="l", writes=("door/set",)), ids=(MAC,), on=lock.announced_on
     )
     index.observe(twin, 2.0)
-    (both,) = only(index).parts
+    (both,) = only_device(index).parts
     assert {route.key: bool(route.approved) for route in both.routes} == {lock.key: True, twin.key: False}
     index.report(tell(lock, "lock", "unlocked", part="l", at=10))
     index.report(tell(twin, "lock", "locked", part="l", at=20))
-    assert [one.value.plain() for one in only(index).states] == ["unlocked"]
+    assert [one.value.plain() for one in only_device(index).states] == ["unlocked"]
     index.observe(lock.model_copy(update={"identifiers": (MAC, "id:changed")}), 25.0)
-    assert not is_approved(only(index))
-    assert [one.value.plain() for one in only(index).states] == ["unlocked"]
+    assert not is_approved(only_device(index))
+    assert [one.value.plain() for one in only_device(index).states] == ["unlocked"]
     index.places.approve("door", 30.0)
-    assert [one.value.plain() for one in only(index).states] == ["locked"]
+    assert [one.value.plain() for one in only_device(index).states] == ["locked"]
 
 
 def test_an_approval_survives_a_restart_and_is_taken_back(index: DeviceIndex, lock: Sighting) -> None:
     index.observe(lock)
     index.places.place("door", "Hall", 1.0)
     index.places.approve("door", 2.0)
-    assert [(one.name, one.value, one.key) for one in only(index).facts if one.convention == "owner"] == [
+    assert [(one.name, one.value, one.key) for one in only_device(index).facts if one.convention == "owner"] == [
         ("approved", "yes", "command"),
         ("area", "Hall", "command"),
     ]
@@ -190,7 +185,7 @@ def test_an_approval_survives_a_restart_and_is_taken_back(index: DeviceIndex, lo
     again.places.disapprove("door")
     again.places.disapprove("door")
     assert approved(again) == []
-    assert only(again).area == "Hall"
+    assert only_device(again).area == "Hall"
     with pytest.raises(RefusedError, match="no device of that id"):
         again.places.approve("nobody", 3.0)
 
@@ -203,7 +198,7 @@ def relock() -> Sighting:
 
 
 def routes_approved(index: DeviceIndex) -> dict[str, list[bool]]:
-    return {part.id: [bool(route.approved) for route in part.routes] for part in only(index).parts}
+    return {part.id: [bool(route.approved) for route in part.routes] for part in only_device(index).parts}
 
 
 def test_what_was_away_at_the_last_approval_waits_alone(index: DeviceIndex, lock: Sighting, relock: Sighting) -> None:
@@ -234,7 +229,7 @@ def test_another_device_that_comes_with_the_same_id_is_not_approved(index: Devic
     index.places.approve("door", 2.0)
     index.forget("door", 3.0)
     index.observe(lock.model_copy(update={"key": "homeassistant:new", "confirmed": True}), 4.0)
-    assert only(index).id == "door"
+    assert only_device(index).id == "door"
     assert approved(index) == []
     index.places.approve("door", 5.0)
     assert approved(restored(index)) == ["door"]
@@ -248,7 +243,7 @@ def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(index: DeviceI
     index.places.approve("door", 1.0)
     index.merge(("door", "gate"), 2.0)
     assert approved(index) == ["door"]
-    assert waits_for_approval(only(index))
+    assert waits_for_approval(only_device(index))
     index.split("door", None, 3.0)
     assert approved(index) == ["door"]
     index.merge(("door", "gate"), 4.0)
@@ -269,11 +264,11 @@ def test_two_approved_devices_that_an_announcement_makes_one_wait_again(index: D
     index.places.approve("door", 1.0)
     index.places.approve("shed_lock", 2.0)
     index.observe(announce("sensor/evil", part_of("x_sensor"), ids=(MAC, "id:shed17")), 3.0)
-    assert len(only(index).parts) == 3
-    assert not is_approved(only(index))
-    assert waits_for_approval(only(index))
-    index.places.approve(only(index).id, 4.0)
-    assert is_approved(only(index))
+    assert len(only_device(index).parts) == 3
+    assert not is_approved(only_device(index))
+    assert waits_for_approval(only_device(index))
+    index.places.approve(only_device(index).id, 4.0)
+    assert is_approved(only_device(index))
 
 
 def test_approvals_are_bounded(lock: Sighting) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import pytest
-from tests.discovery.announcements import announce, part_of, tell
+from tests.discovery.announcements import announce, only_device, part_of, tell
 
 from homebot.devices import Device, Sighting
 from homebot.discovery import DeviceIndex
@@ -26,7 +26,7 @@ def lamp(index: DeviceIndex, announced: dict[str, Sighting]) -> Device:
     """That lamp, heard over both at 0 s."""
     for sighting in announced.values():
         index.observe(sighting, 0.0)
-    return only(index)
+    return only_device(index)
 
 
 @pytest.fixture
@@ -38,11 +38,6 @@ def hear(index: DeviceIndex, announced: dict[str, Sighting]) -> Hear:
         index.report(tell(announced[gateway], capability, value, part=part, at=at), at)
 
     return report
-
-
-def only(index: DeviceIndex) -> Device:
-    (device,) = index.devices()
-    return device
 
 
 def life(device: Device) -> list[tuple[str, str, str]]:
@@ -91,10 +86,10 @@ def test_one_that_was_stale_everywhere_returns_over_the_gateway_that_hears_it(
     index: DeviceIndex, lamp: Device, hear: Hear
 ) -> None:
     index.expire(HOUR)
-    assert life(only(index)) == [("radio", "stale", "unknown"), ("cable", "stale", "unknown")]
+    assert life(only_device(index)) == [("radio", "stale", "unknown"), ("cable", "stale", "unknown")]
     hear("cable", 3700.0)
-    assert only(index).freshness == "fresh"
-    assert life(only(index)) == [("cable", "fresh", "unknown"), ("radio", "stale", "unknown")]
+    assert only_device(index).freshness == "fresh"
+    assert life(only_device(index)) == [("cable", "fresh", "unknown"), ("radio", "stale", "unknown")]
 
 
 def test_the_route_that_says_that_it_cannot_be_reached_there_comes_last(
@@ -112,19 +107,19 @@ def test_the_route_that_says_that_it_cannot_be_reached_there_comes_last(
 
 def test_a_gateway_without_a_part_of_it_is_an_endpoint_as_well(index: DeviceIndex, lamp: Device) -> None:
     index.observe(announce("page", ids=(MAC,), gateway="web", confirmed=True), 1.0)
-    assert [one.gateway for one in only(index).endpoints] == ["radio", "cable", "web"]
+    assert [one.gateway for one in only_device(index).endpoints] == ["radio", "cable", "web"]
 
 
 def test_a_gateway_that_loses_it_is_no_endpoint_any_more(index: DeviceIndex, lamp: Device) -> None:
     index.observe(announce("lamp", ids=(MAC,), gateway="radio", kind="removed", at=5.0), 5.0)
-    assert life(only(index)) == [("cable", "fresh", "unknown")]
+    assert life(only_device(index)) == [("cable", "fresh", "unknown")]
 
 
 def test_a_device_of_one_gateway_is_as_fresh_there_as_everywhere(index: DeviceIndex) -> None:
     index.observe(announce("lamp", part_of("light", "on_off", id="l"), ids=(MAC,), confirmed=True), 0.0)
     index.expire(HOUR)
-    (endpoint,) = only(index).endpoints
-    assert (endpoint.freshness, endpoint.last_seen) == ("stale", only(index).last_seen)
+    (endpoint,) = only_device(index).endpoints
+    assert (endpoint.freshness, endpoint.last_seen) == ("stale", only_device(index).last_seen)
 
 
 def test_two_devices_that_become_one_keep_which_gateway_was_silent(index: DeviceIndex) -> None:
@@ -134,8 +129,8 @@ def test_two_devices_that_become_one_keep_which_gateway_was_silent(index: Device
     index.observe(late, 4000.0)
     both = announce("lamp", part_of("light", "on_off", id="l"), ids=(MAC,), at=0.0)
     index.observe(both, 4001.0)
-    assert only(index).freshness == "fresh"
-    assert {one[0]: one[1] for one in life(only(index))} == {"mqtt": "stale", "cable": "fresh"}
+    assert only_device(index).freshness == "fresh"
+    assert {one[0]: one[1] for one in life(only_device(index))} == {"mqtt": "stale", "cable": "fresh"}
 
 
 @pytest.mark.parametrize(
@@ -147,9 +142,9 @@ def test_the_gateways_that_the_owner_prefers_take_commands_first(
     index.owner.prefer = prefer
     for sighting in announced.values():
         index.observe(sighting, 0.0)
-    assert routes(only(index)) == order
-    assert [one.gateway for one in only(index).endpoints] == order
-    (fact,) = [one for one in only(index).facts if one.name == "prefer"]
+    assert routes(only_device(index)) == order
+    assert [one.gateway for one in only_device(index).endpoints] == order
+    (fact,) = [one for one in only_device(index).facts if one.name == "prefer"]
     assert (fact.value, fact.convention) == (order[0], "owner")
 
 
@@ -161,11 +156,11 @@ def test_a_preferred_gateway_that_cannot_reach_the_device_or_is_stale_comes_last
         index.observe(sighting, 0.0)
     hear("radio", 1000.0)
     index.expire(HOUR)
-    assert routes(only(index)) == ["radio", "cable"], "cable was silent for too long"
+    assert routes(only_device(index)) == ["radio", "cable"], "cable was silent for too long"
     hear("cable", 4000.0)
-    assert routes(only(index)) == ["cable", "radio"]
+    assert routes(only_device(index)) == ["cable", "radio"]
     hear("cable", 4010.0, "reachable", value=False)
-    assert routes(only(index)) == ["radio", "cable"], "cable cannot reach it"
+    assert routes(only_device(index)) == ["radio", "cable"], "cable cannot reach it"
 
 
 def test_a_device_of_one_gateway_says_nothing_of_a_preference(
@@ -173,4 +168,4 @@ def test_a_device_of_one_gateway_says_nothing_of_a_preference(
 ) -> None:
     index.owner.prefer = ("cable", "radio")
     index.observe(announced["cable"], 0.0)
-    assert all(one.name != "prefer" for one in only(index).facts)
+    assert all(one.name != "prefer" for one in only_device(index).facts)

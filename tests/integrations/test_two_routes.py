@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable, Collection
+from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -12,7 +12,7 @@ import pytest
 from anyio.abc import TaskGroup
 from tests.integrations.test_home_assistant_registry import Entry, RegisteredLamp, lamp_named
 from tests.loopback import alone_on_loopback
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, until
 from tests.ports import reserve_port
 
 from homebot.cli.main import main
@@ -124,12 +124,6 @@ async def said(runtime: Runtime, capsys: pytest.CaptureFixture[str], *words: str
     assert runtime.door is not None
     assert await asyncio.to_thread(main, [*words, "--door", f"127.0.0.1:{runtime.door.port}"]) == 0
     return capsys.readouterr().out
-
-
-async def until(holds: Callable[[], bool]) -> None:
-    with anyio.fail_after(PATIENCE):
-        while not holds():  # noqa: ASYNC110 - the lamp tells nobody
-            await anyio.sleep(0.02)
 
 
 async def obeyed(lamp: TwoWayLamp, outcome: Outcome) -> list[str]:

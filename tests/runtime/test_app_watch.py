@@ -1,12 +1,11 @@
 """Apps that are reloaded when their files change."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.patience import PATIENCE
+from tests.patience import until
 
 from homebot.cli.main import main
 from homebot.config import parse_config
@@ -22,13 +21,6 @@ class {kind}(App):
     async def run(self):
         await sleep_forever()
 """
-
-
-async def until(is_so: Callable[[], object]) -> None:
-    """Wait for what another process, or a thread, does."""
-    with anyio.fail_after(PATIENCE):
-        while not is_so():  # noqa: ASYNC110 - no event tells it
-            await anyio.sleep(0.01)
 
 
 async def test_an_app_is_reloaded_when_its_file_changes_and_no_other(

@@ -2,9 +2,7 @@
 
 import math
 import re
-import shlex
 import signal
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +10,7 @@ import pytest
 from tests.features.bags.bags import CHAT, START, bag_of, topic, words
 from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
-from tests.shell import Homebot, environment, homebot_in
+from tests.shell import Homebot, homebot_in
 from tests.system.attack_probe import until
 
 from homebot.features.bags.bag_topic import BagMessage, BagTopic
@@ -35,17 +33,6 @@ HELLO = "homebot topic pub --once /hello std_msgs/String '{data: hi}'"
 OUT = "homebot topic pub --once /gateway/mqtt/out '{address: home425/lights/hall_lamp/in, payload: on}'"
 
 
-def begin(shell: Homebot, command: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        shlex.split(command),
-        cwd=shell.folder,
-        env=environment(shell.door),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
 def ok(shell: Homebot, command: str) -> str:
     done = shell.run(command)
     assert (done.returncode, done.stderr) == (0, "")
@@ -58,11 +45,11 @@ def is_on(shell: Homebot) -> bool:
 
 def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
     with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
-        recorder = begin(shell, RECORD)
+        recorder = shell.begin(RECORD)
         while not (tmp_path / "day").exists():
             assert recorder.poll() is None
         for command in (HELLO, OUT):  # for longer than a look for new topics takes
-            talker = begin(shell, command.replace("--once", "-r 10"))
+            talker = shell.begin(command.replace("--once", "-r 10"))
             assert talker.stdout is not None
             while "#20 " not in talker.stdout.readline():
                 assert talker.poll() is None
@@ -77,7 +64,7 @@ def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
         assert re.search(r"/hello \| std_msgs/msg/String \| \d+\n", told)
         assert re.search(r"/gateway/mqtt/received_topics \| homebot/msg/Sighting \| [1-9]", told)  # it is latched
 
-        reader = begin(shell, "homebot topic echo --once --json /hello")
+        reader = shell.begin("homebot topic echo --once --json /hello")
         assert reader.stderr is not None
         assert "no topic /hello yet" in reader.stderr.readline()
         played = ok(shell, PLAY)
@@ -110,7 +97,7 @@ def test_what_is_played_is_what_was_recorded_also_infinity(tmp_path: Path) -> No
             writer.write(BagMessage(seen, START + number * 100_000_000, data))
     (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\n")
     with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
-        recorder = begin(shell, "homebot bag record -o again.mcap /ranges")
+        recorder = shell.begin("homebot bag record -o again.mcap /ranges")
         assert recorder.stderr is not None
         assert "no topic /ranges yet" in recorder.stderr.readline()
         ok(shell, PLAY.replace("--rate 2", ""))
@@ -167,10 +154,10 @@ def test_one_file_has_the_topics_that_were_named(tmp_path: Path) -> None:
 
 def test_a_topic_that_is_not_there_is_awaited(tmp_path: Path) -> None:
     with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
-        recorder = begin(shell, f"{RECORD} hello --for 300")
+        recorder = shell.begin(f"{RECORD} hello --for 300")
         assert recorder.stderr is not None
         assert recorder.stderr.readline() == "homebot: no topic /hello yet; waiting, Ctrl-C stops\n"
-        talker = begin(shell, HELLO.replace("--once", "-r 10"))
+        talker = shell.begin(HELLO.replace("--once", "-r 10"))
         while not (tmp_path / "day" / "day_0.mcap").stat().st_size > 500:  # beyond its first bytes
             assert recorder.poll() is None
         talker.kill()

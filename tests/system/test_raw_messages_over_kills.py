@@ -3,6 +3,7 @@
 import json
 import threading
 from collections import Counter
+from functools import partial
 from typing import Any, Final
 
 import anyio
@@ -10,7 +11,7 @@ import pytest
 from paho.mqtt import client as paho
 from paho.mqtt.enums import CallbackAPIVersion
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, until
 from tests.turns import Turns
 
 from homebot.config import parse_config
@@ -79,12 +80,6 @@ async def listen(client: Client[Any, Any]) -> str:
     return topic
 
 
-async def until(heard: Counter[bytes], payloads: set[bytes]) -> None:
-    with anyio.fail_after(PATIENCE):
-        while not payloads <= heard.keys():  # noqa: ASYNC110 - the broker is another process
-            await anyio.sleep(0.05)
-
-
 async def test_after_a_kill_of_the_broker_an_app_hears_hardly_more_twice_than_plain_paho() -> None:
     """Retained states come again on each new link, for what was missed; what was heard is not heard again."""
     heard: Counter[bytes] = Counter()
@@ -111,8 +106,8 @@ async def test_after_a_kill_of_the_broker_an_app_hears_hardly_more_twice_than_pl
                     for number in range(SENSORS):
                         payload = b"%d" % (kill * SENSORS + number)
                         await connection.publish(f"sensors/{number}", payload, qos=1, retain=True)
-                    await until(heard, payloads)
-                    await until(plain.heard, payloads)
+                    await until(partial(payloads.issubset, heard))
+                    await until(partial(payloads.issubset, plain.heard))
                     await broker.until_saved()
                     await broker.stop(abrupt=True)
                     await broker.start()
@@ -120,7 +115,7 @@ async def test_after_a_kill_of_the_broker_an_app_hears_hardly_more_twice_than_pl
                 last = {b"last %d" % number for number in range(SENSORS)}
                 for number in range(SENSORS):
                     await connection.publish(f"sensors/{number}", b"last %d" % number, qos=1, retain=True)
-                await until(heard, last)  # and so the gateway is back
+                await until(partial(last.issubset, heard))  # and so the gateway is back
         finally:
             await anyio.to_thread.run_sync(plain.stop)
     twice = sum(count - 1 for count in heard.values())

@@ -4,12 +4,11 @@ import json
 import re
 import shlex
 import signal
-import subprocess
 from pathlib import Path
 
 from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
-from tests.shell import Homebot, environment, homebot_in
+from tests.shell import Homebot, homebot_in
 
 import homebot.apps.light_service
 
@@ -22,17 +21,6 @@ RUNS_HERE = [
     "homebot run --config homebot.toml --dry-run",
 ]
 LAMP = "roomlights405"
-
-
-def begin(shell: Homebot, command: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        shlex.split(command),
-        cwd=shell.folder,
-        env=environment(shell.door),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 def kinds(shell: Homebot, command: str) -> list[tuple[str, str]]:
@@ -49,7 +37,7 @@ def test_every_command_of_the_guide_is_run_here() -> None:
 def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
     """The light service turns off the lamp that is on at the start, and again when somebody turns it on."""
     with homebot_in(tmp_path, "--house", "thesis", "--record", "run.jsonl", until=(f"{LAMP} → off",)) as shell:
-        recorder = begin(shell, RUNS_HERE[0].replace("86400", "5"))
+        recorder = shell.begin(RUNS_HERE[0].replace("86400", "5"))
         while not (tmp_path / "day.jsonl.gz").exists():
             assert recorder.poll() is None
         refused = shell.run("homebot record other.jsonl")
@@ -73,7 +61,7 @@ def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
 
 def test_a_recorder_that_is_stopped_by_ctrl_c_writes_a_whole_file(tmp_path: Path) -> None:
     with homebot_in(tmp_path, "--house", "thesis", until=(f"{LAMP} → off",)) as shell:
-        recorder = begin(shell, "homebot record day.jsonl")
+        recorder = shell.begin("homebot record day.jsonl")
         file = tmp_path / "day.jsonl"
         while not file.exists() or not file.stat().st_size:
             assert recorder.poll() is None

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
 from tests.call_counts import calls
-from tests.discovery.announcements import announce
+from tests.discovery.announcements import announce, contents
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import why_device_asks
@@ -77,20 +77,8 @@ def together(native: tuple[Part, ...], others: tuple[Part, ...]) -> Device:
         for one in order:
             index.observe(one)
         found += index.devices()
-    assert len({outcome(one) for one in found}) == 1
+    assert len({contents(one) for one in found}) == 1
     return found[0]
-
-
-def outcome(device: Device) -> frozenset[object]:
-    return frozenset(
-        (
-            frozenset((way.key, way.part, way.takes) for way in one.routes),
-            one.part.service_type,
-            one.part.category,
-            frozenset(one.part.capabilities),
-        )
-        for one in device.parts
-    )
 
 
 def ways(device: Device) -> set[tuple[str, ...]]:
@@ -311,7 +299,7 @@ def test_random_announcements_of_three_conventions_have_one_result_in_every_orde
                 index.observe(
                     sighting(f"{convention}/{one}", ("homeassistant", "other")[convention], others[convention][one])
                 )
-        made_of.append({outcome(one) for one in index.devices()})
+        made_of.append({contents(one) for one in index.devices()})
         for device in index.devices():
             routes = [(way.key, way.part) for part in device.parts for way in part.routes]
             assert len(routes) == len(set(routes)) == len(native) + len(order)

@@ -4,9 +4,9 @@ Any program that a broker lets publish below a topic of its own can make one, in
 """
 
 import pytest
-from tests.discovery.announcements import announce, part_of, tell
+from tests.discovery.announcements import announce, only_device, part_of, tell
 
-from homebot.devices import Device, Sighting
+from homebot.devices import Sighting
 from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.client_rights import read_scope
 from homebot.devices.part import Capability, Category, Part
@@ -23,11 +23,6 @@ def index_of(*sightings: Sighting) -> DeviceIndex:
     for number, one in enumerate(sightings):
         index.observe(one, float(number))
     return index
-
-
-def only(index: DeviceIndex) -> Device:
-    (device,) = index.devices()
-    return device
 
 
 def relay(name: str = "", kind: str = "switch", *, at: str = "gate", advertised: str = "") -> Part:
@@ -63,7 +58,7 @@ def test_what_joins_a_dangerous_device_does_not_hide(danger: str, is_first: bool
     part, other, name, facts = DANGERS[danger]
     true = announce("gate", part, ids=(MAC,), name=name, facts=facts)
     evil = announce("evil", other, convention=convention, ids=(MAC,), name="Siren", facts={"model": "Siren"})
-    device = only(index_of(*((evil, true) if is_first else (true, evil))))
+    device = only_device(index_of(*((evil, true) if is_first else (true, evil))))
     ways = [part for part in device.parts if any(route.key == true.key for route in part.routes)]
     assert ways
     assert all(always_asks(device, part) for part in ways)
@@ -74,7 +69,7 @@ def test_what_joins_a_dangerous_device_does_not_hide(danger: str, is_first: bool
 def test_a_denied_way_to_a_gate_does_not_describe_it(convention: str) -> None:
     """A lamp on the topic of the gate has no way there, so that only the gate's announcement says what that is."""
     lamp = announce("evil", relay("Lamp", "x_setting"), convention=convention, ids=(MAC,), name="Box")
-    device = only(index_of(lamp, announce("gate", relay("Gate"), ids=(MAC,), name="Box")))
+    device = only_device(index_of(lamp, announce("gate", relay("Gate"), ids=(MAC,), name="Box")))
     told = [part for part in device.parts if any(route.topics == ("gate/set",) for route in part.routes)]
     assert told
     assert all(always_asks(device, part) for part in told)
@@ -93,7 +88,7 @@ def test_what_joins_an_approved_lock_gives_it_no_name_and_no_place_in_any_way(co
             "evil", part_of("x_sensor"), convention=convention, ids=(MAC,), name="Shed lock", area="Shed", facts=facts
         )
     )
-    device = only(index)
+    device = only_device(index)
     assert (device.name, device.names, device.area, device.tags) == ("Door", ("Door",), "", ())
     assert not [one for one in device.facts if one.name == "position"]
     for query in ('name="Shed lock"', "name=shed", 'name="Shed bolt"', "in shed", "shed"):
@@ -105,10 +100,10 @@ def test_what_joins_an_approved_lock_gives_it_no_name_and_no_place_in_any_way(co
 def test_what_joins_an_approved_device_asks_by_its_own_model() -> None:
     """Only its names and places are not believed: the danger that it states is its own."""
     index = index_of(announce("gate", relay("Gate"), ids=(MAC,), name="Box"))
-    index.places.approve(only(index).id, 1.0)
+    index.places.approve(only_device(index).id, 1.0)
     other = part_of("switch", "on_off", id="relay_2", writes=("esp/set",))
     index.observe(announce("esp", other, ids=(MAC,), name="Box", facts={"model": "Garage door opener"}), 2.0)
-    device = only(index)
+    device = only_device(index)
     assert all(always_asks(device, part) for part in device.parts)
     assert not index.find(parse_query('model="Garage door opener"'))
 
@@ -125,7 +120,7 @@ def test_a_stranger_gets_no_commands_before_its_first_report(convention: str, is
     for told, ways in ((), {"lamp", "evil"}), ((true,), {"lamp"}), ((stranger,), {"lamp", "evil"}):
         for one in told:
             index.report(tell(one, "on_off", value=True, part=one.parts[0].id), 3.0)
-        device = only(index)
+        device = only_device(index)
         keys = {route.key.rpartition(":")[2] for part in device.parts for route in part.routes}
         assert keys == ways
         assert any("before its first report" in one for one in device.conflicts) is (len(ways) == 1)
@@ -146,7 +141,7 @@ def test_the_part_of_a_stranger_is_listed_once_it_has_reported(
     index = index_of(*((evil, true) if is_first else (true, evil)))
     index.report(tell(true, "on_off", value=True, part="p"), 3.0)
     for is_there in (is_listed, True):
-        device = only(index)
+        device = only_device(index)
         assert [part.part.service_type for part in device.parts if part.part.service_type != kind] == ["plug"]
         assert (kind in device.service_types, len(device.parts)) == (is_there, 1 + is_there)
         assert bool(index.find(parse_query(f"type={kind}"))) is is_there

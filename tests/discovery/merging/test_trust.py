@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
+from tests.discovery.announcements import only_device
 
-from homebot.devices import Device, Sighting
+from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Reading, Value
@@ -69,11 +70,6 @@ def observe(index: DeviceIndex, *sightings: Sighting, at: float = 0.0) -> None:
         index.observe(one, at)
 
 
-def only(index: DeviceIndex) -> Device:
-    (device,) = index.devices()
-    return device
-
-
 def routes(index: DeviceIndex) -> list[tuple[str, str]]:
     """Return the endpoints that get the commands of any part of any device."""
     return [(route.gateway, route.key) for device in index.devices() for part in device.parts for route in part.routes]
@@ -86,7 +82,7 @@ def change(index: DeviceIndex, value: PlainValue, at: float, *endpoints: tuple[s
 
 def test_a_stranger_is_listed_and_gets_no_commands(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE), sighting(STRANGER))
-    device = only(index)
+    device = only_device(index)
     assert [(one.gateway, one.claimed) for one in device.endpoints] == [("cable", False), ("air", True)]
     assert routes(index) == [TRUE]
     assert (device.name, device.area) == ("cable lamp", "Hall")
@@ -99,8 +95,8 @@ def test_nor_while_the_true_one_is_unreachable(index: DeviceIndex) -> None:
     index.report(report(TRUE, False, 1.0, REACHABLE), 1.0)
     index.report(report(STRANGER, True, 2.0, REACHABLE), 2.0)
     assert routes(index) == [TRUE]
-    assert only(index).reachable.state == "no", "the stranger's word does not make it reachable"
-    assert only(index).endpoints[0].gateway == "cable"
+    assert only_device(index).reachable.state == "no", "the stranger's word does not make it reachable"
+    assert only_device(index).endpoints[0].gateway == "cable"
 
 
 def test_what_a_stranger_reports_does_not_count_beside_what_the_device_is(index: DeviceIndex) -> None:
@@ -110,7 +106,7 @@ def test_what_a_stranger_reports_does_not_count_beside_what_the_device_is(index:
     index.pop_changes()
     index.pop_states()
     index.report(report(STRANGER, "locked", 2.0, "lock"), 2.0)
-    assert [one.value.plain() for one in only(index).states] == ["unlocked"]
+    assert [one.value.plain() for one in only_device(index).states] == ["unlocked"]
     assert index.pop_states() == ()
 
 
@@ -120,7 +116,7 @@ def test_a_stranger_does_not_say_what_the_device_is(index: DeviceIndex) -> None:
     (alone,) = index.devices()
     nowhere = sighting(STRANGER, "light", "on_off", "level", identifiers=(MAC, "mac:000000000001"))
     observe(index, nowhere)
-    device = only(index)
+    device = only_device(index)
     shown = [(one.name, one.names, one.area, one.service_type, one.service_types) for one in (alone, device)]
     assert shown[0] == shown[1]
     assert device.endpoints[0].command_address == alone.endpoints[0].command_address != ""
@@ -131,11 +127,11 @@ def test_a_stranger_does_not_say_what_the_device_is(index: DeviceIndex) -> None:
 def test_a_stranger_does_not_keep_two_true_announcements_from_being_one(index: DeviceIndex) -> None:
     """Three lamps with one name fit each other equally well; the two of trusted endpoints are matched first."""
     observe(index, sighting(TRUE), sighting(("radio", "lamp"), authenticated=True))
-    assert len(only(index).parts) == 1
+    assert len(only_device(index).parts) == 1
     lamp = sighting(("radio", "evil")).parts[0]
     evil = sighting(("radio", "evil")).model_copy(update={"parts": (lamp.model_copy(update={"id": "q"}),)})
     observe(index, evil)
-    assert len(only(index).parts[0].routes) == 2
+    assert len(only_device(index).parts[0].routes) == 2
 
 
 def test_a_stranger_in_the_same_gateway_is_one_as_well(index: DeviceIndex) -> None:
@@ -160,7 +156,7 @@ def test_sensors_need_no_trust_and_make_none(index: DeviceIndex) -> None:
     sensor = sighting(("ble", "t"), "temperature_sensor", "temperature", settable=False)
     observe(index, sensor, sighting(TRUE))
     assert routes(index)[-1] == TRUE
-    assert not any(one.claimed for one in only(index).endpoints)
+    assert not any(one.claimed for one in only_device(index).endpoints)
 
 
 def test_one_that_proves_who_it_is_gets_commands_at_once(index: DeviceIndex) -> None:
@@ -216,7 +212,7 @@ def test_what_can_hurt_is_not_given_to_one_that_only_reports_the_same(index: Dev
 
 def test_the_owner_confirms_it(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE, "door_lock"), sighting(STRANGER, "door_lock"))
-    device = only(index)
+    device = only_device(index)
     assert index.merge([device.id], 1.0) == device.id
     assert sorted(routes(index)) == [STRANGER, TRUE]
     with pytest.raises(RefusedError, match="it takes two different devices"):
@@ -231,7 +227,7 @@ def test_two_devices_that_the_owner_merges_have_the_endpoints_of_both(index: Dev
 
 def test_a_split_makes_a_device_of_its_own_that_gets_its_own_commands(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE), sighting(STRANGER))
-    index.split(only(index).id, STRANGER, 1.0)
+    index.split(only_device(index).id, STRANGER, 1.0)
     assert len(index.devices()) == 2
     assert sorted(routes(index)) == [STRANGER, TRUE]
 
@@ -254,7 +250,7 @@ def test_a_lock_whose_only_endpoint_is_a_claimed_one_says_why_it_cannot(index: D
     observe(index, sighting(TRUE, "door_lock"), sighting(STRANGER, "door_lock"))
     observe(index, sighting(TRUE, "door_lock", kind="removed"))
     assert routes(index) == []
-    assert only(index).conflicts == (
+    assert only_device(index).conflicts == (
         "evil on air only claims to be this device, and gets no commands; confirm it with `homebot merge` and the name "
         "of the device, or undo it with `homebot split`",
     )
@@ -262,16 +258,16 @@ def test_a_lock_whose_only_endpoint_is_a_claimed_one_says_why_it_cannot(index: D
 
 def test_a_lock_that_went_is_not_brought_back_by_a_stranger(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE, "door_lock"))
-    device_id = only(index).id
+    device_id = only_device(index).id
     observe(index, sighting(TRUE, "door_lock", kind="removed"), sighting(STRANGER, "door_lock"))
-    assert (only(index).id, routes(index)) == (device_id, [])
+    assert (only_device(index).id, routes(index)) == (device_id, [])
     observe(index, sighting(TRUE, "door_lock"))
     assert routes(index) == [TRUE]
 
 
 def test_trust_is_remembered_over_a_restart(index: DeviceIndex) -> None:
     observe(index, sighting(TRUE, "door_lock"), sighting(STRANGER, "door_lock"), sighting(TRUE, kind="removed"))
-    entry = index.entry(only(index).id)
+    entry = index.entry(only_device(index).id)
     assert entry is not None
     again = DeviceIndex(forget_after=1000.0)
     again.restore(read_entry(entry.id, entry_record(entry)), 0.0)
@@ -285,7 +281,7 @@ def test_trust_is_remembered_over_a_restart(index: DeviceIndex) -> None:
 def test_endpoints_that_are_remembered_are_bounded(index: DeviceIndex) -> None:
     everywhere = [sighting(("air", str(number)), authenticated=True) for number in range(MAX_TRUSTED + 10)]
     observe(index, *everywhere)
-    entry = index.entry(only(index).id)
+    entry = index.entry(only_device(index).id)
     assert entry is not None
     assert len(entry.trusted) <= MAX_TRUSTED
 

@@ -10,7 +10,7 @@ import anyio.lowlevel
 import pytest
 from pydantic import ValidationError
 from tests.gateways.served import served
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, until
 from tests.things.directory import ThingDirectoryServer
 from tests.things.thing import ServedThing
 
@@ -46,12 +46,6 @@ async def gateway(url: str, **settings: object) -> AsyncIterator[tuple[ThingDire
         found = ThingDirectoryGateway(node, ThingDirectorySettings.model_validate({"url": url, **settings}))
         async with running(found):
             yield found, watcher
-
-
-async def until(is_so: Callable[[], bool]) -> None:
-    with anyio.fail_after(PATIENCE):
-        while not is_so():  # noqa: ASYNC110 - a count tells nobody
-            await anyio.sleep(0.02)
 
 
 async def test_all_pages_of_the_list_are_read() -> None:

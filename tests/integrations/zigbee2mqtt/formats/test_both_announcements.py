@@ -17,6 +17,7 @@ from random import Random
 from typing import Any, TypeAlias
 
 import pytest
+from tests.discovery.announcements import contents
 from tests.sizes import size
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
@@ -207,29 +208,16 @@ def spelled(value: object) -> object:
     return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
-def outcome(device: Device) -> frozenset[object]:
-    """Return its parts without their ids, which depend on the order of announcements."""
-    return frozenset(
-        (
-            frozenset((way.key, way.part, way.takes) for way in one.routes),
-            one.part.service_type,
-            one.part.category,
-            frozenset(one.part.capabilities),
-        )
-        for one in device.parts
-    )
-
-
 def test_the_models_of_all_other_fixtures_are_here() -> None:
     assert len(ROWS) >= 190
 
 
 def every_order_of_arrival_has_one_result(model: Model) -> None:
-    wanted = outcome(model.whole)
+    wanted = contents(model.whole)
     order, dice = list(model.sightings), Random(1)  # noqa: S311 - the same orders in every run
     for _ in range(ORDERS):
         dice.shuffle(order)
-        assert outcome(model.device(order)) == wanted
+        assert contents(model.device(order)) == wanted
 
 
 def no_part_is_made_of_two_that_use_nothing_in_common(model: Model) -> None:
