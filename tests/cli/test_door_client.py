@@ -1,6 +1,7 @@
 """The command line's client, against peers that are no homebot."""
 
 import json
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import TypeVar
@@ -162,7 +163,10 @@ async def test_answers_that_come_in_another_order_reach_who_asked() -> None:
     asked: list[str] = []
 
     def answer(_connection: ServerConnection, frame: str) -> list[str]:
-        asked.append(json.loads(frame)["id"])
+        call = json.loads(frame)
+        assert abs(call["sent"] - time.time()) < 60
+        assert call["patience"] == call["timeout"], "a link that hangs may not deliver it later"
+        asked.append(call["id"])
         replies = [{"op": "service_response", "id": one, "result": True, "values": {"of": one}} for one in asked]
         return [json.dumps(one) for one in reversed(replies)] if len(asked) == 2 else []
 

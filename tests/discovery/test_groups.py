@@ -150,7 +150,8 @@ async def test_the_list_tells_which_message_reaches_all_members() -> None:
             ("shelf", "Shelf"),
         ]
         assert not groups["Others"].is_complete
-        assert set(await listed(found, "EVENING")) == {"Evening"}
+        for name in ("EVENING", '"Evening"', "the evening"):
+            assert set(await listed(found, name)) == {"Evening"}
 
 
 async def test_an_unknown_group_is_told_with_a_similar_one() -> None:

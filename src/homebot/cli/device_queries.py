@@ -17,6 +17,7 @@ from homebot.errors import PeerError, UsageError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean, similar_to
+from homebot.words.names import find_name
 from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
@@ -215,10 +216,9 @@ def _near(door: DoorClient, name: str) -> list[Device]:
 
 def _called(name: str, devices: Sequence[Device]) -> list[Device]:
     """Return the device with the id *name*, or the only person with that name, or all devices with it."""
-    wanted = fold(name)
     own = [device for device in devices if device.id == name]
-    named = own or [
-        device for device in devices if wanted in {fold(text) for text in (device.id, device.name, *device.names)}
-    ]
+    names = {device.id: (device.id, device.name, *device.names) for device in devices}
+    wanted = fold(find_name(name, [text for texts in names.values() for text in texts]) or name)
+    named = own or [device for device in devices if wanted in map(fold, names[device.id])]
     persons = [one for one in named if "x_person" in one.service_types]
     return persons if len(persons) == 1 else named

@@ -184,7 +184,7 @@ class DoorClient:
         self._calls += 1
         identifier = f"call:{self._calls}"
         frame = {"op": "call_service", "id": identifier, "service": service, "args": dict(request or {})}
-        self._send(frame | {"timeout": timeout})
+        self._send(frame | {"timeout": timeout, "sent": time.time(), "patience": timeout})
         deadline = time.monotonic() + timeout + _GRACE
 
         def response() -> dict[str, object]:

@@ -13,7 +13,7 @@ from homebot.discovery.groups import group_name
 from homebot.discovery.index import DeviceIndex
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.words.names import no_such
+from homebot.words.names import find_name, no_such
 
 
 class GroupList:
@@ -33,12 +33,13 @@ class GroupList:
 
     async def _list(self, request: ListGroupsRequest) -> ListGroupsResponse:
         await self._catch_up()
-        owner, wanted = self._index.owner, fold(request.name)
+        owner = self._index.owner
         groups = list_groups(self._index.devices(), {} if owner.groups is None else owner.groups.queries)
-        if not wanted:
+        if not request.name.strip():
             return ListGroupsResponse(success=True, groups=groups)
-        found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
         names = [one.name for one in groups]
+        wanted = fold(find_name(request.name, names) or request.name)
+        found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
         problem = "" if found else no_such("group", request.name, names, "`homebot group list` shows all")
         return ListGroupsResponse(success=not problem, message=problem, groups=found)
 

@@ -39,10 +39,12 @@ class Graph:
 
     Attributes:
         elsewhere: The entities of nodes of robots and other machines, as a link shows them; nobody here can use them.
+        coming: The services that begin soon, by full name; until then who calls one may wait for it.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
         self.elsewhere = EndpointIndex()
+        self.coming = frozenset[str]()
         self.clock = clock or LoopClock()
         self._nodes: dict[str, Node] = {}
         self._topics: dict[str, Topic] = {}

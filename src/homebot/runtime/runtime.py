@@ -525,8 +525,13 @@ class Runtime:
 
     async def _run_feature(self, feature: Feature, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
-        await anyio.sleep(_LATER)
-        await load(feature.runs)(self._feature_context)
+        names = {service.name for service in feature.services}
+        self.graph.coming |= names
+        try:
+            await anyio.sleep(_LATER)
+            await load(feature.runs)(self._feature_context)
+        finally:
+            self.graph.coming -= names
 
     async def _run_app(self, name: str, kind: type[App], settings: BaseModel) -> None:
         component = PlannedComponent(name, kind, settings)

@@ -36,6 +36,16 @@ async def test_a_client_calls_a_service(house: House, peer: Peer) -> None:
     assert house.entities() == set()
 
 
+async def test_a_call_of_a_service_that_is_about_to_begin_waits_for_it(house: House, peer: Peer) -> None:
+    """For two seconds after a start the page told that no history is kept."""
+    house.graph.coming |= {"/switch"}
+    for name in ("/switch", "/nothing"):
+        await peer.send("call_service", service=name, args={"data": True})
+    assert "no server" in (await peer.receive())["values"]
+    house.node("lamp").create_service(SetBool, "/switch", echo)
+    assert (await peer.receive())["values"] == {"success": True, "message": "done"}
+
+
 async def test_what_a_link_delivers_after_its_client_gave_it_up_is_not_carried_out(house: House, peer: Peer) -> None:
     """A tap during an outage opened the garage when the link was back, long after the page had told that it failed."""
     done: list[bool] = []

@@ -69,6 +69,16 @@ def test_commands_print_what_they_should(run: Run, capsys: Text, name: str, argu
     check(name, out)
 
 
+def test_a_name_may_stand_in_quotation_marks_and_a_search_of_nothing_finds_all(run: Run, capsys: Text) -> None:
+    printed = []
+    for command in (["show", "kitchen-lamp"], ["show", '"Kitchen-Lamp"'], ["find"], ["devices"]):
+        assert run(*command) == 0
+        printed.append(capsys.readouterr().out)
+    assert printed[0] == printed[1]
+    searched, listed = ({line.split()[0] for line in text.splitlines()[1:]} for text in printed[2:])
+    assert listed - searched == {"3"}, "which counts the devices"
+
+
 @pytest.mark.parametrize(("query", "problem"), [("light in kichen", "'kichen'"), ("light and", "a term is missing")])
 def test_a_history_of_nothing_says_why_as_a_search_does(run: Run, capsys: Text, query: str, problem: str) -> None:
     assert run("find", query) == 1

@@ -42,6 +42,7 @@ async def test_an_app_reads_powers_and_energy(config: dict[str, object]) -> None
     """Where none is kept, it is told how to keep one."""
     Report.energy_of_day, Report.powers, Report.problem = -1.0, (), ""
     async with virtual_house_of(f"{__name__}:Report", config=config) as house:
+        assert ("/history/read" in house.runtime.graph.coming) == bool(config), "a call waits for its start"
         for name, unit in (("power", "W"), ("energy", "kWh")):
             await house.says(f"homeassistant/sensor/washer/{name}/config", DISCOVERY % (name, name, unit, name))
         await anyio.sleep(60)

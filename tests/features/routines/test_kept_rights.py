@@ -62,6 +62,10 @@ async def test_the_command_that_is_told_lets_it_do_what_it_could_not(act: str) -
         assert not (await owner.change(change="run", unless_asks=True)).asks, "it is refused"
         await house.run_for("1m")
 
+        wrong = await owner.change(change="edit", name="Let in", act=("lock in",))
+        assert not wrong.success
+        assert "line" not in wrong.message
+        assert "lock in" in wrong.message
         assert (await owner.types(command[1])).message == "changed Let in"
         assert (await owner.routine()).lacks == (await owner.routine()).hints == ()
         asked = await owner.change(change="run", unless_asks=True)

@@ -179,7 +179,7 @@ async def test_a_scene_can_be_renamed_and_removed(home: Home, scenes: Scenes) ->
     await scenes.change(name="Other", change="save", target="lamp")
     assert (await scenes.change(name="Film", change="rename", target="Other")).message
     assert (await scenes.change(name="Film", change="rename", target="Kino")).success
-    assert (await scenes.change(name="Other", change="remove")).success
+    assert (await scenes.change(name='"Other"', change="remove")).success
     assert [one.name for one in (await scenes.listed()).scenes] == ["Kino"]
 
 

@@ -7,6 +7,8 @@ from difflib import get_close_matches
 from functools import partial
 from typing import Any, final
 
+import anyio
+
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
@@ -35,7 +37,7 @@ from homebot.errors import (
     TypeMismatchError,
     UsageError,
 )
-from homebot.graph import Client, EntityKind, Node
+from homebot.graph import Client, EntityKind, Graph, Node
 from homebot.graph.current_cause import CURRENT_CAUSE, CallCause
 from homebot.graph.parameters import PARAMETER_SERVICES
 from homebot.messages.definition import fields_of
@@ -136,6 +138,7 @@ async def call_service(
     service and the request.
     """
     try:
+        await _wait_if_coming(node.graph, node.resolve_name(op.service, "service name"))
         client, request, problem = _prepare(node, op, access)
     except HomebotError as exc:
         answer(_failure(node, op, exc))
@@ -155,6 +158,13 @@ async def call_service(
         client.close()
     answer(frame)
     await client.wait_for_handlers()
+
+
+async def _wait_if_coming(graph: Graph, name: str) -> None:
+    if name not in graph.coming or graph.get_service_type(name) is not None:
+        return
+    with anyio.move_on_after(_DEFAULT_TIMEOUT), graph.watch(only=(EntityKind.SERVICE, name)) as changes:
+        await anext(changes)
 
 
 def cause_of_call(node: Node, access: ClientAccess, name: str) -> CallCause | None:

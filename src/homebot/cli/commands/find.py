@@ -41,7 +41,7 @@ names and models, with `and`, `or`, `not` and parentheses.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _find, _EXAMPLES)
-    parser.add_argument("query", metavar="QUERY", nargs="+", help="search terms, see below")
+    parser.add_argument("query", metavar="QUERY", nargs="*", help="search terms, see below (default: all)")
     parser.add_argument("--why", action="store_true", help="show the reasons for each match and its rank")
     parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the N best matches (default: 50)")
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from homebot.feature import Feature, FeatureTable
+from homebot.feature import Feature, FeatureTable, Verb
 from homebot.rights import OfferedService, Right
 
 SEE_ALERTS: Final = OfferedService("/alerts/seen", Right.ACT)
@@ -14,4 +14,11 @@ FEATURE: Final = Feature(
     is_wanted=lambda house: not house.is_rehearsal,
     checks="homebot.features.alerts.alert_table:doctor_checks",
     tables={"alerts": FeatureTable("homebot.features.alerts.alerts:read_alerts")},
+    verbs={
+        "seen": Verb(
+            "say that the alerts were seen, so that nobody is told again",
+            "homebot.features.alerts.command:add_arguments",
+            after="doctor",
+        )
+    },
 )

@@ -7,7 +7,6 @@ import csv
 import json
 import shutil
 import sys
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from datetime import time as time_of_day
@@ -38,10 +37,6 @@ _DAY = 86_400.0
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _PLOT_LINES = 8
 _LABEL = 9
-_BEGINS_WITHIN = 5.0
-"""Seconds after the start of homebot until it begins a history."""
-
-_PAUSE = 0.3
 _LONGEST_TIME = 8
 """Characters of a time without a date."""
 _SEE_VALUES = "`homebot show DEVICE` lists those of a device"
@@ -186,14 +181,13 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
 
 
 def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonMessage:
-    begins = time.monotonic()
-    while not entities(door, kind="service", name=service):
-        if time.monotonic() - begins > _BEGINS_WITHIN:
-            raise PeerError(
-                "this homebot keeps no history; set `enabled = true` in [history] of its configuration to start one"
-            )
-        time.sleep(_PAUSE)
-    return door.ask(service, request, 30.0)
+    try:
+        return door.ask(service, request, 30.0)
+    except PeerError as exc:
+        if entities(door, kind="service", name=service):
+            raise
+        problem = "this homebot keeps no history; set `enabled = true` in [history] of its configuration to start one"
+        raise PeerError(problem) from exc
 
 
 def _print_series(found: ReadHistoryResponse, since: float, until: float, *, is_plot: bool) -> None:

@@ -23,7 +23,7 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
     RoutinesResponse,
 )
-from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
+from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY, read_scope
 from homebot.devices.device import KeyValue
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES
@@ -260,6 +260,7 @@ class RoutineServices:
             text = text or meant.text
         routines = read_routines(text, _SOURCE)
         if request.act:
+            read_scope([f"{ACT}: {query}" for query in request.act])
             texts = [with_act(routine, request.act) for routine in routines]
             routines = read_routines("".join(texts), _SOURCE)
         return routines

@@ -21,7 +21,7 @@ from homebot.features.scenes.scene_words import present_values, read_values
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.words.names import no_such
+from homebot.words.names import find_name, no_such
 
 _MOST_NAMED: Final = 5
 _NOW: Final = "now"
@@ -44,18 +44,20 @@ class SceneChanges:
         Raises:
             HomebotError: It cannot be made; nothing was changed.
         """
-        name = request.name.strip()
+        name = request.name.strip().strip('"')
+        if request.change != "save":
+            name = find_name(name, [scene.name for scene in book.scenes.values()]) or name
         known = book.scenes.get(fold(name))
         known = None if known is None else house.current(known)
         if request.change == "save":
-            return await self._save(request, known, house, book)
+            return await self._save(name, request, known, house, book)
         if known is None:
             raise _no_scene(name, house, book)
         if request.change == "remove":
             book.remove(fold(name))
             return None, ()
         if request.change == "rename":
-            new = request.target.strip()
+            new = request.target.strip().strip('"')
             house.check_hides_none(new)
             return book.rename(known, new), ()
         parts = {} if request.replaces else dict(known.parts)
@@ -76,13 +78,12 @@ class SceneChanges:
         return Scene(settings.name, settings.name, values, is_configured=True, problems=problems)
 
     async def _save(
-        self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes, book: SceneBook
+        self, name: str, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes, book: SceneBook
     ) -> tuple[KeptScene, tuple[KeyValue, ...]]:
-        name = request.name.strip()
         if known is None and (request.target or request.values or fold(name) not in house.configured):
             house.check_hides_none(name)
         parts, left_out = dict[str, Mapping[str, PlainValue]](), list[KeyValue]()
-        for device, part in await self._scope(request, known, house):
+        for device, part in await self._scope(name, request, known, house):
             values = present_values(device, part)
             if (problem := _why_left_out(device, part, values)) is None:
                 parts[target_of(device.id, part.id)] = values
@@ -97,12 +98,12 @@ class SceneChanges:
         return scene, tuple(left_out)
 
     async def _scope(
-        self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
+        self, name: str, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
     ) -> Sequence[tuple[Device, DevicePart]]:
         """Return the parts whose present values are saved: those of the target, or else those of the scene so far."""
         if request.target:
             return await self._found(request.target)
-        configured = house.configured.get(fold(request.name.strip()))
+        configured = house.configured.get(fold(name))
         places = [*map(place_of, known.parts)] if known is not None else configured.parts if configured else ()
         found = [one for place in places if (one := house.place(place)) is not None]
         if not (found or request.values):

@@ -62,7 +62,7 @@ function Page() {
         ${Object.entries(VIEWS).map(([name, [text]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === above ? "page" : undefined}>${say(text)}</a>`)}
       </nav>
       <p role="status" class=${state === "open" ? "" : "bad"}>
-        ${state === "open" ? say("{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}
+        ${state === "open" ? say(count.value === 1 ? "{count} device" : "{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}
       </p>
       ${token.value && !mustLogIn
         ? html`<button type="button" onClick=${logOut}>${say("log out")}</button>`
