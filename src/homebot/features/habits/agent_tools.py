@@ -13,7 +13,7 @@ def add_tools(server: MCPServer, api: ApiClient) -> None:
     """Add the tool to *server*."""
 
     async def habits() -> Annotated[CallToolResult, HabitList]:
-        """Return what people did again and again in the last 21 days, as routines with proof; the owner accepts."""
+        """Return what people did again and again in the last 28 days, as routines with proof; the owner accepts."""
         return tool_answer(await api.read("/api/habits"))
 
     server.add_tool(habits, annotations=READS)

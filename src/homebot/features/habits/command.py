@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from homebot.features.habits.messages import HabitOccasion, HabitProposal, SuggestHabitsResponse
 
 _EXAMPLES: Final = """\
-  homebot suggest                     what people did again and again in the last 21 days, as routines
+  homebot suggest                     what people did again and again in the last 28 days, as routines
   homebot suggest --days 40 --each    the same of 40 days, with each occasion
   homebot suggest accept 2            keep and enable the second as a routine, which `homebot routine` knows
   homebot suggest reject 2            never propose it again
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("decision", metavar="accept|reject", nargs="?", choices=("accept", "reject"), help="what to do")
     parser.add_argument("number", metavar="N", nargs="?", type=int, help="the number of a proposal")
     days = partial(whole, most=_MOST_DAYS)
-    parser.add_argument("--days", type=days, default=21, metavar="N", help=f"1 to {_MOST_DAYS}; default: 21")
+    parser.add_argument("--days", type=days, default=28, metavar="N", help=f"1 to {_MOST_DAYS}; default: 28")
     parser.add_argument("--each", action="store_true", help="print each occasion")
     parser.add_argument("--json", action="store_true", help="print a JSON list")
 
@@ -61,6 +61,8 @@ def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
             print_line(f"     {_occasion(occasion, answer)}")
     if not answer.proposals:
         print(f"nothing to propose: {answer.searched:,} changes and presses, {answer.by_persons:,} of them by persons")
+    for name in answer.watched:
+        print_line(f"    watching: {printable(name)}")
     if answer.unnamed:
         print(f"left out: {answer.unnamed} devices without a name of their own; `homebot alias` gives one")
     return 0

@@ -68,6 +68,10 @@ class Days:
         since = self.midnights[-count] if count else float("inf")
         return Days(self.between(since, float("inf")), self.midnight, self.conditions, self.moments, self.rooms)
 
+    def until(self, at: float) -> Days:
+        """Return the days before *at*."""
+        return Days(self.between(float("-inf"), at), self.midnight, self.conditions, self.moments, self.rooms)
+
     @cached_property
     def midnights(self) -> tuple[float, ...]:
         """The beginnings of the days."""

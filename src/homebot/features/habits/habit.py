@@ -28,7 +28,7 @@ class FoundHabit:
         device: The id of the device of that.
         within: Seconds within which people do it.
         occasions: All of them, in the order of time.
-        precision: The share of occasions on which people do it, as measured on days that were not used to find it.
+        held_out: On days that were not used to find it, how often people did it, and the number of occasions.
         recall: The share of the times that people do it which follow the trigger.
     """
 
@@ -38,13 +38,46 @@ class FoundHabit:
     device: str
     within: float
     occasions: tuple[Occasion, ...]
-    precision: float
+    held_out: tuple[int, int]
     recall: float
 
     @property
     def done(self) -> int:
         """The number of occasions on which a person did it."""
         return sum(one.done_at is not None for one in self.occasions)
+
+
+@dataclass(frozen=True, slots=True)
+class TriedHabit:
+    """A habit after its trial.
+
+    Attributes:
+        trial: The occasions of the trial.
+    """
+
+    found: FoundHabit
+    trial: tuple[Occasion, ...]
+
+    @property
+    def done(self) -> int:
+        """The number of occasions of the trial on which a person did it."""
+        return sum(occasion.done_at is not None for occasion in self.trial)
+
+    @property
+    def precision(self) -> float:
+        """The share of occasions to expect: of the trial and the days held out, shrunk by two hits in four tries."""
+        done, of = self._known()
+        return (done + 2) / (of + 4)
+
+    @property
+    def precision_range(self) -> tuple[float, float]:
+        """The range of that with 90 % certainty."""
+        done, of = self._known()
+        return sure_share(done, of), 1.0 - sure_share(of - done, of)
+
+    def _known(self) -> tuple[int, int]:
+        done, of = self.found.held_out
+        return done + self.done, of + len(self.trial)
 
 
 def sure_share(done: int, of: int) -> float:

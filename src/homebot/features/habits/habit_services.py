@@ -30,7 +30,7 @@ from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJou
 from homebot.errors import HomebotError, PeerError
 from homebot.features.habits import SUGGEST_HABITS
 from homebot.features.habits.days import DAY
-from homebot.features.habits.habit import FoundHabit
+from homebot.features.habits.habit import FoundHabit, TriedHabit
 from homebot.features.habits.messages import (
     DecideHabit,
     DecideHabitRequest,
@@ -39,9 +39,9 @@ from homebot.features.habits.messages import (
     SuggestHabitsRequest,
     SuggestHabitsResponse,
 )
-from homebot.features.habits.proposal import UNDONE, is_same, proposal_of, undone_commands
+from homebot.features.habits.proposal import UNDONE, is_same, name_of, proposal_of, undone_commands
 from homebot.features.habits.recorded import MOST_HAPPENINGS, Home, recorded_days
-from homebot.features.habits.search import find_habits
+from homebot.features.habits.trial import try_habits
 from homebot.features.habits.words import HabitWords
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_DAYS: Final = 21
+_DAYS: Final = 28
 _NO_HISTORY: Final = "no history is kept, or it has not begun yet; write `enabled = true` in [history] of homebot.toml"
 _NO_ROUTINES: Final = "there are no routines in this homebot"
 _REJECTED: Final = "habits/rejected"
@@ -226,15 +226,21 @@ def _search(
     words = HabitWords(devices)
     yield None
     days = recorded_days(words, series, entries, home)
-    best: dict[tuple[str, str], FoundHabit] = {}
-    for one in find_habits(days):
+    best: dict[tuple[str, str], TriedHabit] = {}
+    watched: dict[str, None] = {}
+    for habit in try_habits(days):
         yield None
-        known = None if one is None else best.get((one.device, one.when))
-        if one is not None and (known is None or known.precision + known.recall < one.precision + one.recall):
-            best[one.device, one.when] = one
+        if isinstance(habit, FoundHabit):
+            watched[name_of(habit)] = None
+        elif habit is not None:
+            key = habit.found.device, habit.found.when
+            known = best.get(key)
+            if known is None or known.precision + known.found.recall < habit.precision + habit.found.recall:
+                best[key] = habit
     answer = SuggestHabitsResponse(
         success=True,
         proposals=(*map(proposal_of, best.values()), *_removals(made, entries)),
+        watched=tuple(watched),
         searched=len(days.events),
         by_persons=sum(bool(one.step) for one in days.events),
         left_out=max(0, sum(len(one.words) for one in series) - MOST_HAPPENINGS),

@@ -40,8 +40,12 @@ class HabitProposal(Message):
         id: Its id, which stays the same as long as the habit does.
         removes: The name of a routine that people undo again and again; empty for a new one.
         text: Its table ``[[routines]]`` in TOML.
-        proof: How often people did this, and how often the routine would have, as a sentence.
-        precision: The share of the occasions on which people do it, measured on days that were not used to find it.
+        proof: How often people did this in the trial, and the range of the precision, as a sentence.
+        precision: The share of the occasions on which people do it, to be expected.
+        precision_low: The least of that, with 95 % certainty.
+        precision_high: The most of that, with 95 % certainty.
+        trial_done: On how many occasions people did it in the week before, which was not used to find it.
+        trial_total: The occasions of that week.
         recall: The share of the times that people do it that it covers.
         occasions: The newest hundred occasions, oldest first.
     """
@@ -55,6 +59,10 @@ class HabitProposal(Message):
     text: str = ""
     proof: str
     precision: float = 0.0
+    precision_low: float = 0.0
+    precision_high: float = 0.0
+    trial_done: UInt32 = 0
+    trial_total: UInt32 = 0
     recall: float = 0.0
     occasions: tuple[HabitOccasion, ...] = ()
 
@@ -63,7 +71,7 @@ class SuggestHabitsRequest(Message):
     """Request for the habits of the last days.
 
     Attributes:
-        days: How many days; 0 for 21.
+        days: How many days, of which the last seven are the trial; 0 for 28.
     """
 
     days: Annotated[UInt32, Field(le=60)] = 0
@@ -73,6 +81,7 @@ class SuggestHabitsResponse(ServiceAnswer):
     """The habits that no routine has and that nobody rejected.
 
     Attributes:
+        watched: The names of those that are on trial, or in their first week.
         searched: The number of changes and presses that were searched.
         by_persons: How many of them persons brought about.
         left_out: How many older ones were too many.
@@ -81,6 +90,7 @@ class SuggestHabitsResponse(ServiceAnswer):
     """
 
     proposals: tuple[HabitProposal, ...] = ()
+    watched: tuple[str, ...] = ()
     searched: UInt32 = 0
     by_persons: UInt32 = 0
     left_out: UInt32 = 0

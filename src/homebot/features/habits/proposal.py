@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.time_format import age_text
-from homebot.features.habits.habit import FoundHabit
+from homebot.features.habits.habit import FoundHabit, TriedHabit
 from homebot.features.habits.messages import HabitOccasion, HabitProposal
 from homebot.features.habits.recorded import is_persons
 from homebot.messages.builtin_interfaces import Time
@@ -30,25 +30,36 @@ class Undone(NamedTuple):
     given: int
 
 
-def proposal_of(habit: FoundHabit) -> HabitProposal:
-    """Return the routine that would act as people do."""
+def name_of(habit: FoundHabit) -> str:
+    """Return the name of the routine for *habit*."""
     first, *others = f"{habit.do} {'at' if _is_timed(habit.when) else 'after'} {habit.when}".split('name="')
-    name = "".join((first, *(text.replace('"', "", 1) for text in others)))
-    table: dict[str, object] = {"name": name[:_LONGEST], "when": [habit.when]}
+    return "".join((first, *(text.replace('"', "", 1) for text in others)))[:_LONGEST]
+
+
+def proposal_of(tried: TriedHabit) -> HabitProposal:
+    """Return the routine that would act as people do."""
+    habit = tried.found
+    table: dict[str, object] = {"name": name_of(habit), "when": [habit.when]}
     if habit.conditions:
         table["if"] = list(habit.conditions)
     table["do"] = [habit.do]
     key = repr((habit.when, habit.conditions, habit.do))
-    occasions = [HabitOccasion(at=Time.from_seconds(one.at), done_at=_time(one.done_at)) for one in habit.occasions]
+    known = (*habit.occasions, *tried.trial)
+    occasions = [HabitOccasion(at=Time.from_seconds(one.at), done_at=_time(one.done_at)) for one in known]
+    lowest, highest = tried.precision_range
     return HabitProposal(
         id=sha256(key.encode()).hexdigest()[:8],
-        name=name[:_LONGEST],
+        name=name_of(habit),
         when=habit.when,
         conditions=habit.conditions,
         do=habit.do,
         text=routine_text(table),
-        proof=_proof(habit),
-        precision=round(habit.precision, 3),
+        proof=_proof(tried),
+        precision=round(tried.precision, 3),
+        precision_low=round(lowest, 3),
+        precision_high=round(highest, 3),
+        trial_done=tried.done,
+        trial_total=len(tried.trial),
         recall=round(habit.recall, 3),
         occasions=tuple(occasions[-_MOST_OCCASIONS:]),
     )
@@ -86,14 +97,16 @@ def _is_undone(command: JournalEntry, by_persons: Iterable[JournalEntry]) -> boo
     )
 
 
-def _proof(habit: FoundHabit) -> str:
-    done, total = habit.done, len(habit.occasions)
+def _proof(tried: TriedHabit) -> str:
+    habit, done, total = tried.found, tried.done, len(tried.trial)
     gaps = sorted(abs(one.done_at - one.at) for one in habit.occasions if one.done_at is not None)
     near = age_text(max(1.0, gaps[int(0.9 * (len(gaps) - 1))]))
     within = f"within {near} of that time" if _is_timed(habit.when) else f"within {near}"
-    others = total - done
-    wrong = {0: "never when you did not", 1: "once when you did not"}.get(others, f"{others} times when you did not")
-    return f"{done} of {total} times you did this {within}; the routine would have done it {done} times, and {wrong}"
+    low, high = (round(100 * share) for share in tried.precision_range)
+    return (
+        f"in the week of the trial you did this {within} {done} of {total} times; "
+        f"a routine would be right {low} to {high} % of the time"
+    )
 
 
 def _is_timed(when: str) -> bool:

@@ -27,6 +27,9 @@ _REACTION: Final = 0.5
 _PUNCTUAL: Final = 2.0
 """Seconds by which people are never punctual day after day, and within which they never do more after a press."""
 
+_LONG_DELAY: Final = 30.0
+"""Seconds after which people are never punctual, as after a door that they pass."""
+
 _TOLERANCE: Final = 1200.0
 """Seconds before and after a time of day within which people act."""
 
@@ -158,7 +161,7 @@ def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
         before.update(texts)
     least = max(LEAST_DAYS, 0.25 * len(done.done))
     common = [(text, count) for text, count in before.items() if count >= least]
-    common.sort(key=lambda one: one[1] / len(days.by_text[one[0]].times) ** 0.5, reverse=True)
+    common.sort(key=lambda pair: (-pair[1] / len(days.by_text[pair[0]].times) ** 0.5, pair[0]))
     for text, _ in common[:_MOST_TRIGGERS]:
         yield _rule(days, done, text, _within(days.by_text[text].times, done))
 
@@ -300,13 +303,14 @@ def _proved(
     hits = [one for one in tried if one.occasion.done_at is not None]
     recent = [one for one in tried if one.day >= len(days.midnights) - _RECENT]
     held_out = [*_held_out(rules, days, left)]
-    precision = (_hits(held_out) + 0.5) / (len(held_out) + 1)  # H. Jeffreys (1946)
+    proved = _hits(held_out), len(held_out)
+    precision = (proved[0] + 0.5) / (proved[1] + 1)  # H. Jeffreys (1946)
     chance = _by_chance(days, done, best)
     is_habit = (
         len({one.day for one in hits}) >= max(LEAST_DAYS, _LEAST_OF_DAYS * _chances(days, best))
         and sure_share(len(hits), len(tried)) >= _LEAST_SURE
         and precision >= max(_LEAST_PRECISION, chance + _ABOVE_CHANCE)
-        and luck(_hits(held_out), len(held_out), chance) <= unlikely
+        and luck(*proved, chance) <= unlikely
         and _share(recent) >= _LEAST_RECENT
         and not _is_automatic(days, best, hits)
     )
@@ -315,7 +319,7 @@ def _proved(
     occasions = tuple(one.occasion for one in tried)
     recall = len({one.occasion.done_at for one in hits}) / len(done.done)
     return FoundHabit(
-        best.when, best.conditions, done.step, done.device, best.span - best.late, occasions, precision, recall
+        best.when, best.conditions, done.step, done.device, best.span - best.late, occasions, proved, recall
     )
 
 
@@ -326,14 +330,16 @@ def _chances(days: Days, rule: _Rule) -> int:
 
 
 def _is_automatic(days: Days, rule: _Rule, hits: Iterable[_Tried]) -> bool:
-    """Return whether most was done at the same second of the day, or right after a press: no person does that.
+    """Return whether most was done at the same second of the day, right after a press, or after the same long delay.
 
-    Programs of devices do, and buttons that are bound to the device.
+    No person does that: programs of devices do, buttons that are bound to a device, and a fan that follows its lamp.
     """
-    if rule.late < 0 and not days.by_text[rule.when].is_press:
-        return False
     late = [one.occasion.done_at - one.occasion.at for one in hits if one.occasion.done_at is not None]
-    usual = median(late) if rule.late > 0 else 0.0
+    usual = median(late)
+    if rule.late < 0 and days.by_text[rule.when].is_press:
+        usual = 0.0
+    elif rule.late < 0 and usual < _LONG_DELAY:
+        return False
     return sum(abs(one - usual) <= _PUNCTUAL for one in late) >= 0.8 * len(late)
 
 

@@ -23,19 +23,19 @@ function Habits({ zone, onChange }) {
     if (success) setFound((old) => ({ ...old, proposals: old.proposals.filter((one) => one.id !== id) }));
     onChange();
   };
-  const { proposals = [], isSearching, success, message } = found ?? {};
+  const { proposals = [], watched = [], isSearching, success, message } = found ?? {};
   return html`
     <h2>${say("Your habits")}</h2>
-    <p class="choices"><button type="button" disabled=${isSearching} onClick=${look}>${say(isSearching ? "searching …" : "look for habits")}</button> <small>${say("homebot looks in the history of three weeks for what you do again and again. It only proposes.")}</small></p>
+    <p class="choices"><button type="button" disabled=${isSearching} onClick=${look}>${say(isSearching ? "searching …" : "look for habits")}</button> <small>${say("homebot looks in the history of four weeks for what you do again and again, and watches that for a week before it proposes it.")}</small></p>
     ${message && html`<p class="bad">${message}</p>`}
     ${success && !proposals.length && html`<p class="empty">${say("There is nothing to propose.")}</p>`}
+    ${watched.map((name) => html`<p class="quiet" key=${name}>${say("watching: {name}", { name })}</p>`)}
     <div class="rooms">${proposals.map((one) => html`<${Proposal} key=${one.id} proposal=${one} zone=${zone} decide=${decide} />`)}</div>`;
 }
 
 function Proposal({ proposal, zone, decide }) {
   const { id, removes, name, when, conditions, occasions, proof } = proposal;
-  const done = occasions.filter((one) => seconds(one.done_at)).length;
-  const proved = language.value === "en" || removes ? proof : say("{done} of {total} times you did this; the routine would have done it {done} times, and {others} times when you did not.", { done, total: occasions.length, others: occasions.length - done });
+  const proved = language.value === "en" || removes ? proof : say("In the week of the trial you did this {done} of {total} times; a routine would be right {low} to {high} % of the time.", { done: proposal.trial_done, total: proposal.trial_total, low: Math.round(100 * proposal.precision_low), high: Math.round(100 * proposal.precision_high) });
   return html`<section>
     <h3>${removes ? say("remove {name}", { name: removes }) : html`<bdi>${name}</bdi>`}</h3>
     ${!removes && html`<${Parts} of=${{ when: [when], conditions, steps: [proposal.do] }} />`}
