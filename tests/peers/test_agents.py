@@ -86,7 +86,7 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
     async def called(token: str, **given: object) -> Any:
         address = DoorAddress("127.0.0.1", api.port, TOKENS[token][0])
         client = await anyio.to_thread.run_sync(server.ApiClient, address)  # it reads files
-        asked = {"sensor": "/rosie/light", "night": True, **given}
+        asked = {"sensor": "/rosie/light", "at_night": True, **given}
         async with mcp.Client(server.house_server(client)) as session:
             return json.loads((await session.call_tool("identify", asked, progress_callback=progress)).content[0].text)
 
@@ -142,19 +142,12 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert sum(len(json.dumps(one.output_schema, separators=(",", ":"))) for one in tools) < 960 * len(TOOLS)
             fields = [field for one in tools for field in one.input_schema["properties"].values()]
             assert all(field.get("description") for field in fields)
-            many = await session.call_tool("find_devices", {"limit": 500})
-            assert ("limit" in many.content[0].text, "less than or equal to 200" in many.content[0].text) == (
-                True,
-                True,
-            )
             found = await session.call_tool("find_devices", {"query": "light"})
             assert len(found.content[0].text) < FOUR_LAMPS
             assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"
             assert "lamp1 reported on" in str(await call(session, "why", device="lamp1"))
             nosuch = await session.call_tool("why", {"device": "../nosuch"})
             assert (nosuch.is_error, json.loads(nosuch.content[0].text)["outcome"]) == (True, "not_found")
-            too_long = await session.call_tool("why", {"device": "x" * 501})
-            assert "at most 500 characters" in too_long.content[0].text
 
             await check_proposal(session, api)
             await api.until("/api/habits", lambda found: "habits" in found)  # the history begins after the start
@@ -221,6 +214,53 @@ async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:
     async with mcp.Client(server.house_server(NoDirectory())) as session:
         result = await session.call_tool("command", {"device": "front_door", "do": "unlock"})
     assert (result.is_error, json.loads(result.content[0].text)) == (True, problem)
+
+
+MISTAKES: tuple[tuple[str, dict[str, object], str], ...] = (
+    ("find_devices", {"limit": 500}, "limit: Input should be less than or equal to 200; it takes query, limit"),
+    ("find_devices", {"query": "light and"}, "a term is missing next to 'and'"),
+    ("why", {"device": "x" * 501}, "device: String should have at most 500 characters; it takes device, state"),
+    ("why", {"device": "lmp1"}, "no device fits 'lmp1'; did you mean lamp1?"),
+    ("command", {"device": "", "do": "on"}, "device: is empty; it takes device, do"),
+    ("command", {"device": [], "do": "on"}, "device: is empty"),
+    ("command", {"device": "lamp1"}, "do: Field required; it takes device, do"),
+    ("command", {"device": "lamp1", "do": ""}, "do: is empty"),
+    ("command", {"device": ["lamp1", "nope"], "do": "on"}, "no device fits 'nope'"),
+    ("history", {"device": "lamp1", "since": "soon"}, "since: 'soon' is not a duration"),
+    ("history", {"device": "lamp1", "points": 0}, "points: Input should be greater than or equal to 1"),
+    ("apply_scene", {"scene": "Film", "transition": -1}, "transition: Input should be greater than or equal to 0"),
+    ("apply_scene", {"scene": "Flim"}, "there is no scene 'Flim'; did you mean Film?"),
+    ("identify", {"devices": "", "sensor": "x"}, "devices: is empty"),
+    ("propose_routine", {"text": ""}, "text: is empty"),
+    ("achieve", {"goal": ""}, "goal: is empty"),
+    ("comand", {}, "there is no tool 'comand'; did you mean command?"),
+)
+
+
+async def test_a_mistake_names_the_tools_own_argument_and_commands_are_read_as_over_http(tmp_path: Path) -> None:
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    words = ("on, 40 %", "+10 %", "60 %, over 3s", "off, over 2s", "40%", "brighter")
+    async with running_api(tmp_path) as api:
+        await api.save("Film", {"lamp1": "20 %"})
+        address = DoorAddress("127.0.0.1", api.port, TOKENS["keys"][0])
+        client = await anyio.to_thread.run_sync(server.ApiClient, address)
+        async with mcp.Client(server.house_server(client)) as session:
+            for tool, given, problem in MISTAKES:
+                told = await session.call_tool(tool, given)
+                answer = json.loads(told.content[0].text)
+                assert (told.is_error, answer["outcome"] in {"invalid", "not_found"}) == (True, True), answer
+                assert answer["reason"].startswith(problem), answer
+            for do in words:
+                over_mcp = (await session.call_tool("command", {"device": "lamp1", "do": do})).structured_content
+                over_http = (await api.command("lamp2", do)).values
+                assert over_mcp["outcome"] == over_http["outcome"] == "confirmed", (over_mcp, over_http)
+                texts = {over_mcp["text"].partition("; ")[2], over_http["text"].partition("; ")[2]}
+                assert texts == {"it takes no transition" if "over" in do else ""}
+            values = [(await api.get(f"/api/devices/{name}")).values for name in ("lamp1", "lamp2")]
+            assert values[0]["level"] == values[1]["level"]
+            scene = (await session.call_tool("apply_scene", {"scene": "Film", "transition": 3})).structured_content
+            assert scene["text"].endswith("; it takes no transition")
 
 
 async def test_an_unknown_argument_is_refused_with_the_nearest_one() -> None:

@@ -21,7 +21,7 @@ from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp.server.mcpserver.resolve import Elicit, Resolve
 from mcp.types import CallToolResult, InputRequiredResult, TextContent, ToolAnnotations
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, ValidationError
 from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
@@ -197,16 +197,25 @@ class _HouseServer(MCPServer):
         self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
     ) -> CallToolResult | InputRequiredResult:
         """See :meth:`MCPServer.call_tool`."""
-        known = {tool.name: tool.input_schema.get("properties", {}) for tool in await self.list_tools()}
-        unknown = sorted(arguments.keys() - known.get(name, arguments).keys())
+        schemas = {tool.name: tool.input_schema for tool in await self.list_tools()}
+        known = schemas.get(name, {}).get("properties", {})
+        takes = f"it takes {', '.join(known) or 'none'}"
         try:
-            if unknown:
+            if name not in schemas:
+                hint = did_you_mean(name, schemas, f"tools are {', '.join(schemas)}")
+                raise _MistakeError(_problem("invalid", f"there is no tool {name[:100]!r}; {hint}"))
+            if unknown := sorted(arguments.keys() - known.keys()):
                 given = unknown[0][:100]
-                hint = did_you_mean(given, known[name], f"it takes {', '.join(known[name]) or 'none'}")
+                hint = did_you_mean(given, known, takes)
                 raise _MistakeError(_problem("invalid", f"{name} has no argument {given!r}; {hint}"))
+            if empty := [one for one in schemas[name].get("required", ()) if arguments.get(one) in ("", [])]:
+                raise _MistakeError(_problem("invalid", f"{empty[0]}: is empty; {takes}"))
             return await super().call_tool(name, arguments, context)
         except ToolError as exc:
             cause = exc if isinstance(exc, _MistakeError) else exc.__cause__
+            if isinstance(cause, ValidationError):
+                wrong = cause.errors(include_url=False)[0]
+                cause = _MistakeError(_problem("invalid", f"{wrong['loc'][0]}: {wrong['msg']}; {takes}"))
             if isinstance(cause, _MistakeError):  # without the prefix of the SDK it is JSON
                 return CallToolResult(content=[TextContent(type="text", text=str(cause))], is_error=True)
             raise
@@ -276,10 +285,10 @@ def _add_identification(server: MCPServer, api: ApiClient) -> None:
         devices: Annotated[Words, Field(description="a query")],
         sensor: Annotated[Words, Field(description="its id or name, or a topic of a robot")],
         context: Context,
-        night: Annotated[bool, Field(description="also while people sleep")] = False,  # noqa: FBT002 - JSON
+        at_night: Annotated[bool, Field(description="also while people sleep")] = False,  # noqa: FBT002 - JSON
     ) -> Annotated[CallToolResult, _IdentifyAnswer]:
         """Find which `light in hall` a sensor sees: they blink."""
-        goal = {"candidates": devices, "topic": sensor, "at_night": night}
+        goal = {"candidates": devices, "topic": sensor, "at_night": at_night}
 
         async def report(feedback: Any) -> None:
             best = max(feedback["candidates"], key=itemgetter("probability"))
