@@ -18,7 +18,7 @@ def spend(offenders: WorkBudgets, topic: str, now: float) -> int:
 def accepted(*topics: str, room: int = 1000) -> WorkBudgets:
     offenders = WorkBudgets(prefix_of(FILTERS), room)
     for topic in topics:
-        offenders.accept(topic, 0.0, is_valid=True)
+        offenders.accept(topic)
     return offenders
 
 
@@ -57,15 +57,6 @@ def test_a_budget_that_is_used_up_is_filled_again_within_a_second_whatever_it_wa
         assert offenders.admits("hello/lamp", LONGEST_WAIT + 0.001)
 
 
-def test_a_valid_announcement_clears_the_charge_of_its_topic_once_in_a_second() -> None:
-    offenders = accepted("hello/lamp")
-    assert spend(offenders, "hello/lamp", 0.0) == BURST // MESSAGE_WORK
-    offenders.accept("hello/lamp", 0.0, is_valid=True)
-    assert spend(offenders, "hello/lamp", 0.0) == BURST // MESSAGE_WORK
-    offenders.accept("hello/lamp", 0.1, is_valid=True)
-    assert spend(offenders, "hello/lamp", 0.1) < BURST // MESSAGE_WORK / 2
-
-
 def test_the_topics_of_many_devices_share_one_budget_as_well() -> None:
     topics = [f"hello/{number}" for number in range(3000)]
     offenders = accepted(*topics, room=100)
@@ -96,7 +87,7 @@ def test_the_work_is_bounded_in_any_order_of_messages() -> None:
             if not offenders.admits(offenders.account_for(topic), now):
                 continue
             if random.random() < 0.1:
-                offenders.accept("hello/lamp", now, is_valid=True)
+                offenders.accept("hello/lamp")
                 continue
             length = random.choice((0, 100, 10_000, 300_000))
             longest = max(longest, length)

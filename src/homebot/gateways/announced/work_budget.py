@@ -36,9 +36,6 @@ LONGEST_WAIT = 1.0
 CALM = 10.0
 """Seconds without an offence after which a source counts as clean."""
 
-CLEAR_EVERY = 1.0
-"""Seconds before a valid announcement may clear the charge of a source again: it may be a copy of the last one."""
-
 UNKNOWN_SENDER = "unknown sender"
 """The only group of a gateway that defines none."""
 
@@ -53,7 +50,6 @@ class WorkBudget:
     Attributes:
         offences: Their number since the last quiet time.
         offended_at: When a rule was broken last.
-        cleared_at: When a valid announcement cleared the charge last.
         is_quarantined: Whether its messages wait.
         since: When the quarantine began.
         deferred_at: When a message was last made to wait.
@@ -65,7 +61,6 @@ class WorkBudget:
     why: str = ""
     offences: int = 0
     offended_at: float = 0.0
-    cleared_at: float = float("-inf")
     is_quarantined: bool = False
     since: float = 0.0
     deferred_at: float = 0.0
@@ -151,12 +146,9 @@ class WorkBudgets:
         budget.offences += 1
         budget.charge(work, now)
 
-    def accept(self, source: str, now: float, *, is_valid: bool) -> None:
-        """Record that a message of *source* registered a device; clear its charge if all of it *is_valid*."""
+    def accept(self, source: str) -> None:
+        """Record that a message of *source* registered a device."""
         self._accepted[source] = None
-        budget = self._own.get(source)
-        if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
-            budget.limit, budget.cleared_at = _limit(RATE, BURST), now
 
     def forget(self, source: str) -> None:
         """Record that *source* no longer has a registered device."""
