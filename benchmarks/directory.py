@@ -17,11 +17,11 @@ from homebot.cli.serve import COLLECT_AFTER
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.parse import parse_query
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time
+from homebot.words.queries import parse_query
 
 T = TypeVar("T")
 

@@ -18,12 +18,12 @@ from homebot.devices import Devices
 from homebot.devices.handles import Light
 from homebot.devices.names import QUERY_DEVICES
 from homebot.devices.outcomes import Confirmed
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevices
 from homebot.graph import Node
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
+from homebot.words.queries import parse_query
 from machines_gateway import Lamps
 from rounds import median
 

@@ -21,7 +21,6 @@ from homebot.devices import QUERY_DEVICES, QueryDevices, Sighting
 from homebot.devices.gateway_messages import Report as DeviceReport
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -31,6 +30,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.graph import Client, Graph, Node
 from homebot.messages import Time
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, Places
+from homebot.words.queries import parse_query
 from plan import Plan
 from report import Report, milliseconds, verdict
 from rounds import median

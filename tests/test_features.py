@@ -17,7 +17,6 @@ from homebot.bridges.rosbridge.services import usual_timeout
 from homebot.config import Config, parse_config
 from homebot.devices import QUERY_DEVICES, QueryDevices
 from homebot.devices.own_services import CORE_SERVICES, right_to_call
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import Found, QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import ConfigError, UsageError
@@ -27,6 +26,7 @@ from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.rights import OfferedService
 from homebot.runtime import Runtime
 from homebot.runtime.plan import make_plan
+from homebot.words.queries import parse_query
 
 FEATURES = {feature.name: feature for feature in all_features()}
 

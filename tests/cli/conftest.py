@@ -32,6 +32,7 @@ from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, Qu
 from homebot.graph import Graph, Node, Publisher, qos_profile_latched
 from homebot.messages import Int32, SetBool, String, Time
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
+from homebot.words.queries import parse_query
 
 TOKEN = "hunter2"
 NOW = 1_800_000_000
@@ -156,7 +157,7 @@ def _talker(graph: Graph) -> Node:
         return FindDevicesResponse(devices=tuple(found), sequence=1)
 
     def query(request: QueryDevicesRequest) -> QueryDevicesResponse:
-        match read_terms(request.query):
+        match read_terms(request.query, parse_query):
             case TypeIs(word, types) if "light" not in types:  # of which there is no device
                 problem = "" if types else f"{word!r} is not a device type, and no device was announced as one; …"
                 return QueryDevicesResponse(success=bool(types), message=problem)

@@ -49,7 +49,7 @@ NOT_NEEDED = (
     "homebot.devices.handles.appliances",
     "homebot.devices.misspelt_names",
     "homebot.devices.outcomes",
-    "homebot.devices.query.parse",
+    "homebot.words.queries",
     "homebot.devices.robot_owners",
     "homebot.devices.near_watch",
     "homebot.discovery.nearness",

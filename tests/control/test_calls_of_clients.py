@@ -11,13 +11,14 @@ from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, read_scope
+from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
 from homebot.devices.handles import Light
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.trigger import Trigger as Cause
 from homebot.devices.wording.journal_words import trigger_text
 from homebot.graph import Node
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+from homebot.words.rights import read_scope
 
 pytestmark = pytest.mark.virtual_time
 

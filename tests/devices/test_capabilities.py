@@ -13,11 +13,11 @@ ROW = """CapabilityType(
 """
 
 STRANGER = """
-from homebot.command_words.settings import parse_command_words
+from homebot.words.commands import parse_command_words
 from homebot.devices.capabilities import SETTABLE
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.terms import CanDo, StateIs
-from homebot.devices.query.parse import parse_query
+from homebot.words.queries import parse_query
 from homebot.devices.text.commands import decode_command, encode_command
 from homebot.devices.text.states import decode_text, encode_state
 from homebot.devices.wording.values import span, value_text

@@ -5,7 +5,7 @@ from tests.devices.handles.conftest import device, part
 
 from homebot.control.policies.rights import is_safe
 from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks, why_it_drives
-from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights
 from homebot.devices.device import Device, DevicePart, Fact, KeyValue, Route
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.part import Capability
@@ -13,6 +13,7 @@ from homebot.devices.words import ALL_THAT_ASK, FIRE, WATER, Groups
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.rights import Right
+from homebot.words.rights import read_scope
 
 HALL_LAMP = device("hall-lamp", part("light", "on_off"), area="Hall")
 KITCHEN_LAMP = device("kitchen-lamp", part("light", "on_off"), area="Kitchen")

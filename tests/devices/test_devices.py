@@ -19,8 +19,9 @@ from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceU
 from homebot.features.routines.watches import begun
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
-from homebot.rule_words.triggers import read_state
 from homebot.testing import FakeGateway
+from homebot.words.house_queries import WordsQuery
+from homebot.words.triggers import read_state
 
 pytestmark = pytest.mark.virtual_time
 
@@ -323,7 +324,7 @@ async def follow_words(words: str, node: Node) -> None:
 
 
 async def follow_query(words: str, node: Node) -> None:
-    await read_all(Follow(node, query=words))
+    await read_all(Follow(node, words=WordsQuery(words)))
 
 
 MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
@@ -371,7 +372,7 @@ MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
         lambda node: anext(Devices(node).follow(Light, area="Hal", on=True))
     ),
     "follow('lights not in hal'): no device is in 'hal'; did you mean hall?": (
-        lambda node: read_all(Follow(node, query="lights not in hal"))
+        lambda node: read_all(Follow(node, words=WordsQuery("lights not in hal")))
     ),
     "lights on in hal for 5m: no device is in 'hal'; did you mean hall?": (
         lambda node: anext(begun(node, read_state("lights on in hal for 5m")))

@@ -8,7 +8,7 @@ from tests.call_counts import calls
 from tests.devices.handles.conftest import device, part
 
 from homebot.devices.always_ask import always_asks, why_it_asks
-from homebot.devices.client_rights import APP_RIGHTS, LOCAL_RIGHTS, ClientRights, read_scope
+from homebot.devices.client_rights import APP_RIGHTS, LOCAL_RIGHTS, ClientRights
 from homebot.devices.device import Device, Fact, KeyValue
 from homebot.devices.device_types import spoken_type
 from homebot.devices.harmless import why_not_harmless
@@ -16,6 +16,7 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.messages import Time
+from homebot.words.rights import read_scope
 
 LOADS: dict[str, dict[str, list[str]]] = json.loads(
     Path(__file__).with_name("loads_by_name.json").read_text(encoding="utf-8")

@@ -1,11 +1,11 @@
 """Names for people of devices and of their parts."""
 
-from homebot.command_words.suitable_parts import part_name
 from homebot.control.command import label_of
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import part_names
 from homebot.devices.part import Capability, Category, Part
 from homebot.messages import Time
+from homebot.words.suitable_parts import part_name
 
 
 def part(part_id: str, name: str = "", *, settable: bool = True, category: Category = "") -> DevicePart:

@@ -4,7 +4,7 @@ import pytest
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.protocol import Advertise, AdvertiseAction, AdvertiseService
-from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS
 from homebot.devices.robot_messages import RobotRoom
 from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import UsageError
@@ -12,6 +12,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
 from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
+from homebot.words.rights import read_scope
 
 ONE = RobotOwners({"rosie": ()})
 TWO = RobotOwners({"rosie": (), "bob": ("gripper",)})

@@ -13,7 +13,6 @@ from homebot.devices import FIND_DEVICES, FindDevices, KeyValue, Sighting, names
 from homebot.devices.group_messages import GroupInfo, ListGroups, ListGroupsRequest
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.query.matching import groups_of
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import FindDevicesRequest
 from homebot.discovery import OwnerFacts
@@ -21,6 +20,7 @@ from homebot.discovery.groups import read_groups
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError
 from homebot.places import NO_PLACES
+from homebot.words.queries import parse_query
 
 pytestmark = pytest.mark.virtual_time
 

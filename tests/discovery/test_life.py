@@ -7,10 +7,10 @@ from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone, Tombstones
 from homebot.discovery.report_interval import ReportInterval
+from homebot.words.queries import parse_query
 
 HOUR = 3600.0
 DAY = 24 * HOUR

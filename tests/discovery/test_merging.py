@@ -8,8 +8,8 @@ from tests.discovery.announcements import announce, part_of, tell
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.device import EVERYTHING
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
+from homebot.words.queries import parse_query
 
 IEEE = "eui64:00158d0001abcdef"
 MAC = "mac:aabbccddeeff"

@@ -20,7 +20,6 @@ from homebot.devices.handles import Light
 from homebot.devices.house_view import HouseView
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES, LIST_DEVICES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import ListDevices, QueryDevicesResponse
@@ -30,6 +29,7 @@ from homebot.errors import RefusedError, ServiceFailedError
 from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
 from homebot.messages import Time
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, Places
+from homebot.words.queries import parse_query
 
 pytestmark = pytest.mark.virtual_time
 

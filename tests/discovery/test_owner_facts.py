@@ -12,13 +12,13 @@ from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.client_rights import without_taught_room
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.description import MAX_FACTS, position_of
 from homebot.discovery.owner_facts import MAX_STATEMENTS
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.messages import Time
 from homebot.places import HouseRoom, read_places
+from homebot.words.queries import parse_query
 
 MAC = "mac:aabbccddeeff"
 SERIAL = "id:SN-4711-0815"

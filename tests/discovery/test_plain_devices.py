@@ -5,8 +5,8 @@ from tests.discovery.announcements import part_of, tell
 
 from homebot.devices import Sighting
 from homebot.devices.part import Part
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
+from homebot.words.queries import parse_query
 
 KEY, OUT, IN = "lights/lamp", "home/lights/lamp/out", "home/lights/lamp/in"
 

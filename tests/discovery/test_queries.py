@@ -11,12 +11,12 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import AreaIs, NameIs, Not, Query
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time
+from homebot.words.queries import parse_query
 
 
 @pytest.fixture

@@ -9,11 +9,11 @@ from tests.discovery.announcements import announce, only_device, part_of, tell
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Part
-from homebot.devices.query.parse import parse_query
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.source_record import LostLink
 from homebot.messages import Time
+from homebot.words.queries import parse_query
 
 HOUR = 3600.0
 

@@ -10,7 +10,6 @@ from homebot.clock import LoopClock, ManualClock
 from homebot.devices import Follow, KeyValue, Sighting, StateChange, names, services
 from homebot.devices.gateway_messages import Report
 from homebot.devices.health import GetHealth
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.index import DeviceIndex
@@ -18,6 +17,8 @@ from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.errors import UsageError
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
+from homebot.words.house_queries import WordsQuery
+from homebot.words.queries import parse_query
 
 pytestmark = pytest.mark.virtual_time
 
@@ -255,7 +256,7 @@ async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does
     async with directory() as house:
         await house.hears(lamp, tell(lamp, "on_off", False, part="l"))
         heard: list[tuple[str, str]] = []
-        follow = Follow(house.asker, query="on lights in study")
+        follow = Follow(house.asker, words=WordsQuery("on lights in study"))
 
         async def read() -> None:
             async for change in follow:
@@ -281,7 +282,7 @@ async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does
 async def test_a_live_query_that_is_not_understood_is_refused_at_once() -> None:
     async with directory() as house:
         with pytest.raises(UsageError, match="never closed"):
-            Follow(house.asker, query="(light")
+            Follow(house.asker, words=WordsQuery("(light"))
 
 
 async def test_a_restarted_directory_knows_what_devices_told(lamp: Sighting) -> None:

@@ -4,8 +4,8 @@ import pytest
 from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
+from homebot.words.queries import parse_query
 
 
 def device_of(sighting: Sighting) -> tuple[DeviceIndex, Device]:

@@ -7,11 +7,11 @@ from tests.fuzz.conftest import Fuzz
 from tests.turns import slowness
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError
-from homebot.features.goals.wishes import KnownNames, read_wishes
+from homebot.words.queries import parse_query
 from homebot.words.tokens import quoted
+from homebot.words.wishes import KnownNames, read_wishes
 
 WORDS = """\
 on off lights lamp in kitchen and or not ( ) type area = : < >= 50 % " ' fresh stale reachable level temperature

@@ -19,10 +19,10 @@ from homebot.bridges.ros2.rights import WireRights
 from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.devices.client_rights import read_scope
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Graph, Node
 from homebot.messages.interfaces.settings import RosSettings
+from homebot.words.rights import read_scope
 
 SCOPE = ("read", "act: harmless", "robot: rosie", "manage")
 EXPORT = ("/house/**", "/map", "/app", "/app/*", "/parameter_events")

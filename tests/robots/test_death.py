@@ -15,13 +15,13 @@ from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.session import ClientSession, DoorLink
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.devices.client_rights import read_scope
 from homebot.devices.names import HOLD_PART, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import LinkError
 from homebot.graph import Node
 from homebot.robots.tracker import RobotTracker
+from homebot.words.rights import read_scope
 
 pytestmark = pytest.mark.virtual_time
 

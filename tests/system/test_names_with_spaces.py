@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from tests.shell import Homebot, homebot_in
 
-from homebot.rule_words.triggers import PersonMoves, read_trigger
+from homebot.words.triggers import PersonMoves, read_trigger
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("thesis")]
 

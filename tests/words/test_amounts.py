@@ -2,11 +2,11 @@
 
 import pytest
 
-from homebot.command_words.settings import parse_command_words
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import StateIs
-from homebot.rule_words.steps import Do, read_step
+from homebot.words.commands import parse_command_words
+from homebot.words.queries import parse_query
+from homebot.words.steps import Do, read_step
 
 ABLE = tuple(Capability(name=name, settable=True) for name in ("level", "heating_setpoint", "color_temperature"))
 

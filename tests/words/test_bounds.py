@@ -14,13 +14,13 @@ from tests.call_counts import calls
 
 import homebot.words
 from homebot.control.policies.command_pattern import read_pattern
-from homebot.devices.query.parse import parse_query
 from homebot.errors import UsageError
-from homebot.features.goals.wishes import KnownNames, read_wishes
-from homebot.rule_words.conditions import read_condition
-from homebot.rule_words.steps import read_step
-from homebot.rule_words.triggers import read_trigger
+from homebot.words.conditions import read_condition
+from homebot.words.queries import parse_query
+from homebot.words.steps import read_step
 from homebot.words.tokens import MAX_QUERY, Phrase
+from homebot.words.triggers import read_trigger
+from homebot.words.wishes import KnownNames, read_wishes
 
 READERS: tuple[tuple[Callable[[str], object], str], ...] = (
     (parse_query, "(not "),
@@ -72,8 +72,8 @@ FORMATS = {
 def test_what_people_write_is_read_by_words_alone() -> None:
     """Other readers combine tokens and phrases, and have no expressions."""
     source = Path(homebot.__file__).parent
-    folders = ("apps", "command_words", "control", "devices/query", "devices/text", "features", "identify", "robots")
-    readers = [path for folder in (*folders, "rule_words") for path in source.glob(f"{folder}/**/*.py")]
+    folders = ("apps", "command_words", "control", "devices/query", "features", "identify", "robots")
+    readers = [path for folder in folders for path in source.glob(f"{folder}/**/*.py")]
     readers += [source / f"cli/commands/{verb}.py" for verb in ("do", "why", "find")]
     with_expressions = {
         path.relative_to(source).as_posix() for path in readers if "import re\n" in path.read_text("utf-8")

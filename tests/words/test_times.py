@@ -4,11 +4,11 @@ from datetime import time
 
 import pytest
 
-from homebot.rule_words.conditions import OnDays, read_condition
-from homebot.rule_words.steps import Wait, read_step
-from homebot.rule_words.triggers import Becomes, read_trigger
 from homebot.units import parse_duration
+from homebot.words.conditions import OnDays, read_condition
+from homebot.words.steps import Wait, read_step
 from homebot.words.times import TimeSpan, read_days
+from homebot.words.triggers import Becomes, read_trigger
 
 
 @pytest.mark.parametrize("text", ["30m", "30 min", "30 minutes", "half an hour", "0.5 hours", "1800 seconds"])

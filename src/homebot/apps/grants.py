@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from homebot.config import Config, Table
-from homebot.devices.client_rights import read_scope
 from homebot.errors import ConfigError, UsageError
 
 ACT = "act"
@@ -29,6 +28,8 @@ def scope_of(key: str, table: Table, source: str) -> tuple[str, ...] | None:
     """
     if (act := table.get(ACT)) is None:
         return None
+    from homebot.words.rights import read_scope  # noqa: PLC0415 - few apps have a scope
+
     key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
     if not isinstance(queries, list) or not all(isinstance(query, str) for query in queries):
         raise ConfigError(source, key, f"must be a query such as 'light in hall', or several, got {act!r}")

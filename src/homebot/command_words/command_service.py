@@ -6,7 +6,6 @@ from typing import Final, Protocol, final
 
 import anyio
 
-from homebot.command_words.suitable_parts import certain_values, part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.batch import as_batch
@@ -27,6 +26,7 @@ from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.units import parse_duration
 from homebot.words.phrases import OVER, SCENE_TARGET
+from homebot.words.suitable_parts import certain_values, part_name, settings_by_part
 from homebot.words.tokens import MAX_QUERY
 
 UNNAMED_CLIENT: Final = "client"

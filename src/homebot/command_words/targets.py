@@ -5,7 +5,6 @@ from collections.abc import Awaitable, Callable, Collection
 from itertools import chain
 from typing import Final, NamedTuple, TypeAlias, final
 
-from homebot.command_words.suitable_parts import controls, part_name, settings_by_part, takes
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup, ask_which
@@ -13,8 +12,6 @@ from homebot.devices.names import GROUP
 from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, fits, is_spelled
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.term_messages import query_words, read_terms
 from homebot.devices.query.terms import And, CanDo, FactIs, HasText, Query, StateIs, TypeIs, leaves, split_near
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -23,6 +20,9 @@ from homebot.graph import Node
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean
 from homebot.words.phrases import ARTICLE, EVERYTHING
+from homebot.words.queries import parse_query
+from homebot.words.readings import Readings, readings_of
+from homebot.words.suitable_parts import controls, part_name, settings_by_part, takes
 from homebot.words.tokens import split_at
 
 MOST_DEVICES: Final = 1000

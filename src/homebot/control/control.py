@@ -309,7 +309,8 @@ class Control:
     @cached_property
     def _names(self) -> ConfiguredNames:
         """The check of the names in the settings and the rights, after a reload too."""
-        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames, patterns_of_rights  # noqa: PLC0415 - see _begin_check
+        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames  # noqa: PLC0415 - see _begin_check
+        from homebot.words.rights import patterns_of_rights  # noqa: PLC0415 - see _begin_check
 
         def stated() -> StatedNames:
             named = StatedNames() if self._given_settings is None else self._given_settings.stated_names

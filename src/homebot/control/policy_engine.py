@@ -18,7 +18,7 @@ from homebot.control.timelines import Timelines
 from homebot.devices import Device, DeviceChange, KeyValue, StateChange
 from homebot.devices.always_ask import always_asks, waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
-from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, is_client, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, is_client
 from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.harmless import why_not_harmless
@@ -191,6 +191,8 @@ class PolicyEngine(HouseWatcher):
         if is_client(issuer):
             return ALL_RIGHTS
         if scope := self._grants.get(issuer):
+            from homebot.words.rights import read_scope  # noqa: PLC0415 - few apps have a scope
+
             return read_scope(scope)._replace(table=self._tables.get(issuer, ""))
         if self._trusts_apps or not self._settings.always_ask:
             return ALL_RIGHTS

@@ -14,10 +14,10 @@ from homebot.control.policies.presence_guard import PresenceGuardSettings
 from homebot.control.policies.quiet_hours import QuietHours
 from homebot.control.policies.rate_limit import RateLimitSettings
 from homebot.devices.misspelt_names import StatedNames
-from homebot.devices.query.exact import parse_lasting_query
 from homebot.devices.query.terms import Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
+from homebot.words.exact_queries import parse_lasting_query
 
 _WITNESSES: Final = "control.witnesses"
 _DOORS: Final = "control.presence_guard.doors"

@@ -1,7 +1,5 @@
-"""Rights of external programs in the owner's words: ``read``, ``act: light in hall``, ``ask: lock``. Pure."""
+"""Rights of external programs. Pure."""
 
-from collections.abc import Iterable
-from functools import lru_cache
 from typing import NamedTuple
 
 from homebot.devices.always_ask import is_declared
@@ -9,9 +7,7 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
-from homebot.errors import InvalidNameError, UsageError
 from homebot.rights import Right
-from homebot.support.similar import did_you_mean
 
 CLIENT = "client:"
 """The beginning of an issuer that is a client of the door."""
@@ -37,22 +33,8 @@ HARMLESS = "harmless"
 ORDINARY = "ordinary"
 """In place of a query: every device except those that always ask."""
 
-_ALL = "all"
-
 ALL_ROBOTS = "all"
 """In place of a robot's name: every robot."""
-
-_KNOWN = (
-    "known are read, act: QUERY, act: harmless, act: ordinary, act: all, ask: QUERY, ask: all, manage, raw, robot: NAME"
-)
-
-_WORDS = frozenset({HARMLESS, ORDINARY, _ALL})
-
-_NEEDS = {
-    Right.ACT: "needs a query, or all: 'act: light in hall'",
-    Right.ASK: "needs a query, or all: 'ask: lock in hall'",
-    Right.ROBOT: "needs the name of a robot: 'robot: rosie'",
-}
 
 
 class ClientRights(NamedTuple):
@@ -159,36 +141,6 @@ def is_client(issuer: str) -> bool:
     return issuer.startswith(CLIENT)
 
 
-def read_scope(scope: Iterable[str]) -> ClientRights:
-    """Return the rights that *scope* lists.
-
-    Raises:
-        UsageError: One entry is not a right; the message names it and an example.
-    """
-    found: dict[Right, list[str]] = {}
-    for text in scope:
-        right, query = _read_right(text)
-        found.setdefault(right, []).append(query)
-    wanted, asked = found.get(Right.ACT, []), found.get(Right.ASK, [])
-    return ClientRights(
-        kinds=frozenset(found) | ({Right.ACT} if asked else frozenset()),
-        acts_on=tuple(_parse(query) for query in wanted if query not in _WORDS),
-        acts_on_harmless=not _WORDS.isdisjoint(wanted),
-        acts_on_ordinary=ORDINARY in wanted or _ALL in wanted,
-        acts_on_all=_ALL in wanted,
-        asks_on=tuple(_parse(query, "ask") for query in asked if query != _ALL),
-        asks_on_all=_ALL in asked,
-        act_scope=(*(f"act: {query}" for query in wanted), *(f"ask: {query}" for query in asked)),
-        robots=tuple(found.get(Right.ROBOT, ())),
-    )
-
-
-@lru_cache(maxsize=256)
-def rights_of(scope: tuple[str, ...]) -> ClientRights:
-    """Return the rights to devices of a client with *scope*, which is empty without a token, as :func:`read_scope`."""
-    return read_scope(scope) if scope else LOCAL_RIGHTS
-
-
 def without_taught_room(device: Device) -> Device:
     """Return *device* without its room if only a tag or code states it; otherwise the same device.
 
@@ -199,34 +151,3 @@ def without_taught_room(device: Device) -> Device:
         {fact.convention for fact in device.facts if fact.name in {"area", "position"}} if device.area else set()
     )
     return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
-
-
-def _read_right(text: str) -> tuple[Right, str]:
-    word, _, query = (one.strip() for one in text.partition(":"))
-    right = next((one for one in Right if one.value == word), None)
-    if right is None:
-        hint = did_you_mean(word or "?", [one.value for one in Right], _KNOWN)
-        raise UsageError(f"{text!r} is not a right; {hint}")
-    if bool(query) is not (right in _NEEDS):
-        raise UsageError(f"{text!r}: {word} {_NEEDS.get(right, 'takes no query')}")
-    if right is Right.ROBOT and query != ALL_ROBOTS:
-        _check_robot(text, query)
-    return right, query
-
-
-def _check_robot(text: str, name: str) -> None:
-    from homebot.devices.robot_owners import check_robot_name  # noqa: PLC0415 - few houses have a robot
-
-    try:
-        check_robot_name(name)
-    except InvalidNameError as exc:
-        raise UsageError(f"{text!r}: {exc}") from exc
-
-
-def _parse(text: str, right: str = "act") -> Query:
-    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - few clients have a scope
-
-    try:
-        return parse_exact_query(text)
-    except UsageError as exc:
-        raise UsageError(f"'{right}: {text}': {exc}") from exc

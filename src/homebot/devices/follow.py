@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Final, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Final, Generic, Protocol, Self, TypeVar
 
 import anyio
 import anyio.lowlevel
@@ -19,7 +19,6 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 
 if TYPE_CHECKING:
     from homebot.devices.near_watch import NearWatch
-    from homebot.devices.query.words import WordsQuery
 
 ItemT = TypeVar("ItemT")
 
@@ -145,6 +144,20 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
         """Append the items for the reader that follow from a change."""
 
 
+class QueryInWords(Protocol):
+    """A query that people wrote, with names of devices that come and go; see :mod:`homebot.words.house_queries`.
+
+    Attributes:
+        query: What it means by now.
+    """
+
+    text: str
+    query: Query
+
+    def record(self, device: Device, *, is_gone: bool = False) -> bool:
+        """Record a new, changed or removed device; return whether the query means something else now."""
+
+
 class Follow(LiveQuery[DeviceChange]):
     """A live query for devices: ``async for change in Follow(node, "lights")``.
 
@@ -155,20 +168,26 @@ class Follow(LiveQuery[DeviceChange]):
     Args:
         node: The node that asks; the query ends with it.
         service_type: For example ``lights``; empty for every device. A device that no longer has it is ``removed``.
-        query: A further condition, perhaps as text, such as ``on lights in kitchen``: a device ``appeared`` when it
-            begins to match, and is ``removed`` when it no longer does. See :mod:`homebot.devices.query`.
+        query: A further condition: a device ``appeared`` when it begins to match, and is ``removed`` when it no longer
+            does.
+        words: The condition in words instead, such as ``on lights in kitchen``.
         text: What it is called in messages about names that the house lacks; by default its arguments.
-
-    Raises:
-        UsageError: The query cannot be parsed.
     """
 
-    def __init__(self, node: Node, service_type: str = "", query: str | Query = "", text: str = "") -> None:
+    def __init__(
+        self,
+        node: Node,
+        service_type: str = "",
+        query: Query | None = None,
+        text: str = "",
+        *,
+        words: QueryInWords | None = None,
+    ) -> None:
         self._type: tuple[Query, ...] = (type_is(service_type),) if service_type else ()
-        self._words = _words(query) if query and isinstance(query, str) else None
-        asked = self._words.query if self._words is not None else query
-        near, self._query = self._split(() if isinstance(asked, str) else (asked,))
-        text = text or f"follow({query or service_type!r})"
+        self._words = words
+        asked = query if words is None else words.query
+        near, self._query = self._split(() if asked is None else (asked,))
+        text = text or f"follow({(words and words.text) or query or service_type!r})"
         super().__init__(node, self._query, text, near)
         self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))
         self._matching: set[str] = set()
@@ -233,9 +252,3 @@ def _of_values(change: StateChange, device: Device, *, does_match: bool) -> Devi
     kind: ChangeKind = "appeared" if does_match else "removed"
     why = f"{values} now" if does_match else NO_LONGER
     return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
-
-
-def _words(query: str) -> "WordsQuery":
-    from homebot.devices.query.words import WordsQuery  # noqa: PLC0415 - most apps follow types
-
-    return WordsQuery(query)

@@ -13,8 +13,7 @@ from homebot.devices.history_messages import (
     ReadHistoryRequest,
 )
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.term_messages import query_words
 from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -51,8 +50,7 @@ class HistoryClient:
 
     async def read_energy(self, query: str, since: str | float) -> tuple[EnergyOfDay, ...]:
         """Return the energy by day and device."""
-        terms = query_terms(parse_query(str(query))) if query else ()
-        request = ReadEnergyRequest(query=terms, since=self._begin(since))
+        request = ReadEnergyRequest(query=query_words(str(query)), since=self._begin(since))
         return (await self._call(ReadEnergy, READ_ENERGY, request)).days
 
     def _begin(self, since: str | float) -> Time:

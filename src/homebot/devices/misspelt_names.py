@@ -1,11 +1,10 @@
 """Misspelt names in a configuration: nothing in the house has them."""
 
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Final, NamedTuple, final
 
 import anyio
 
-from homebot.devices.client_rights import read_scope
 from homebot.devices.device import Device
 from homebot.devices.health import HealthRequest, HealthResponse
 from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
@@ -45,14 +44,6 @@ class StatedNames(NamedTuple):
     devices: Sequence[tuple[str, str]] = ()
     queries: Sequence[tuple[str, str, Query]] = ()
     patterns: Sequence[tuple[str, str, Query]] = ()
-
-
-def patterns_of_rights(scopes: Mapping[str, Iterable[str]]) -> Iterator[tuple[str, str, Query]]:
-    """Yield the patterns of the rights in *scopes*, by their keys; see :attr:`StatedNames.patterns`."""
-    for key, scope in scopes.items():
-        for right in scope:
-            rights = read_scope((right,))
-            yield from ((key, right, query) for query in rights.acts_on + rights.asks_on)
 
 
 @final

@@ -110,7 +110,7 @@ class QueryDevicesRequest(Message):
 
     Attributes:
         query: The query, as terms; empty for all. External programs may send it as text, for example
-            ``light and dimmable in kitchen``; see :mod:`homebot.devices.query`.
+            ``light and dimmable in kitchen``; see :mod:`homebot.words.queries`.
         offset: The number of best matches to skip.
         limit: The largest number of matches; 0 for all.
         is_spelled: Whether a typo matches nothing, as in a command.

@@ -13,7 +13,6 @@ from homebot.devices.device_lookup import references
 from homebot.devices.names import GROUP, OWNER
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, fits
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import (
     And,
     FactIs,
@@ -32,6 +31,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.messages import Time
 from homebot.places import check_name
 from homebot.support.folding import fold, is_room_typo
+from homebot.words.queries import parse_query
 
 _PASSING: Final = (StateIs, FreshnessIs, ReachableIs, IsNear, IsDisputed, IsUnapproved)
 """Terms with matches that change from moment to moment."""

@@ -12,7 +12,7 @@ from anyio import to_thread
 import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, names
 from homebot.devices import services as messages
-from homebot.devices.client_rights import ALL_RIGHTS, ClientRights, rights_of
+from homebot.devices.client_rights import ALL_RIGHTS, ClientRights
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.matching import is_spelled
 from homebot.devices.query.term_messages import query_terms, read_terms
@@ -101,7 +101,7 @@ class DirectoryServices:
 
     async def _near_robot(self, request: messages.FindDevicesRequest) -> list[str] | None:
         """Return the ids of the devices near a robot for *request*, best first; None if it does not ask for that."""
-        near, rest = split_near(read_terms(request.query, self._exists))
+        near, rest = split_near(read_terms(request.query, self._parse))
         if near is None:
             return None
         return [device.device for device in (await (await self._nearness()).find(near, rest)).devices]
@@ -117,12 +117,17 @@ class DirectoryServices:
                 devices.append(device)
         return messages.FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
+    def _parse(self, text: str) -> Query:
+        from homebot.words.queries import parse_query  # noqa: PLC0415 - only what people write is sent as text
+
+        return parse_query(text, self._exists)
+
     def _exists(self, query: Query) -> bool:
         return bool(self._index.find(query))
 
     def _matching(self, request: messages.FindDevicesRequest, near: Sequence[str] | None) -> list[str]:
         """Return the ids of the devices that match *request*, sorted, or in the order of *near* if given."""
-        query = read_terms(request.query, self._exists)
+        query = read_terms(request.query, self._parse)
         if request.service_type:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
@@ -136,7 +141,7 @@ class DirectoryServices:
         index, limit = self._index, request.offset + request.limit if request.limit else None
         ranked: list[tuple[float, str, tuple[str, ...]]]
         try:
-            query = read_terms(request.query, self._exists)
+            query = read_terms(request.query, self._parse)
             self._check_words(query)
             near, rest = split_near(query)
             if near is None:
@@ -170,18 +175,20 @@ class DirectoryServices:
         try:
             found = self._matching(wanted, await self._near_robot(wanted))
             if request.is_spelled:
-                query = read_terms(request.query, self._exists)
+                query = read_terms(request.query, self._parse)
                 found = [one for one in found if is_spelled(query, self._index.postings.facets(one).words)]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
         rights = ALL_RIGHTS
         if request.issuer:
+            from homebot.words.rights import rights_of  # noqa: PLC0415 - for clients alone
+
             rights = rights_of(request.scope) if Right.ACT.value in request.rights else ClientRights()
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
-            message=self._note(read_terms(request.query, self._exists), found),
+            message=self._note(read_terms(request.query, self._parse), found),
             devices=tuple(
                 list_device(device, rights, needs_approval=self._index.postings.needs_approval) for device in devices
             ),

@@ -8,16 +8,16 @@ from datetime import time
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, Setting
 from homebot.devices.identify_messages import MOST_CANDIDATES, IdentifyDeviceGoal
-from homebot.devices.query.parse import parse_query
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.folding import fold
+from homebot.words.queries import parse_query
+from homebot.words.suitable_parts import part_name, settings_by_part
 from homebot.words.times import TimeSpan
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 from homebot.messages.std_msgs import Header
 from homebot.places.polygon import Polygon
-from homebot.rule_words.steps import SendRobot
-from homebot.rule_words.triggers import RobotArrival
 from homebot.words.names import resolve_name
+from homebot.words.steps import SendRobot
+from homebot.words.triggers import RobotArrival
 
 _LONGEST: Final = 900.0
 """Seconds after which a robot that is still on its way is called off."""

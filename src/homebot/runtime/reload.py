@@ -18,7 +18,7 @@ from homebot.config import Config
 from homebot.control import Control
 from homebot.control.settings import PolicySettings
 from homebot.devices.app_messages import ChangeAppResponse
-from homebot.devices.client_rights import ALL_ROBOTS, read_scope
+from homebot.devices.client_rights import ALL_ROBOTS
 from homebot.discovery import Directory
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError, UsageError
@@ -83,6 +83,8 @@ def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
 
 def _robots(door: Mapping[str, Any]) -> set[str]:
     """Return the names of the robots that tokens may act as, which are tracked from the start."""
+    from homebot.words.rights import read_scope  # noqa: PLC0415 - few have a scope
+
     return {name for one in door.get("tokens", {}).values() for name in read_scope(one.get("scope", ())).robots}
 
 

@@ -13,10 +13,11 @@ from homebot.bridges.ros2.link import serve_link
 from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.devices.client_rights import ALL_RIGHTS, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import Graph, Node
 from homebot.messages.interfaces.settings import RosSettings
+from homebot.words.rights import read_scope
 
 OWNERS = RobotOwners({"rosie": ()})
 

@@ -19,7 +19,7 @@ from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
-from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
+from homebot.devices.client_rights import LOCAL_RIGHTS
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
@@ -38,6 +38,7 @@ from homebot.messages import String
 from homebot.messages.interfaces import find_message
 from homebot.messages.std_srvs import SuccessResponse, Trigger
 from homebot.rights import Right
+from homebot.words.rights import read_scope
 
 OUT = "/gateway/mqtt/out"
 RAW_COMMAND = {"address": "home/locks/front/in", "payload": "unlock", "issuer": "/light_service"}

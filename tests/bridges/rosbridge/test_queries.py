@@ -6,12 +6,12 @@ import pytest
 from tests.bridges.conftest import House, Peer
 
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, QueryDevices
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import And, Query
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Node
 from homebot.messages.json import message_to_json
+from homebot.words.queries import parse_query
 
 ON_LIGHTS = parse_query("on lights in kitchen")
 

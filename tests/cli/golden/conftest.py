@@ -82,6 +82,7 @@ from homebot.journal.store import JournalNote, JournalStore
 from homebot.messages import Time
 from homebot.places import HousePlan
 from homebot.support.counters import Severity
+from homebot.words.queries import parse_query
 
 LAMP_KEY = "homeassistant:light/0x00158d0001abcdef/light"
 NATIVE_KEY = "zigbee2mqtt:0x00158d0001abcdef"
@@ -319,7 +320,7 @@ class StillHouse:
 
     def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         try:
-            query = read_terms(request.query)
+            query = read_terms(request.query, parse_query)
         except UsageError as exc:
             return QueryDevicesResponse(success=False, message=str(exc))
         found = [one for one in self._devices() if fits(query, facets_of(one))]

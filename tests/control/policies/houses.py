@@ -8,12 +8,13 @@ from homebot.control.policies import Facts, House
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
-from homebot.devices.client_rights import APP_RIGHTS, read_scope
+from homebot.devices.client_rights import APP_RIGHTS
 from homebot.devices.device import Route
 from homebot.devices.device_view import DeviceView
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
+from homebot.words.rights import read_scope
 
 NONE: Mapping[str, PlainValue] = {}
 

@@ -11,13 +11,13 @@ from homebot.config import parse_config
 from homebot.control import ControlSettings
 from homebot.control.policy_engine import Policies
 from homebot.devices import Device
-from homebot.devices.client_rights import read_scope
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.outcomes import Refused
 from homebot.devices.value import Value
 from homebot.errors import ConfigError
 from homebot.runtime.plan import make_plan
+from homebot.words.rights import read_scope
 
 LAMP = make_device("lamp", "light", room="hall", settable=("on_off",))
 LOCK = make_device("front_door", "door_lock", room="hall", settable=("lock",))

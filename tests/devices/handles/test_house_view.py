@@ -15,6 +15,7 @@ from homebot.devices.follow import LiveQuery
 from homebot.devices.handles import Light
 from homebot.graph import Graph, Node
 from homebot.testing import VirtualTimeLoop
+from homebot.words.house_queries import WordsQuery
 
 LAMP, PLUG = device("lamp", part("light", "on_off")), device("lamp", part("plug", "on_off"))
 
@@ -79,7 +80,7 @@ async def test_all_queries_of_a_node_share_one_view(house: House) -> None:
     later: list[LiveQuery[Any]] = [
         Follow(house.node, "light"),
         house.devices.follow(Light),
-        Follow(house.node, query="on lights"),
+        Follow(house.node, words=WordsQuery("on lights")),
     ]
     assert [len(await read(query)) for query in later] == [1, 1, 0]
     house.says("lamp", "on_off", True)

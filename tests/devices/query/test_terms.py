@@ -4,7 +4,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import MAX_DEPTH, MAX_TERMS, QueryTerm, query_terms, read_terms
 from homebot.devices.query.terms import (
     And,
@@ -27,6 +26,7 @@ from homebot.devices.query.terms import (
 )
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
+from homebot.words.queries import parse_query
 
 
 def exact(number: float) -> float:

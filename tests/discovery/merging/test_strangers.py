@@ -8,11 +8,11 @@ from tests.discovery.announcements import announce, only_device, part_of, tell
 
 from homebot.devices import Sighting
 from homebot.devices.always_ask import always_asks, waits_for_approval
-from homebot.devices.client_rights import read_scope
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.places import NO_PLACES
+from homebot.words.queries import parse_query
+from homebot.words.rights import read_scope
 
 MAC = "mac:aabbccddeeff"
 CONVENTIONS = ("homie", "tasmota", "thing")

@@ -3,11 +3,11 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.search.columns import Column, StoredValue
 from homebot.messages import Time
+from homebot.words.queries import parse_query
 
 NOW = Time(sec=0, nanosec=0)
 VALUES = st.sampled_from([True, False, 1.0, 50.0, 98.0, "open"])

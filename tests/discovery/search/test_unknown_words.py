@@ -3,10 +3,10 @@
 import pytest
 from tests.discovery.announcements import announce, part_of
 
-from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.unknown_words import check_words
 from homebot.errors import RefusedError, UsageError
+from homebot.words.queries import parse_query
 
 
 @pytest.fixture

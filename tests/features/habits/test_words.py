@@ -7,8 +7,8 @@ from tests.recorded_house import HOUSE
 
 from homebot.devices.value import PlainValue
 from homebot.features.habits.words import HabitWords
-from homebot.rule_words.steps import Do, read_step
-from homebot.rule_words.triggers import read_trigger
+from homebot.words.steps import Do, read_step
+from homebot.words.triggers import read_trigger
 
 WORDS = HabitWords(HOUSE)
 VALUES: tuple[PlainValue, ...] = (True, False, 40.0, 20.9, "open", "closed", "opening", "locked", "", "x y", "on")

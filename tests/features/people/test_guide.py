@@ -7,8 +7,8 @@ import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
-from homebot.rule_words.conditions import read_condition
-from homebot.rule_words.triggers import read_trigger
+from homebot.words.conditions import read_condition
+from homebot.words.triggers import read_trigger
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("espresense", "owntracks")]
 

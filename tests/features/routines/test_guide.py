@@ -12,10 +12,10 @@ from tests.whole_house import WHOLE_HOUSE
 
 import homebot
 from homebot.config import load_config, parse_config
-from homebot.rule_words.conditions import read_condition
-from homebot.rule_words.steps import read_step
-from homebot.rule_words.triggers import read_trigger
 from homebot.runtime.plan import make_plan
+from homebot.words.conditions import read_condition
+from homebot.words.steps import read_step
+from homebot.words.triggers import read_trigger
 
 pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 

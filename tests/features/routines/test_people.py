@@ -11,17 +11,17 @@ from tests.replay.recorded_days import MemorySink
 
 from homebot.cli.main import main
 from homebot.devices import QUERY_DEVICES, QueryDevices
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import And, HasText, StateIs
 from homebot.devices.services import QueryDevicesRequest
 from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.house import World
-from homebot.rule_words.conditions import read_condition
-from homebot.rule_words.people import read_person
-from homebot.rule_words.triggers import PersonMoves, read_trigger
 from homebot.testing import VirtualHouse, VirtualTimeLoop, virtual_house_of
+from homebot.words.conditions import read_condition
+from homebot.words.people import read_person
+from homebot.words.queries import parse_query
+from homebot.words.triggers import PersonMoves, read_trigger
 
 pytestmark = [
     pytest.mark.slow,

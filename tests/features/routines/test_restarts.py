@@ -15,7 +15,6 @@ from homebot.config import parse_config
 from homebot.devices.app_messages import ChangeRoutine, ChangeRoutineRequest, ListRoutines, RoutinesRequest
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
-from homebot.devices.query.parse import parse_query
 from homebot.graph import Node
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
@@ -24,6 +23,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import MqttSubscription
 from homebot.runtime import Runtime
 from homebot.runtime.app_host import STORE_FILE
+from homebot.words.queries import parse_query
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 

@@ -20,8 +20,8 @@ from homebot.graph import Node
 from homebot.house import thesis_world
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.rule_words.steps import SendRobot, read_step
 from homebot.runtime import Runtime
+from homebot.words.steps import SendRobot, read_step
 
 pytestmark = [pytest.mark.virtual_time]
 

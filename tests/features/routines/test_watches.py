@@ -17,8 +17,8 @@ from homebot.discovery import Directory, DirectorySettings
 from homebot.features.routines.watches import PressWatch, begun
 from homebot.graph import Graph, Node
 from homebot.mqtt.options import MqttOptions
-from homebot.rule_words.triggers import read_press, read_state
 from homebot.testing import FakeGateway, VirtualHouse, virtual_house_of
+from homebot.words.triggers import read_press, read_state
 
 pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 

@@ -13,8 +13,8 @@ from homebot.devices.scene_client import SceneOutcome
 from homebot.devices.scene_messages import ChangeScene, ChangeSceneRequest
 from homebot.errors import UsageError
 from homebot.graph import Node
-from homebot.rule_words.steps import Do, read_step
 from homebot.testing import VirtualHouse, virtual_house_of
+from homebot.words.steps import Do, read_step
 
 pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 

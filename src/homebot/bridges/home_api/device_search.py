@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import FactIs, NameIs, Or
 from homebot.devices.services import MOST_LISTED
@@ -16,6 +15,7 @@ from homebot.devices.wording.json_message import JsonMessage
 from homebot.messages.json import message_to_json
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
+from homebot.words.queries import parse_query
 
 if TYPE_CHECKING:
     from homebot.devices import Device

@@ -12,10 +12,11 @@ import zenoh
 
 from homebot.bridges.ros2.robots import token_of
 from homebot.bridges.ros2.tokens import ALL_TOKENS
-from homebot.devices.client_rights import OWNER_CLIENT, read_scope
+from homebot.devices.client_rights import OWNER_CLIENT
 from homebot.errors import UsageError
 from homebot.names import escape_token
 from homebot.rights import Right
+from homebot.words.rights import read_scope
 
 if TYPE_CHECKING:
     from pydantic import SecretStr

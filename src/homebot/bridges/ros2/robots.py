@@ -8,9 +8,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, final
 
 from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.devices.client_rights import read_scope
 from homebot.errors import PeerError, UsageError
 from homebot.support.name_patterns import fits_any
+from homebot.words.rights import read_scope
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge import DoorSettings

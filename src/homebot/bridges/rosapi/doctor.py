@@ -25,7 +25,6 @@ from homebot.devices.names import (
     UNREADABLE,
     GatewayNames,
 )
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import Query
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -36,6 +35,7 @@ from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.messages.message import Message, ServiceType, UInt32
 from homebot.support.counters import Severity
 from homebot.support.folding import fold
+from homebot.words.queries import parse_query
 
 _ANSWERS_WITHIN = 2.0
 """Seconds for the state of a gateway that has just started, which is kept for late joiners, and for a node's health."""

@@ -24,7 +24,6 @@ from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import MACHINE_NODE
 from homebot.devices.own_services import row_of_service
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import QueryTerm, query_terms, query_words
 from homebot.devices.query.terms import Or
 from homebot.devices.services import QueryDevicesResponse
@@ -43,6 +42,7 @@ from homebot.graph.parameters import PARAMETER_SERVICES
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces, message_to_text
 from homebot.messages.message import Message, ServiceType
+from homebot.words.queries import parse_query
 
 _MAX_DRIFT = 0.001
 """Seconds per second by which the clock of a client may be slow."""

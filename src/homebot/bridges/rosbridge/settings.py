@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, mo
 
 from homebot.bridges.admission import AccessSettings, Count
 from homebot.config import value_errors
-from homebot.devices.client_rights import ALL_RIGHTS, ALL_ROBOTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, ALL_ROBOTS, LOCAL_CLIENT, OWNER_CLIENT, ClientRights
 from homebot.errors import UsageError
 from homebot.support.addresses import is_loopback
 from homebot.units import Seconds
@@ -35,6 +35,13 @@ def check_token_name(name: str) -> None:
         )
 
 
+def read_scope(scope: tuple[str, ...]) -> ClientRights:
+    """Return the rights by :func:`homebot.words.rights.read_scope`."""
+    from homebot.words import rights  # noqa: PLC0415 - few clients have a scope
+
+    return rights.read_scope(scope)
+
+
 def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
     with value_errors():
         read_scope(scope)
@@ -42,7 +49,7 @@ def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
 
 
 Scope: TypeAlias = Annotated[tuple[str, ...], AfterValidator(_checked)]
-"""Rights, as parsed by :func:`homebot.devices.client_rights.read_scope`."""
+"""Rights, as parsed by :func:`homebot.words.rights.read_scope`."""
 
 
 class ClientToken(BaseModel):

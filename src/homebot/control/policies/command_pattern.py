@@ -12,12 +12,12 @@ from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.devices.obedience import POWERS
-from homebot.devices.query.exact import parse_cautious_query, parse_exact_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import Query, type_is
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
+from homebot.words.exact_queries import parse_cautious_query, parse_exact_query
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
 """Returns whether setting a capability to a value is the action, given the value before, or None if it is unknown."""

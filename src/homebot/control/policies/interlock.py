@@ -10,9 +10,9 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import Patterns, QueryText
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.devices import Device, DevicePart
-from homebot.devices.query.exact import parse_cautious_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, Not, Or, Query, StateIs, leaves
+from homebot.words.exact_queries import parse_cautious_query
 
 NAME: Final = "interlock"
 

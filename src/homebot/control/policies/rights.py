@@ -17,15 +17,7 @@ from homebot.devices.always_ask import (
     is_opener,
     why_it_asks,
 )
-from homebot.devices.client_rights import (
-    EDIT_ROUTINE,
-    HARMLESS,
-    LOCAL_CLIENT,
-    ORDINARY,
-    ClientRights,
-    issuer_of_client,
-    rights_of,
-)
+from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, LOCAL_CLIENT, ORDINARY, ClientRights, issuer_of_client
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_lookup import references
 from homebot.devices.harmless import why_not_covered
@@ -33,6 +25,7 @@ from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.toml_text import toml_value
+from homebot.words.rights import rights_of
 
 GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"

@@ -22,6 +22,7 @@ from homebot.devices.device import Device
 from homebot.devices.part import Category
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import (
+    FIELDS,
     And,
     AreaIs,
     CanDo,
@@ -222,8 +223,6 @@ def _check_value(term: Term) -> None:
 
 
 def _hint(kind: type[Handle], name: str) -> str:
-    from homebot.devices.query.vocabulary import FIELDS  # noqa: PLC0415 - after a mistake alone
-
     known = [parameter for parameter in inspect.signature(kind.where).parameters if parameter != "filters"] + list(
         _FILTER_TYPES
     )

@@ -12,7 +12,6 @@ from homebot.devices.query.terms import (
     And,
     AreaIs,
     CanDo,
-    Exists,
     FactIs,
     FreshnessIs,
     GatewayIs,
@@ -117,11 +116,11 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
     return tuple(found)
 
 
-def read_terms(terms: Sequence[QueryTerm], exists: Exists | None = None) -> Query:
+def read_terms(terms: Sequence[QueryTerm], parse: Callable[[str], Query] | None = None) -> Query:
     """Return the query in *terms*; without terms, everything matches.
 
     Args:
-        exists: As for :func:`homebot.devices.query.parse.parse_query`.
+        parse: Reads the queries in it that are texts; by default none may be.
 
     Raises:
         UsageError: They are not a query; the message names the term.
@@ -134,8 +133,8 @@ def read_terms(terms: Sequence[QueryTerm], exists: Exists | None = None) -> Quer
     for number in range(len(terms), 0, -1):
         term = terms[number - 1]
         if term.kind not in _JOINS:
-            is_text = term.kind == "words"
-            read.append((_parse(term.text, exists) if is_text else _READERS[term.kind](term, number), 1, number))
+            leaf = parse(term.text) if parse is not None and term.kind == "words" else _READERS[term.kind](term, number)
+            read.append((leaf, 1, number))
             continue
         count = 1 if term.kind == "not" else term.operands
         if count > len(read):
@@ -184,10 +183,8 @@ def _read_near(term: QueryTerm, number: int) -> IsNear:
     return IsNear(term.text, metres)
 
 
-def _parse(text: str, exists: Exists | None) -> Query:
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only what people write is sent as text
-
-    return parse_query(text, exists)
+def _refuse_words(_: QueryTerm, number: int) -> Query:
+    raise UsageError(f"term {number} of the query is a text, which only the directory reads")
 
 
 def _read_text(term: QueryTerm, _number: int) -> Query:
@@ -220,5 +217,6 @@ _READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
     "disputed": lambda _term, _: IsDisputed(),
     "unapproved": lambda _term, _: IsUnapproved(),
     **dict.fromkeys(_TEXT_TERMS, _read_text),
+    "words": _refuse_words,
 }
 """Readers for each kind of message, given its number."""

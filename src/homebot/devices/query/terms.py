@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, TypeAlias
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -13,6 +14,32 @@ from homebot.errors import UsageError
 from homebot.support.folding import fold
 
 Operator: TypeAlias = Literal["=", "!=", "<", "<=", ">", ">="]
+
+FIELDS: Mapping[str, str] = MappingProxyType(
+    {
+        "gateway": "gateway",
+        "area": "area",
+        "room": "area",
+        "floor": "area",
+        "type": "type",
+        "freshness": "freshness",
+        "reachable": "reachable",
+        "can": "can",
+        "has": "has",
+        "id": "id",
+        "name": "name",
+        "alias": "name",
+        "tag": "tag",
+        "convention": "convention",
+        "category": "category",
+        "manufacturer": "manufacturer",
+        "vendor": "manufacturer",
+        "brand": "manufacturer",
+        "model": "model",
+        "text": "text",
+    }
+)
+"""Words of ``word=value``, besides capabilities and facts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,12 +22,12 @@ from homebot.devices.query.terms import (
     lasting,
     leaves,
 )
-from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
 from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo, may_be_typo
 from homebot.support.similar import did_you_mean
+from homebot.words.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
 
 _SHOWN = 12
 _PEOPLE = frozenset({"x_person", "x_household"})

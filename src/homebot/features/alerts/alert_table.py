@@ -13,10 +13,10 @@ from homebot.devices.device_types import spoken_type
 from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, compares, fits
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, GatewayIs, Not, Query, StateIs, leaves
 from homebot.devices.wording.time_format import age, age_text
 from homebot.devices.words import matching_words
+from homebot.words.queries import parse_query
 
 LANGUAGES: Final = get_args(Language)
 """English, and the columns of the table of the others."""

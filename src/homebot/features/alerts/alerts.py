@@ -26,7 +26,6 @@ from homebot.devices.names import (
 )
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.query.terms import Or
-from homebot.devices.query.vocabulary import HOUSEHOLD
 from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
@@ -48,6 +47,7 @@ from homebot.graph import qos_profile_latched
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.support.bounded_map import BoundedMap
 from homebot.units import DURATION
+from homebot.words.vocabulary import HOUSEHOLD
 
 MOST_INCIDENTS: Final = 100
 """The limit of those that last, the worst first, and of all others; of more alerts people are not told."""

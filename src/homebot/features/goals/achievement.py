@@ -23,7 +23,7 @@ from homebot.features.goals.planner import find_plan
 from homebot.features.goals.problem_builder import Asker, Preview, build_problem
 from homebot.messages import Time
 from homebot.robots.drive import drive
-from homebot.rule_words.steps import SendRobot
+from homebot.words.steps import SendRobot
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome

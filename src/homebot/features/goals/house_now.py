@@ -17,11 +17,11 @@ from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.features.goals.operators import PlanStep
-from homebot.features.goals.wishes import KnownNames
 from homebot.graph import EntityKind, Node
 from homebot.robots.drive import check_move
-from homebot.rule_words.steps import SendRobot
 from homebot.support.folding import fold
+from homebot.words.steps import SendRobot
+from homebot.words.wishes import KnownNames
 
 Assumed = MutableMapping[tuple[str, str], dict[str, PlainValue]]
 """Values that parts got without reporting them, by device and part."""

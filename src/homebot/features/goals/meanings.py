@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
@@ -17,8 +16,9 @@ from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.features.goals.house_now import HouseReader
-from homebot.features.goals.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
 from homebot.support.folding import fold
+from homebot.words.suitable_parts import part_name, settings_by_part
+from homebot.words.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
 
 _LEAVING: Final[Mapping[PlainValue, StateIs]] = {
     "closing": StateIs("movement", "=", "open"),

@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
-from homebot.command_words.suitable_parts import part_name
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import why_it_asks
-from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
+from homebot.devices.client_rights import LOCAL_RIGHTS
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import target_of
 from homebot.devices.value import PlainValue
@@ -20,9 +19,11 @@ from homebot.devices.wording.values import value_text
 from homebot.features.goals.house_now import OPENINGS, HouseNow
 from homebot.features.goals.meanings import Meant, UnderstoodGoal
 from homebot.features.goals.operators import GoalProblem, Operator, PartSettings, PlanStep, Settings
-from homebot.features.goals.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
 from homebot.places.plan import OUTSIDE
 from homebot.support.folding import fold
+from homebot.words.rights import read_scope
+from homebot.words.suitable_parts import part_name
+from homebot.words.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Refused

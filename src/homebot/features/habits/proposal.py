@@ -10,7 +10,7 @@ from homebot.features.habits.habit import FoundHabit, TriedHabit
 from homebot.features.habits.messages import HabitOccasion, HabitProposal
 from homebot.features.habits.recorded import is_persons
 from homebot.messages.builtin_interfaces import Time
-from homebot.rule_words.routine_text import routine_text
+from homebot.words.routine_text import routine_text
 from homebot.words.times import DaysAndTime, SunMoment
 
 _LONGEST: Final = 100

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple, final
 
-from homebot.command_words.suitable_parts import settings_by_part
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
@@ -13,15 +12,16 @@ from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import State
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.parse import parse_query
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.values import value_text
 from homebot.errors import UsageError
 from homebot.messages.builtin_interfaces import Time
-from homebot.rule_words.conditions import Matches, read_condition
-from homebot.rule_words.steps import Do, read_step
-from homebot.rule_words.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
+from homebot.words.conditions import Matches, read_condition
+from homebot.words.queries import parse_query
+from homebot.words.steps import Do, read_step
+from homebot.words.suitable_parts import settings_by_part
+from homebot.words.triggers import Becomes, PersonMoves, Press, read_trigger
 
 _LONGEST: Final = 80
 _STEPS: Final = {"%": 5.0, "°C": 0.5}

@@ -21,9 +21,9 @@ from homebot.features.routines.run import RoutineRun, RunPlace
 from homebot.features.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.rule_words.conditions import AnyOf, Condition, Matches, OnDays, SunIs
-from homebot.rule_words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.words.conditions import AnyOf, Condition, Matches, OnDays, SunIs
 from homebot.words.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
+from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"

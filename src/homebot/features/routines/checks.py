@@ -9,8 +9,6 @@ from dataclasses import replace
 from itertools import chain
 from typing import Final, TypeVar, final
 
-from homebot.command_words.settings import is_relative
-from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
@@ -19,7 +17,6 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.parse import names_in, parse_query
 from homebot.devices.query.term_messages import query_terms, query_words, read_terms
 from homebot.devices.query.terms import Query, StateIs, lasting, leaves
 from homebot.devices.scene_messages import ListScenes, ScenesRequest
@@ -30,11 +27,14 @@ from homebot.features.routines.program import program_of
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.tables import app_of_routine
 from homebot.graph import Node
-from homebot.rule_words.conditions import Condition, Matches, read_condition
-from homebot.rule_words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
-from homebot.rule_words.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 from homebot.support.folding import fold
+from homebot.words.commands import is_relative
+from homebot.words.conditions import Condition, Matches, read_condition
+from homebot.words.queries import names_in, parse_query
+from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
+from homebot.words.suitable_parts import part_name, settings_by_part
 from homebot.words.tokens import quoted
+from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 
 _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""

@@ -12,11 +12,11 @@ from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.devices.names import CHANGE_ROUTINE, QUERY_DEVICES
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError, UsageError
-from homebot.rule_words.routine_text import routine_text
-from homebot.rule_words.triggers import button_names, read_press
 from homebot.support.folding import fold
 from homebot.support.printable import printable
+from homebot.words.routine_text import routine_text
 from homebot.words.tokens import quoted
+from homebot.words.triggers import button_names, read_press
 
 if TYPE_CHECKING:
     from homebot.devices import DevicePart

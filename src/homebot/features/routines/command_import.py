@@ -8,8 +8,8 @@ from homebot.cli.text_editor import read_text
 from homebot.errors import UsageError, WireError
 from homebot.features.routines.text import read_routines
 from homebot.plugins import check_extra, load_plugin, plugin_names
-from homebot.rule_words.automations import IMPORTERS, AutomationReader
 from homebot.support.printable import printable
+from homebot.words.automations import IMPORTERS, AutomationReader
 
 
 def import_routines(door: DoorClient, file: str) -> int:

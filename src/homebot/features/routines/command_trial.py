@@ -29,10 +29,10 @@ from homebot.features.routines.trial import TriedCommand, routines_of, trial_con
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
 from homebot.replay.replay import Replayed, replay
-from homebot.rule_words.triggers import RobotArrival
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import LONGEST_WAIT, parse_duration
+from homebot.words.triggers import RobotArrival
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import HomePlaceResponse, RoutinesResponse

@@ -10,10 +10,10 @@ from homebot.devices.device import Device, StateChange
 from homebot.devices.house_view import HouseView
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.words import WordsQuery
 from homebot.features.routines.watches import PressWatch
 from homebot.graph import Node
-from homebot.rule_words.steps import Dim
+from homebot.words.house_queries import WordsQuery
+from homebot.words.steps import Dim
 
 MOST_DIMMED: Final = 10.0
 """Seconds; a release may get lost."""

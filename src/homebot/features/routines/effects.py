@@ -15,9 +15,9 @@ from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.matching import compares, fits
 from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
-from homebot.rule_words.conditions import Condition, exclude_each_other
-from homebot.rule_words.triggers import Becomes, PersonMoves, Press, Trigger
+from homebot.words.conditions import Condition, exclude_each_other
 from homebot.words.times import DaysAndTime, read_days, read_time
+from homebot.words.triggers import Becomes, PersonMoves, Press, Trigger
 
 _NEAR: Final = 0.01
 

@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
-from homebot.rule_words.conditions import Condition, read_condition
-from homebot.rule_words.steps import MOST, Step, read_step
+from homebot.words.conditions import Condition, read_condition
+from homebot.words.steps import MOST, Step, read_step
 
 _LONGEST = 300
 

@@ -17,8 +17,8 @@ from homebot.features.routines.settings import RoutineSettings
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages import Time
-from homebot.rule_words.routine_text import routine_text
 from homebot.support.isolation import error_text
+from homebot.words.routine_text import routine_text
 
 _MOST_RUNS_KEPT: Final = 10
 _KEPT: Final = "waiting"

@@ -15,8 +15,8 @@ from homebot.features.routines.base import RoutineBase
 from homebot.features.routines.program import conditions_of
 from homebot.features.routines.run import RoutineRun
 from homebot.graph import Node
-from homebot.rule_words.steps import read_step
 from homebot.support.isolation import error_text
+from homebot.words.steps import read_step
 
 _STEP: Final = "_step"
 """The key of the step that a run takes."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, final
 
 from homebot.apps.grants import ACT, queries_of
 from homebot.clock import zone_name
-from homebot.command_words.suitable_parts import part_name
 from homebot.config import Config
 from homebot.control.policies.rights import APPROVAL, OF_RIGHTS
 from homebot.devices.app_messages import (
@@ -23,7 +22,7 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
     RoutinesResponse,
 )
-from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY, read_scope
+from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
 from homebot.devices.device import KeyValue
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES
@@ -34,6 +33,8 @@ from homebot.graph import Node
 from homebot.support.logger import get_logger
 from homebot.support.toml_text import toml_value
 from homebot.words.names import resolve_name
+from homebot.words.rights import read_scope
+from homebot.words.suitable_parts import part_name
 
 if TYPE_CHECKING:
     from homebot.feature_context import FeatureContext

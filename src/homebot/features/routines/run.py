@@ -11,7 +11,6 @@ import anyio
 
 from homebot.apps import AppContext
 from homebot.command_words.earlier_values import EarlierValues, known_states
-from homebot.command_words.settings import SET
 from homebot.devices import Devices, KeyValue
 from homebot.devices.batch import perform_all
 from homebot.devices.command_messages import (
@@ -28,8 +27,9 @@ from homebot.errors import HomebotError, ServiceError
 from homebot.features.routines.program import Branch, Line, Skip
 from homebot.features.routines.watches import begun
 from homebot.graph import Client, Node
-from homebot.rule_words.conditions import Condition
-from homebot.rule_words.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, WaitUntil
+from homebot.words.commands import SET
+from homebot.words.conditions import Condition
+from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, WaitUntil
 
 if TYPE_CHECKING:
     from homebot.features.routines.checks import HouseChecks

@@ -9,11 +9,11 @@ from homebot.apps import AppSettings
 from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
 from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
-from homebot.rule_words.conditions import Condition, SunIs, check_possible, single_conditions
-from homebot.rule_words.steps import MOST, Dim, Do, Undo, WaitUntil
-from homebot.rule_words.triggers import Becomes, Trigger, read_trigger
 from homebot.support.folding import fold
+from homebot.words.conditions import Condition, SunIs, check_possible, single_conditions
+from homebot.words.steps import MOST, Dim, Do, Undo, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
+from homebot.words.triggers import Becomes, Trigger, read_trigger
 
 
 def _trigger(text: str) -> str:
@@ -33,10 +33,10 @@ class RoutineSettings(AppSettings):
 
     Attributes:
         name: Its name for people.
-        when: Its triggers, each for itself; see :func:`homebot.rule_words.triggers.read_trigger`.
+        when: Its triggers, each for itself; see :func:`homebot.words.triggers.read_trigger`.
         conditions: The key ``if``: its conditions, all of which must hold; see
-            :func:`homebot.rule_words.conditions.read_condition`.
-        do: Its steps, one after the other; see :func:`homebot.rule_words.steps.read_step`, or choices.
+            :func:`homebot.words.conditions.read_condition`.
+        do: Its steps, one after the other; see :func:`homebot.words.steps.read_step`, or choices.
         mode: The rule for a start while it runs; see :meth:`homebot.apps.App.on`.
         enabled: Whether it may start.
     """

@@ -13,9 +13,9 @@ from homebot.devices.client_rights import ORDINARY
 from homebot.errors import ConfigError
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.tables import check_routine_name
-from homebot.rule_words.routine_text import routine_text
 from homebot.support.toml_file import parse_toml
 from homebot.support.toml_text import toml_value
+from homebot.words.routine_text import routine_text
 
 _HEAD: Final = re.compile(r"^(?=[ \t]*\[\[\s*routines\s*\]\])", re.MULTILINE)
 _ACT: Final = re.compile(rf"^[ \t]*{ACT}[ \t]*=.*$", re.MULTILINE)

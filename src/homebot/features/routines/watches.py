@@ -16,14 +16,14 @@ from homebot.devices.names import ROBOT_POSES
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import Query, lasting
-from homebot.devices.query.words import WordsQuery
 from homebot.devices.robot_messages import RobotPose
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.rule_words.triggers import Becomes, PersonMoves, Press, RobotArrival
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
+from homebot.words.house_queries import WordsQuery
+from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival
 
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
@@ -56,7 +56,7 @@ async def begun(
         return
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
     began = clock.monotonic()
-    follow = Follow(node, query=state.words or state.query, text=state.text)
+    follow = Follow(node, query=state.query, text=state.text, words=WordsQuery(state.words) if state.words else None)
     while True:
         at = due.next()
         wait = math.inf if at is None else at - clock.monotonic()
@@ -104,7 +104,7 @@ async def _none_left(
         if able and not matching and (key in kept or not is_new):
             left = min(state.lasting, kept.get(key, at) + state.lasting - clock.now())
             waiting = clock.monotonic() + left, Begun(able[0], CURRENT_CAUSE.get())
-        follow = Follow(node, query=state.words, text=state.text)
+        follow = Follow(node, text=state.text, words=WordsQuery(state.words))
         while True:
             wait = math.inf if waiting is None else waiting[0] - clock.monotonic()
             with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Final, TypeAlias, final
 
-from homebot.command_words.suitable_parts import part_name
 from homebot.control.policies.rights import why_asked
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.command_messages import Setting
@@ -21,6 +20,7 @@ from homebot.features.scenes.scene_words import values_text
 from homebot.messages import Time
 from homebot.support.folding import fold
 from homebot.words.names import no_such
+from homebot.words.suitable_parts import part_name
 
 Place: TypeAlias = tuple[str, str]
 """The ids of a device and of its part."""

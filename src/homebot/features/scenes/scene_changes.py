@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final, final
 
-from homebot.command_words.suitable_parts import part_name
 from homebot.command_words.targets import CommandTargets, NoTargetError
 from homebot.control.policies.rights import why_asked
 from homebot.devices import Device, DevicePart, KeyValue
@@ -22,6 +21,7 @@ from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.words.names import find_name, no_such
+from homebot.words.suitable_parts import part_name
 
 _MOST_NAMED: Final = 5
 _NOW: Final = "now"

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from homebot.command_words.earlier_values import RESTORED
-from homebot.command_words.settings import SET, parse_command_words
 from homebot.control.journal.given_codes import without_codes
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY
@@ -14,6 +13,7 @@ from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
 from homebot.errors import RefusedError
+from homebot.words.commands import SET, parse_command_words
 
 _SAVED: Final = (*RESTORED, "thermostat_mode", "fan_mode", "preset_mode", "effect")
 """The capabilities of a saved scene, in the order of sending."""

@@ -4,12 +4,12 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from homebot.command_words.settings import check_without_code
 from homebot.config import Config, parse_settings, value_errors
 from homebot.devices.scene_messages import MOST_PARTS
 from homebot.errors import ConfigError, UsageError
 from homebot.features.scenes.scene_book import check_scene_name
 from homebot.support.folding import fold
+from homebot.words.commands import check_without_code
 
 _Words = Annotated[str, Field(min_length=1, max_length=1000)]
 

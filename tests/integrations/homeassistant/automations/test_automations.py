@@ -21,10 +21,10 @@ from homebot.errors import UsageError
 from homebot.features.routines.text import read_routines
 from homebot.integrations.homeassistant.automations import HomeAssistantAutomations
 from homebot.messages import Time
-from homebot.rule_words.automations import ImportedRoutines
-from homebot.rule_words.conditions import Matches, read_condition
-from homebot.rule_words.steps import Do, read_step
 from homebot.support.folding import fold
+from homebot.words.automations import ImportedRoutines
+from homebot.words.conditions import Matches, read_condition
+from homebot.words.steps import Do, read_step
 
 HERE = Path(__file__).parent
 SOURCE = "automations.yaml"

@@ -15,7 +15,7 @@ from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.value import Value
 from homebot.features.routines.text import read_routines
-from homebot.rule_words.conditions import AnyOf, Condition, Matches, OnDays, SunIs, read_condition
+from homebot.words.conditions import AnyOf, Condition, Matches, OnDays, SunIs, read_condition
 from homebot.words.times import SunSpan, TimeSpan
 
 LAMP, PLUG = (next(one for one in HOUSE if one.name == name) for name in ("Hall lamp", "Kitchen plug"))

@@ -11,10 +11,11 @@ from tests.patience import PATIENCE
 from homebot.config import parse_config
 from homebot.devices import Devices, Follow
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.query.parse import parse_query
 from homebot.graph import Node
 from homebot.integrations.homeassistant.simulated.server import ListedEntity, SimulatedHomeAssistant
 from homebot.runtime import Runtime
+from homebot.words.house_queries import WordsQuery
+from homebot.words.queries import parse_query
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("people")]
 
@@ -73,7 +74,7 @@ async def test_a_person_comes_goes_and_becomes_unknown(tmp_path: Path, people: d
     async with house_of(home, tmp_path, person, **people) as node:
         for place, query in (("home", "at_home=true"), ("Work", "at_home=false"), ("home", "at_home=true")):
             home.show(person, place, {})
-            await anext(Follow(node, query=f"household {query}"))
+            await anext(Follow(node, words=WordsQuery(f"household {query}")))
         home.show(person, "unavailable", {})
         for query in ("household not at_home=true", "household not at_home=false"):
             with anyio.fail_after(PATIENCE):
@@ -100,15 +101,15 @@ async def test_one_is_a_person_by_a_tracker_and_only_once(
     ]
     people = {name: {"trackers": [tracker]} for name, tracker in named.items()}
     async with house_of(SimulatedHomeAssistant(), tmp_path, *entities, **people) as node:
-        await anext(Follow(node, query="household at_home=true"))
+        await anext(Follow(node, words=WordsQuery("household at_home=true")))
         assert sorted(one.name for one in await Devices(node).find("person")) == found
 
 
 async def test_a_person_who_is_removed_is_no_person_any_more(tmp_path: Path) -> None:
     home, person = SimulatedHomeAssistant(), anna()
     async with house_of(home, tmp_path, person) as node:
-        await anext(Follow(node, query="household at_home=true"))
-        people = Follow(node, query="person or household")
+        await anext(Follow(node, words=WordsQuery("household at_home=true")))
+        people = Follow(node, words=WordsQuery("person or household"))
         assert [(await anext(people)).kind for _ in range(2)] == ["appeared", "appeared"]
         home.remove(person)
         gone = set[str]()

@@ -18,10 +18,10 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.integrations.homeassistant.automations.services import steps_of_service
 from homebot.integrations.homeassistant.automations.states import state_of_template
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
-from homebot.rule_words.automations import ImportedRoutines, Refusal, RoutineCheck
-from homebot.rule_words.routine_text import routine_text
-from homebot.rule_words.steps import MOST, Do, Notify, read_step
 from homebot.support.located import Located
+from homebot.words.automations import ImportedRoutines, Refusal, RoutineCheck
+from homebot.words.routine_text import routine_text
+from homebot.words.steps import MOST, Do, Notify, read_step
 
 Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
@@ -215,7 +215,7 @@ class HomeAssistantAutomations:
     """Reader of ``automations.yaml``, and of packages and configurations with a key ``automation``."""
 
     def read(self, document: Located, source: str, devices: Sequence[Device], check: RoutineCheck) -> ImportedRoutines:
-        """Return the routines of *document*; see :class:`homebot.rule_words.automations.AutomationReader`."""
+        """Return the routines of *document*; see :class:`homebot.words.automations.AutomationReader`."""
         nodes = [*_automations(document)]
         if not nodes:
             raise UsageError(f"{source} has no automations")

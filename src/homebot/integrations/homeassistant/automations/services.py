@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.text.colors import COLORS
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.rule_words.steps import Do, Notify, read_step
+from homebot.words.colors import COLORS
+from homebot.words.steps import Do, Notify, read_step
 
 _ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
 _WORDS: Final = {

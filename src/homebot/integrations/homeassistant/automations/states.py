@@ -10,15 +10,15 @@ from dataclasses import replace
 from typing import Final, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, NameIs, Operator, StateIs, TypeIs, leaves
-from homebot.devices.query.vocabulary import ADJECTIVES
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.rule_words.triggers import read_state
 from homebot.support.folding import fold
+from homebot.words.queries import parse_query
+from homebot.words.triggers import read_state
+from homebot.words.vocabulary import ADJECTIVES
 
 _IS_STATE: Final = re.compile(
     r"\{\{ *(?:is_state\( *'([\w.]+)' *, *'([^']+)' *\)|states\( *'([\w.]+)' *\) *== *'([^']+)') *\}\}"

@@ -10,7 +10,7 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, state_texts, sun_moment
-from homebot.rule_words.triggers import Press, read_trigger
+from homebot.words.triggers import Press, read_trigger
 
 _OPPOSITES: Final = {
     "on": "off",

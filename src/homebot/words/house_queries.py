@@ -6,9 +6,9 @@ from typing import final
 from homebot.devices.device import Device
 from homebot.devices.query.facets import shared_facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.parse import names_in, parse_query
 from homebot.devices.query.terms import AreaIs, InArea, NameIs, PartIs, Query, TypeIs, leaves
 from homebot.support.folding import fold
+from homebot.words.queries import names_in, parse_query
 
 
 @final
@@ -23,7 +23,7 @@ class WordsQuery:
     """
 
     def __init__(self, text: str, devices: Iterable[Device] = ()) -> None:
-        self._text = text
+        self.text = text
         self._names = names_in(text)
         self._named: dict[str, Device] = {}
         self._areas: dict[str, tuple[str, ...]] = {}  # those that the text names, by device
@@ -52,7 +52,7 @@ class WordsQuery:
         is_change = self._record_areas(device, is_gone=is_gone) or was_named or is_named
         if not is_change and not (self._with_parts and self._turns_types(before, None if is_gone else device)):
             return False
-        known, self.query = self.query, parse_query(self._text, self._exists)
+        known, self.query = self.query, parse_query(self.text, self._exists)
         return self.query != known
 
     def _record_areas(self, device: Device, *, is_gone: bool) -> bool:

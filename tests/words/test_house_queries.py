@@ -9,22 +9,22 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.device import State
 from homebot.devices.device_types import wanted_types
 from homebot.devices.part import Capability, Part
-from homebot.devices.query.exact import parse_cautious_query
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, fits
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import query_terms, query_words, read_terms
+from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import NameIs, Query
-from homebot.devices.query.words import WordsQuery
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.search.unknown_words import note_on
 from homebot.messages.builtin_interfaces import Time
 from homebot.places import HousePlan
-from homebot.rule_words.conditions import Matches, read_condition
-from homebot.rule_words.triggers import Becomes, read_trigger
 from homebot.support.folding import fold
+from homebot.words.conditions import Matches, read_condition
+from homebot.words.exact_queries import parse_cautious_query
+from homebot.words.house_queries import WordsQuery
+from homebot.words.queries import parse_query
+from homebot.words.triggers import Becomes, read_trigger
 
 NOW = Time(sec=1, nanosec=0)
 WORDS = (
@@ -105,7 +105,7 @@ def directory(devices: list[Device]) -> Postings:
 
 
 def found(postings: Postings, text: str) -> set[str]:
-    return set(postings.find(read_terms(query_words(text), lambda query: bool(postings.find(query)))))
+    return set(postings.find(parse_query(text, lambda query: bool(postings.find(query)))))
 
 
 def followed(devices: list[Device], text: str) -> set[str]:
@@ -254,7 +254,7 @@ QUESTIONS = [
 )
 def test_a_question_is_answered_by_devices_or_by_the_reason_for_none(text: str, ids: set[str], note: str) -> None:
     postings = directory(QUESTIONS)
-    query = read_terms(query_words(text), lambda query: bool(postings.find(query)))
+    query = parse_query(text, lambda query: bool(postings.find(query)))
     assert postings.find(query) == ids
     assert note_on(query, postings.find(query), postings, HousePlan("villa")) == note
 

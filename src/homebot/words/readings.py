@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal, TypeAlias
 
-from homebot.devices.query.parse import Term, parse_alternatives
 from homebot.devices.query.terms import And, HasText, InArea, Or, Query, TypeIs
+from homebot.words.queries import Term, parse_alternatives
 
 _Kind: TypeAlias = Literal["type", "area", "words", "group", "other"]
 _Unit: TypeAlias = tuple[_Kind, str]
@@ -21,7 +21,7 @@ class Readings:
     """The alternatives that a query joins with ``or``.
 
     Attributes:
-        alternatives: The alternatives according to :func:`homebot.devices.query.parse.parse_query`.
+        alternatives: The alternatives according to :func:`homebot.words.queries.parse_query`.
         words: The alternatives that contain only search words, or ``all``.
         distributed: The alternatives if a word on only one side applies to both; empty if that makes no sense. For a
             query without ``or``, those joined by ``and`` or commas, if it may be a list of devices.

@@ -4,15 +4,13 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from homebot.command_words.settings import is_relative
 from homebot.devices.query.terms import StateIs
-from homebot.devices.query.vocabulary import ADJECTIVES
 from homebot.errors import UsageError
-from homebot.rule_words.people import AT_HOME
-from homebot.rule_words.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
+from homebot.words.commands import is_relative
 from homebot.words.names import find_name, resolve_name
+from homebot.words.people import AT_HOME
 from homebot.words.phrases import (
     AT_VALUE,
     DOCKED,
@@ -27,7 +25,9 @@ from homebot.words.phrases import (
     THE,
     VERB_FIRST,
 )
+from homebot.words.steps import Do, SendRobot, read_step
 from homebot.words.tokens import has_code, split_at
+from homebot.words.vocabulary import ADJECTIVES
 
 DOCK: Final = "dock"
 """The room of a wish for a robot in its dock."""

@@ -6,21 +6,21 @@ from functools import lru_cache
 from itertools import chain
 from typing import Final, TypeAlias
 
-from homebot.command_words.settings import STATE_WORDS, check_without_code, is_relative
 from homebot.devices.capabilities import CAPABILITIES, SETTABLE
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query
-from homebot.devices.text.colors import COLORS, WHITES
 from homebot.errors import UsageError
-from homebot.rule_words.triggers import Becomes, Press, read_press, read_state
 from homebot.support.folding import fold
 from homebot.support.numbers import to_number
 from homebot.support.similar import did_you_mean
 from homebot.words.amounts import read_amount
+from homebot.words.colors import COLORS, WHITES
+from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
 from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, WAIT, WAIT_UNTIL
+from homebot.words.queries import parse_query
 from homebot.words.times import read_duration
 from homebot.words.tokens import split_steps
+from homebot.words.triggers import Becomes, Press, read_press, read_state
 
 MOST: Final = 50
 """The limit of the steps, triggers and conditions of a routine, each."""

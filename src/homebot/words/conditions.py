@@ -9,8 +9,11 @@ from typing import Final, TypeAlias
 
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
-from homebot.rule_words.people import check_known, read_person
-from homebot.rule_words.triggers import (
+from homebot.words.people import check_known, read_person
+from homebot.words.phrases import NOBODY, NOT
+from homebot.words.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
+from homebot.words.tokens import split_at
+from homebot.words.triggers import (
     SUN,
     Becomes,
     Press,
@@ -19,9 +22,6 @@ from homebot.rule_words.triggers import (
     read_press,
     read_state,
 )
-from homebot.words.phrases import NOBODY, NOT
-from homebot.words.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
-from homebot.words.tokens import split_at
 
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"

@@ -3,7 +3,7 @@
 import pytest
 
 from homebot.errors import UsageError
-from homebot.rule_words.steps import Do, Notify, Undo, Wait, WaitUntil, read_step
+from homebot.words.steps import Do, Notify, Undo, Wait, WaitUntil, read_step
 
 
 @pytest.mark.parametrize(

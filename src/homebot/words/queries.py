@@ -29,7 +29,6 @@ from typing import TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query.comparison import comparison
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -52,7 +51,13 @@ from homebot.devices.query.terms import (
     leaves,
     split_near,
 )
-from homebot.devices.query.vocabulary import (
+from homebot.errors import UsageError
+from homebot.support.folding import MAX_WORD, fold, words_of
+from homebot.support.similar import did_you_mean
+from homebot.words.amounts import UNITS, read_amount
+from homebot.words.comparisons import comparison
+from homebot.words.tokens import Token, tokens_of
+from homebot.words.vocabulary import (
     ADJECTIVES,
     CAPABILITY_WORDS,
     CONDITIONS,
@@ -64,11 +69,6 @@ from homebot.devices.query.vocabulary import (
     is_meaningful,
     meaning_of,
 )
-from homebot.errors import UsageError
-from homebot.support.folding import MAX_WORD, fold, words_of
-from homebot.support.similar import did_you_mean
-from homebot.words.amounts import UNITS, read_amount
-from homebot.words.tokens import Token, tokens_of
 
 __all__ = ["parse_query"]
 

@@ -3,10 +3,10 @@
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import And, NameIs, Not, Or, Query, StateIs, TypeIs, leaves
-from homebot.devices.query.vocabulary import HOUSEHOLD, HOUSEHOLD_FACTS
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.words.phrases import PERSON_IS, PERSON_MOVES
+from homebot.words.vocabulary import HOUSEHOLD, HOUSEHOLD_FACTS
 
 AT_HOME: Final = "at_home"
 _ALL_AT_HOME: Final = "all_at_home"

@@ -9,15 +9,15 @@ from typing import Final, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import DevicePart
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
-from homebot.devices.query.vocabulary import CAPABILITY_WORDS
 from homebot.errors import UsageError
-from homebot.rule_words.people import HOME_FACTS, check_known, may_begin, read_move, read_person
 from homebot.support.folding import fold
+from homebot.words.people import HOME_FACTS, check_known, may_begin, read_move, read_person
 from homebot.words.phrases import ALL, ARRIVAL, INTERVAL, LASTING, LIMIT, MOTION, NO, NOBODY, PLACED_LIMIT, PRESS
+from homebot.words.queries import parse_query
 from homebot.words.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
 from homebot.words.tokens import split_at
+from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _MAX_INTERVAL_BLANKS: Final = 2  # half an hour
 _STATES: Final = dict.fromkeys(

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from homebot.errors import UsageError
 from homebot.features.routines.settings import RoutineSettings
-from homebot.rule_words.conditions import AnyOf, Matches, OnDays, SunIs, check_possible, read_condition
+from homebot.words.conditions import AnyOf, Matches, OnDays, SunIs, check_possible, read_condition
 from homebot.words.times import SunMoment, SunSpan, TimeSpan
 
 

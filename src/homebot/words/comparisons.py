@@ -8,6 +8,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.capability_type import CapabilityType
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.terms import (
+    FIELDS,
     And,
     CanDo,
     FactIs,
@@ -23,13 +24,13 @@ from homebot.devices.query.terms import (
     TypeIs,
     type_is,
 )
-from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, FIELDS, TYPE_WORDS
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean, similar_to
 from homebot.words.amounts import FLAGS, read_amount
 from homebot.words.tokens import Token
+from homebot.words.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, TYPE_WORDS
 
 _ALIKE = 0.6
 _FRESHNESS = ("fresh", "unconfirmed", "stale")

@@ -10,13 +10,13 @@ from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.obedience import changes, related
 from homebot.devices.part import Capability, Part, accepted_values, check_no_share, check_setting
-from homebot.devices.text.colors import COLORS, WHITES
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
 from homebot.words.amounts import FLAGS, read_amount, read_change, split_commands
+from homebot.words.colors import COLORS, WHITES
 from homebot.words.tokens import has_code
 
 SET: Final = "set"

@@ -37,32 +37,6 @@ FILLERS = frozenset(_FILLERS.split())
 RELATIVES = frozenset({"that"})
 """Words that are fillers before ``is`` and ``are``; ``that lamp`` means one that a person points to."""
 
-FIELDS: Mapping[str, str] = MappingProxyType(
-    {
-        "gateway": "gateway",
-        "area": "area",
-        "room": "area",
-        "floor": "area",
-        "type": "type",
-        "freshness": "freshness",
-        "reachable": "reachable",
-        "can": "can",
-        "has": "has",
-        "id": "id",
-        "name": "name",
-        "alias": "name",
-        "tag": "tag",
-        "convention": "convention",
-        "category": "category",
-        "manufacturer": "manufacturer",
-        "vendor": "manufacturer",
-        "brand": "manufacturer",
-        "model": "model",
-        "text": "text",
-    }
-)
-"""Words of ``word=value``, besides capabilities and facts."""
-
 FACTS = frozenset(
     {
         "configuration_url",

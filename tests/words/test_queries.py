@@ -5,7 +5,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import (
     And,
     CanDo,
@@ -26,6 +25,7 @@ from homebot.devices.query.terms import (
     type_is,
 )
 from homebot.errors import UsageError
+from homebot.words.queries import parse_query
 from homebot.words.tokens import quoted
 
 LIGHT = frozenset({"light"})

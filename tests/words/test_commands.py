@@ -2,10 +2,10 @@
 
 import pytest
 
-from homebot.command_words.settings import parse_command_words
 from homebot.devices import KeyValue
 from homebot.devices.part import Capability, Part
 from homebot.errors import RefusedError
+from homebot.words.commands import parse_command_words
 
 
 @pytest.mark.parametrize(

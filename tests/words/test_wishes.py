@@ -8,7 +8,7 @@ import pytest
 from tests.call_counts import calls
 
 from homebot.errors import UsageError
-from homebot.features.goals.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
+from homebot.words.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
 
 ROOMS = ("Hall", "Living", "Kitchen", "Office 2")
 HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night"))

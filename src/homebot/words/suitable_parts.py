@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from homebot.command_words.settings import parse_command_words
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import is_commanded
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.words.commands import parse_command_words
 
 ParsedSettings: TypeAlias = dict[str, PlainValue] | RefusedError
 """The values by capability for a part, or the reason why it cannot take them."""

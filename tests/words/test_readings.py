@@ -2,8 +2,8 @@
 
 import pytest
 
-from homebot.devices.query.readings import readings_of
 from homebot.errors import UsageError
+from homebot.words.readings import readings_of
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,8 @@
 import pytest
 
 from homebot.errors import UsageError
-from homebot.rule_words.triggers import Becomes, Press, RobotArrival, read_trigger
 from homebot.words.times import DaysAndTime, SunMoment
+from homebot.words.triggers import Becomes, Press, RobotArrival, read_trigger
 
 
 def test_a_state_may_have_to_last() -> None:

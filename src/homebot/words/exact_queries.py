@@ -2,11 +2,11 @@
 
 from functools import partial
 
-from homebot.devices.query.parse import names_in, parse_query
 from homebot.devices.query.terms import HasText, NameIs, Or, PartIs, Query, leaves, split_near
-from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
+from homebot.words.queries import names_in, parse_query
+from homebot.words.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 
 
 def parse_exact_query(text: str) -> Query:
