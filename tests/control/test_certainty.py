@@ -6,12 +6,12 @@ from tests.control.conftest import Home, ignore
 from tests.control.policies.houses import START, make_command, make_device, make_facts, new_timeline
 
 from homebot.control.command import IssuedCommand, order_of
-from homebot.control.policies.command_pattern import read_pattern
 from homebot.control.timeline.facts import Decided, Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices.handles import WindowCovering
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
+from homebot.words.patterns import read_pattern
 
 BLIND = make_device("blind", "window_covering", settable=("movement", "position"))
 DEVICE_AND_PART = (BLIND, BLIND.parts[0])

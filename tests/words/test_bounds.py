@@ -13,9 +13,9 @@ import pytest
 from tests.call_counts import calls
 
 import homebot.words
-from homebot.control.policies.command_pattern import read_pattern
 from homebot.errors import UsageError
 from homebot.words.conditions import read_condition
+from homebot.words.patterns import read_pattern
 from homebot.words.queries import parse_query
 from homebot.words.steps import read_step
 from homebot.words.tokens import MAX_QUERY, Phrase

@@ -6,7 +6,6 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
-from homebot.control.policies.command_pattern import QueryText
 from homebot.control.policies.facts import PolicyTable
 from homebot.control.policies.home_policy import NamedPolicy, check_tables, home_policies
 from homebot.control.policies.interlock import Interlock
@@ -18,6 +17,7 @@ from homebot.devices.query.terms import Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 from homebot.words.exact_queries import parse_lasting_query
+from homebot.words.patterns import QueryText
 
 _WITNESSES: Final = "control.witnesses"
 _DOORS: Final = "control.presence_guard.doors"

@@ -7,12 +7,12 @@ from typing import Final, Literal
 from pydantic import Field
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.command_pattern import Patterns, QueryText
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.devices import Device, DevicePart
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, Not, Or, Query, StateIs, leaves
 from homebot.words.exact_queries import parse_cautious_query
+from homebot.words.patterns import Patterns, QueryText
 
 NAME: Final = "interlock"
 

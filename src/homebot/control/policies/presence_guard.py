@@ -6,12 +6,12 @@ from typing import Annotated, Final, Literal, TypeAlias
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.control.policies.house import OCCUPANCY, SensorReading
 from homebot.devices.query.terms import CanDo, Or, Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
+from homebot.words.patterns import CommandPattern, Patterns, pattern_of_type
 
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 

@@ -6,8 +6,8 @@ from typing import Annotated, Final, TypeAlias
 from pydantic import AfterValidator, ValidationInfo, field_validator
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
+from homebot.words.patterns import Patterns
 from homebot.words.times import TimeSpan
 
 NAME: Final = "quiet_hours"

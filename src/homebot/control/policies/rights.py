@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.policies.command_pattern import VERBS
 from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.devices.always_ask import (
     APPROVED,
@@ -25,6 +24,7 @@ from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.toml_text import toml_value
+from homebot.words.patterns import VERBS
 from homebot.words.rights import rights_of
 
 GRANTS: Final = "grants"

@@ -3,14 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, TypeAlias, final
+from typing import Annotated, Protocol, TypeAlias, TypeVar, final
 
 from pydantic import AfterValidator, GetCoreSchemaHandler, PlainSerializer, PlainValidator
 from pydantic_core import CoreSchema, core_schema
 
 from homebot.config import value_errors
-from homebot.control.command import IssuedCommand
-from homebot.control.policies.facts import Facts
+from homebot.devices import Device, DevicePart
 from homebot.devices.obedience import POWERS
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import Query, type_is
@@ -21,6 +20,28 @@ from homebot.words.exact_queries import parse_cautious_query, parse_exact_query
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
 """Returns whether setting a capability to a value is the action, given the value before, or None if it is unknown."""
+
+
+class CommandToPart(Protocol):
+    """A command that a pattern may match, with its values by capability."""
+
+    @property
+    def device(self) -> Device: ...  # noqa: D102 - as of the command
+    @property
+    def part(self) -> DevicePart: ...  # noqa: D102 - as above
+    @property
+    def settings(self) -> Mapping[str, PlainValue]: ...  # noqa: D102 - as above
+
+
+CommandT = TypeVar("CommandT", bound=CommandToPart)
+CommandT_contra = TypeVar("CommandT_contra", bound=CommandToPart, contravariant=True)
+
+
+class CertainValues(Protocol[CommandT_contra]):
+    """The certain values of a house."""
+
+    def certain(self, command: CommandT_contra, capability: str, /) -> PlainValue:
+        """Return the value of *capability* of the commanded part; None unless it is certain."""
 
 
 @final
@@ -36,16 +57,14 @@ class CommandPattern:
     verb: str
     query: Query
 
-    def fits(self, command: IssuedCommand, facts: Facts) -> bool:
+    def fits(self, command: CommandT, facts: CertainValues[CommandT]) -> bool:
         """Return whether *command* matches, or may match: a motor at an unknown position may be closed."""
         does = VERBS[self.verb]
         for capability, value in command.settings.items():
             known = facts.certain(command, capability) if capability in _COMPARED else None
             if does(capability, value, known):
-                break
-        else:
-            return False
-        return fits(self.query, PartFacets(command.device, command.part))
+                return fits(self.query, PartFacets(command.device, command.part))
+        return False
 
     def __str__(self) -> str:
         return self.text
