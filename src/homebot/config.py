@@ -155,6 +155,10 @@ _FeatureTables: TypeAlias = Annotated[
 """The tables of features, each of which its feature checks."""
 
 
+WITH_COMMAND_LINE: Final = " and command line"
+"""The end of the source of a file to which the command line adds."""
+
+
 class Config(BaseModel):
     """The configuration of a homebot, as in ``homebot.toml``.
 
@@ -185,6 +189,12 @@ class Config(BaseModel):
     ros: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
+
+    @property
+    def file(self) -> Path | None:
+        """The file that it was read from, also if a command line adds to it; None if it is of no file."""
+        path = Path(self.source.removesuffix(WITH_COMMAND_LINE))
+        return path if path.is_file() else None
 
     def array_of(self, key: str) -> tuple[object, ...]:
         """Return the tables ``[[KEY]]`` of a feature; None for one that was left out."""

@@ -93,6 +93,7 @@ class FeatureContext:
         directory: Returns the directory; None before it runs.
         table: Returns its table of a key as its reader returned it; None if the configuration has none.
         store: Returns the store of a name, which is kept across restarts, and which no app can have.
+        config_file: Returns the file of the configuration; None if the run has none. Called in a thread.
         write_stores: Writes all changes of stores now; returns the problem, empty for none.
     """
 
@@ -108,4 +109,5 @@ class FeatureContext:
     directory: Callable[[], Directory | None]
     table: Callable[[str], Any]
     store: Callable[[str], MutableMapping[str, Any]]
+    config_file: Callable[[], Path | None]
     write_stores: Callable[[], Awaitable[str]]

@@ -499,6 +499,7 @@ class Runtime:
             directory=lambda: self._index,
             table=lambda key: self._plan.features.get(key),  # noqa: PLW0108 - a reload replaces the plan
             store=self.app_host.store,
+            config_file=lambda: self.config.file,
             write_stores=self.app_host.write_stores,
         )
 

@@ -25,7 +25,7 @@ from homebot.cli.arguments import (
 )
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import Config, load_config, load_tables, parse_config
+from homebot.config import WITH_COMMAND_LINE, Config, load_config, load_tables, parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, check_extra, is_file, name_in_file
@@ -299,7 +299,7 @@ def configuration(options: argparse.Namespace, *, may_be_cut: bool = False) -> t
     if options.door:
         tables["door"].update(_listens(options.door))
     is_changed = bool(stated or options.app)
-    source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
+    source = f"{base.source}{WITH_COMMAND_LINE}" if is_changed and base.source != COMMAND_LINE else base.source
     return with_environment(parse_config(tables, source, base.folder)), house
 
 

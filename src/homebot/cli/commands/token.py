@@ -6,6 +6,7 @@ import argparse
 import json
 import secrets
 import time
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -70,13 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _new(options: argparse.Namespace) -> int:
     config = Path(options.config)
-    check_token_name(options.name)
-    token_file = config.parent / f"{options.name}.token"
-    rights = ", ".join(map(json.dumps, options.scope))
-    table = f"[door.tokens.{options.name}]\ntoken_file = {json.dumps(token_file.name)}\nscope = [{rights}]\n"
-    table += f"until = {json.dumps(options.until)}\n" if options.until else ""
-    secret = secrets.token_urlsafe(32)
-    add_secret_table(config, table, token_file, secret, partial(_check_end, options.name), creates=False)
+    table, token_file, _ = add_token(config, options.name, options.scope, options.until)
     print(f"the token is in {token_file}, which only you can read")
     print(
         f"{config} has its table now; `systemctl [--user] reload homebot`, or `kill -HUP`, makes homebot read it"
@@ -85,6 +80,22 @@ def _new(options: argparse.Namespace) -> int:
     )
     print(_SENDING)
     return 0
+
+
+def add_token(config: Path, name: str, rights: Iterable[str], until: str = "") -> tuple[str, Path, str]:
+    """Write a token with *rights* to its file, and its table to *config*; return table, file and secret.
+
+    Raises:
+        UsageError: As :func:`homebot.cli.secret_tables.add_secret_table`, or its name cannot be one.
+    """
+    check_token_name(name)
+    token_file = config.parent / f"{name}.token"
+    scope = ", ".join(map(json.dumps, rights))
+    table = f"[door.tokens.{name}]\ntoken_file = {json.dumps(token_file.name)}\nscope = [{scope}]\n"
+    table += f"until = {json.dumps(until)}\n" if until else ""
+    secret = secrets.token_urlsafe(32)
+    add_secret_table(config, table, token_file, secret, partial(_check_end, name), creates=False)
+    return table, token_file, secret
 
 
 def _check_end(name: str, plan: Plan) -> None:

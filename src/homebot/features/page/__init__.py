@@ -1,4 +1,4 @@
-"""The page's own data, the same for all screens: the owner's order, and the use of devices."""
+"""The page's own data and services: the owner's order for all screens, the use of devices, and the setup."""
 
 from typing import Final
 
@@ -7,13 +7,16 @@ from homebot.rights import OfferedService, Right
 
 CHANGE_LAYOUT: Final = OfferedService("/page/change_layout", Right.ACT)
 GET_USAGE: Final = OfferedService("/page/usage", Right.READ)
+FIND_UNUSED: Final = OfferedService("/setup/found", Right.READ)
+CHANGE_SETUP: Final = OfferedService("/setup/change", Right.MANAGE)
+MAKE_TOKEN: Final = OfferedService("/setup/token", Right.MANAGE)
 
 LAYOUT: Final = "/page/layout"
 """The topic of the present layout."""
 
 FEATURE: Final = Feature(
     name="page",
-    services=(CHANGE_LAYOUT, GET_USAGE),
+    services=(CHANGE_LAYOUT, GET_USAGE, FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN),
     runs="homebot.features.page.page:serve_page",
-    messages=("homebot.features.page.messages",),
+    messages=("homebot.features.page.messages", "homebot.features.page.setup_messages"),
 )

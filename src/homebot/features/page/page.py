@@ -22,6 +22,7 @@ from homebot.features.page.messages import (
     UsageRequest,
     UsageResponse,
 )
+from homebot.features.page.setup import Setup
 from homebot.features.page.usage import Usage
 from homebot.graph import Node, qos_profile_latched
 from homebot.support.isolation import run_as
@@ -49,6 +50,7 @@ async def serve_page(house: FeatureContext) -> None:
     """Serve the page's data until cancelled."""
     async with Node(house.graph, FEATURE.name) as node:
         usage = Usage(house.store("page usage"), house.zone)
+        Setup(node, house.config_file).serve()
         await run_as(node.full_name, PageData(node, usage, house.directory).serve)
 
 

@@ -18,7 +18,7 @@ _LOST: Final = ""
 
 @final
 class Usage:
-    """Counts commands, for 28 days; what a day has beyond 500 devices is only counted as lost.
+    """Counts commands, for 28 days; those to more than 500 devices in a day are only counted as lost.
 
     Args:
         days: The counts that are kept, by day as ``2026-11-29``, device and hour.

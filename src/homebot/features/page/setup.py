@@ -1,0 +1,179 @@
+"""The setup by the page: gateways for found devices, and tokens. Each step writes the file as a person would.
+
+Changes come one after the other. One that homebot refuses leaves the file as it was.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final, final
+
+from anyio import to_thread
+
+from homebot.devices.app_messages import Reload, ReloadRequest
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, gateway_of
+from homebot.errors import HomebotError, UsageError
+from homebot.features.page import CHANGE_SETUP, FIND_UNUSED, MAKE_TOKEN
+from homebot.features.page.setup_messages import (
+    ChangeSetup,
+    ChangeSetupRequest,
+    ChangeSetupResponse,
+    FindUnused,
+    FindUnusedRequest,
+    FindUnusedResponse,
+    MakeToken,
+    MakeTokenRequest,
+    MakeTokenResponse,
+    UnusedDevices,
+)
+from homebot.graph import Node
+from homebot.support.toml_edit import REMOVED, edit_toml
+
+_TABLES: Final = frozenset({"alerts", "discovery", "gateways", "home", "notify", "people", "places"})
+"""The first names of tables that may be changed: none that runs programs, or has rights and policies."""
+
+_CODE: Final = frozenset({"class"})
+"""Keys by which a table loads code."""
+
+_MAX_SHOWN: Final = 200
+_PATIENCE_S: Final = 60.0
+
+
+@final
+class Setup:
+    """Finds devices that no gateway uses, changes the configuration, and makes tokens.
+
+    Args:
+        file: Returns the file of the configuration; None if homebot runs without one. Called in a thread.
+    """
+
+    def __init__(self, node: Node, file: Callable[[], Path | None]) -> None:
+        self._node = node
+        self._file = file
+        self._lookup = DeviceLookup(node)
+        self._last: tuple[str, str] | None = None
+        """The text before the last change, and after it."""
+
+    def serve(self) -> None:
+        """Create the services."""
+        self._node.create_service(FindUnused, FIND_UNUSED.name, self._find, concurrent=True)
+        self._node.create_service(ChangeSetup, CHANGE_SETUP.name, self._change)
+        self._node.create_service(MakeToken, MAKE_TOKEN.name, self._make_token)
+
+    async def _find(self, _: FindUnusedRequest) -> FindUnusedResponse:
+        found: dict[tuple[str, str], dict[str, str]] = {}
+        for device in await self._lookup.devices():
+            facts = {
+                fact.name: fact.value for fact in reversed(device.facts) if fact.name in {NEEDS_GATEWAY, NEXT_STEP}
+            }
+            if NEEDS_GATEWAY in facts:
+                found.setdefault((facts[NEEDS_GATEWAY], facts.get(NEXT_STEP, "")), {})[device.id] = device.name
+        unused = tuple(
+            UnusedDevices(
+                gateway=gateway, devices=(*names,)[:_MAX_SHOWN], names=(*names.values(),)[:_MAX_SHOWN], next=step
+            )
+            for (gateway, step), names in sorted(found.items())
+        )
+        file = await to_thread.run_sync(self._file)
+        gateways = filter(None, map(gateway_of, self._node.graph.get_node_names()))
+        return FindUnusedResponse(unused=unused, file=str(file or ""), gateways=tuple(sorted(gateways)))
+
+    async def _change(self, request: ChangeSetupRequest) -> ChangeSetupResponse:
+        try:
+            before, after = await to_thread.run_sync(self._write, request)
+        except (HomebotError, OSError) as exc:
+            return ChangeSetupResponse(success=False, message=str(exc))
+        may_lose = request.undo or bool(request.remove)
+        answer = await self._reload(may_lose=may_lose)
+        if not answer.success:
+            await to_thread.run_sync(self._put, after, before)
+            self._last = None
+            await self._reload(may_lose=True)
+            return ChangeSetupResponse(success=False, message=f"the file is as it was: {answer.message}")
+        self._last = (before, after)
+        known = before.splitlines()
+        lines = [line for line in after.splitlines() if line and line not in known]
+        return ChangeSetupResponse(success=True, message=answer.message, lines=tuple(lines[:_MAX_SHOWN]))
+
+    async def _reload(self, *, may_lose: bool) -> Any:
+        reload = self._node.create_client(Reload, RELOAD)
+        return await reload.call(ReloadRequest(allow_removal=may_lose), timeout=_PATIENCE_S)
+
+    def _write(self, request: ChangeSetupRequest) -> tuple[str, str]:
+        """Write the change; return the text before it, and after it."""
+        text = self._path().read_text("utf-8")
+        if request.undo:
+            if self._last is None or self._last[1] != text:
+                raise UsageError("there is nothing to undo, or the file was changed since")
+            after = self._last[0]
+        else:
+            table = request.table
+            if not table or table[0] not in _TABLES or not all(table):
+                raise UsageError(
+                    f"the table {'.'.join(table)!r} is not among those that a page may change: {_listed()}"
+                )
+            after = edit_toml(text, table, _values(request))
+        self._put(text, after)
+        return text, after
+
+    def _put(self, before: str, after: str) -> None:
+        """Replace the file, with its rights, if it still has the text *before*."""
+        path = self._path().resolve()
+        if path.read_text("utf-8") != before:
+            raise UsageError(f"{path} was changed meanwhile; look at it, and try again")
+        new = path.with_name(f".{path.name}.new")
+        new.touch(0o600)
+        new.chmod(path.stat().st_mode & 0o777)
+        new.write_text(after, "utf-8")
+        new.replace(path)
+
+    def _path(self) -> Path:
+        path = self._file()
+        if path is None:
+            raise UsageError("homebot runs without a file of its configuration; start it in a folder with homebot.toml")
+        return path
+
+    async def _make_token(self, request: MakeTokenRequest) -> MakeTokenResponse:
+        try:
+            _check_rights(request)
+            token = await to_thread.run_sync(self._add_token, request)
+        except HomebotError as exc:
+            return MakeTokenResponse(success=False, message=str(exc))
+        answer = await self._reload(may_lose=False)
+        return MakeTokenResponse(success=answer.success, message=answer.message, token=token if answer.success else "")
+
+    def _add_token(self, request: MakeTokenRequest) -> str:
+        from homebot.cli.commands.token import add_token  # noqa: PLC0415 - few runs make one
+
+        _, _, secret = add_token(self._path(), request.name, request.grants)
+        return secret
+
+
+def _listed() -> str:
+    return ", ".join(sorted(_TABLES))
+
+
+def _values(request: ChangeSetupRequest) -> Mapping[str, object]:
+    values: dict[str, object] = dict.fromkeys(request.remove, REMOVED)
+    for pair in request.values:
+        try:
+            (value,) = tomllib.loads(f"x = {pair.value}").values()
+        except ValueError:  # also for several values
+            raise UsageError(f"{pair.key} = {pair.value[:100]} is no value of TOML; texts need quotes") from None
+        values[pair.key] = value
+    if code := _CODE & values.keys():
+        raise UsageError(f"the key {min(code)} loads programs; only a person writes it into the file")
+    return values
+
+
+def _check_rights(request: MakeTokenRequest) -> None:
+    """Raise UsageError if the token would have a right that the client lacks."""
+    own = {*request.scope, "read", "manage"}  # it has these two, as it may call this
+    for right in request.grants:
+        word = right.partition(":")[0].strip()
+        is_own = right in own or (word in {"act", "ask"} and "act: all" in own)
+        if not is_own:
+            raise UsageError(f"the right {right!r} is none that you may give; use: homebot token new")

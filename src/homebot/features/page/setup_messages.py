@@ -1,0 +1,98 @@
+"""Messages about the setup of homebot by its page."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from homebot.devices.value import ShortText
+from homebot.messages.key_value import KeyValue
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
+
+
+class UnusedDevices(Message):
+    """Devices in the network that no gateway uses yet.
+
+    Attributes:
+        gateway: The plug-in that could use them, such as ``hue``: the name of the table ``[gateways.hue]``.
+        devices: Their ids.
+        names: Their names, in the same order.
+        next: The next step in words, such as a table to add or a button to press.
+    """
+
+    gateway: str
+    devices: tuple[str, ...]
+    names: tuple[str, ...]
+    next: str
+
+
+class FindUnusedRequest(Message):
+    """Request for the devices that could be used."""
+
+
+class FindUnusedResponse(Message):
+    """The devices that could be used, by gateway.
+
+    Attributes:
+        file: The configuration that :data:`ChangeSetup` changes; empty if homebot runs without one.
+        gateways: The names of the configured gateways.
+    """
+
+    unused: tuple[UnusedDevices, ...] = ()
+    file: str = ""
+    gateways: tuple[str, ...] = ()
+
+
+class ChangeSetupRequest(Message):
+    """A change of one table of the configuration, which is then reloaded.
+
+    Attributes:
+        table: The names of the table from the outermost, such as ``gateways`` and ``hue``; it is made if it is missing.
+        values: Keys with values as in TOML: ``true``, ``"a text"``, ``[1, 2]``.
+        remove: Keys to take out.
+        undo: Whether to take the last change back instead, unless the file has changed since.
+    """
+
+    table: Annotated[tuple[ShortText, ...], Field(max_length=4)] = ()
+    values: Annotated[tuple[KeyValue, ...], Field(max_length=50)] = ()
+    remove: Annotated[tuple[ShortText, ...], Field(max_length=50)] = ()
+    undo: bool = False
+
+
+class ChangeSetupResponse(ServiceAnswer):
+    """The outcome; the message names the changes that wait for a restart. One with a mistake leaves the file as it was.
+
+    Attributes:
+        lines: The lines of the file that are new.
+    """
+
+    lines: tuple[str, ...] = ()
+
+
+class MakeTokenRequest(Message):
+    """Request for a token of a screen or a program, with no more rights than the client itself has.
+
+    Attributes:
+        name: Its name: letters, digits, ``-`` and ``_``.
+        grants: Its rights: ``read``, ``act: all``, ``act: light in hall``, ``ask: lock``, ``manage``.
+        issuer: The client that asks, set by the door, as its own *scope*.
+    """
+
+    name: ShortText
+    grants: Annotated[tuple[ShortText, ...], Field(min_length=1, max_length=100)]
+    issuer: str = ""
+    scope: Annotated[tuple[str, ...], Field(max_length=100)] = ()
+
+
+class MakeTokenResponse(ServiceAnswer):
+    """The token.
+
+    Attributes:
+        token: The secret, which is told this once, and kept in a file beside the configuration.
+    """
+
+    token: str = ""
+
+
+FindUnused = ServiceType("homebot/srv/FindUnused", FindUnusedRequest, FindUnusedResponse)
+ChangeSetup = ServiceType("homebot/srv/ChangeSetup", ChangeSetupRequest, ChangeSetupResponse)
+MakeToken = ServiceType("homebot/srv/MakeToken", MakeTokenRequest, MakeTokenResponse)

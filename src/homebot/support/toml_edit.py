@@ -1,0 +1,79 @@
+"""Changes of a file of TOML as its owner would write them: comments, order and blanks stay. Pure."""
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from copy import deepcopy
+from typing import Any
+
+from homebot.errors import UsageError
+from homebot.support.toml_lines import line_of
+from homebot.support.toml_text import toml_value
+
+REMOVED = object()
+"""In place of a value: the key is taken out."""
+
+
+def edit_toml(text: str, table: tuple[str, ...], values: Mapping[str, object]) -> str:
+    """Return *text* with *values* in *table*, which is appended if it is not there; :data:`REMOVED` takes a key out.
+
+    Raises:
+        UsageError: A value stands where only a person can change it, such as on several lines.
+    """
+    for key, value in values.items() or [("", REMOVED)]:
+        text = _edited(text, table, key, value)
+    return text
+
+
+def _edited(text: str, table: tuple[str, ...], key: str, value: object) -> str:
+    before = tomllib.loads(text)
+    wanted = _changed(before, table, key, value)
+    if wanted == before:
+        return text
+    for candidate in _candidates(text, table, key, value):
+        with suppress(tomllib.TOMLDecodeError):
+            if tomllib.loads(candidate) == wanted:
+                return candidate
+    line = line_of(text, *table, key)
+    where = f"line {line}" if line else f"the table {'.'.join(table)}"
+    raise UsageError(f"{key} of [{'.'.join(table)}] cannot be changed without harm to the text; edit {where} by hand")
+
+
+def _changed(tables: Mapping[str, Any], table: tuple[str, ...], key: str, value: object) -> dict[str, Any]:
+    """Return *tables* with the change; without a *key* only the table is made."""
+    wanted = deepcopy(dict(tables))
+    here: Any = wanted
+    for name in table:
+        here = here.setdefault(name, {})
+        if not isinstance(here, dict):
+            raise UsageError(f"{name} of [{'.'.join(table)}] is no table, but a value or several tables")
+    if value is REMOVED:
+        here.pop(key, None)
+    else:
+        here[key] = value
+    return wanted
+
+
+def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> Iterator[str]:
+    """Yield texts that may have the change; only one that reads as wanted counts."""
+    lines = text.splitlines(keepends=True)
+    new = "" if value is REMOVED else f"{toml_value({key: value})[2:-2]}\n"
+    at = line_of(text, *table, key) - 1
+    if key and at >= 0:
+        yield "".join((*lines[:at], *([_with_comment(lines[at], new)] if new else []), *lines[at + 1 :]))
+    if head := line_of(text, *table):
+        yield "".join((*lines[:head], new, *lines[head:]))
+    gap = "" if not text else "\n" if text.endswith("\n") else "\n\n"
+    name = ".".join(toml_value({one: 0})[2:-2].partition(" =")[0] for one in table)
+    yield f"{text}{gap}[{name}]\n{new}"
+
+
+def _with_comment(old: str, new: str) -> str:
+    """Return the line *new* with indent and comment of *old*."""
+    indent = old[: len(old) - len(old.lstrip())]
+    for comment in re.finditer(r"\s*#", old):
+        with suppress(tomllib.TOMLDecodeError):
+            tomllib.loads(old[: comment.start()])
+            return f"{indent}{new.rstrip()}{old[comment.start() :]}"
+    return indent + new

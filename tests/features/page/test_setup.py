@@ -1,0 +1,150 @@
+"""The page changes the configuration as its owner would, and a wrong step leaves it as it was."""
+
+import tomllib
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from anyio import to_thread
+from tests.discovery.announcements import announce, part_of
+from tests.discovery.directory_house import directory
+
+from homebot.config import load_config
+from homebot.devices.app_messages import ChangeAppResponse, Reload, ReloadRequest
+from homebot.features.page.setup import Setup
+from homebot.features.page.setup_messages import (
+    ChangeSetup,
+    ChangeSetupRequest,
+    ChangeSetupResponse,
+    FindUnused,
+    FindUnusedRequest,
+    MakeToken,
+    MakeTokenRequest,
+)
+from homebot.graph import Graph, Node
+from homebot.messages.key_value import KeyValue
+
+FILE = """\
+[home]
+name = "Villa"  # ours
+
+[gateways.mqtt]
+"""
+
+
+class Wizard:
+    """A page that sets homebot up; the reload reads the file, as that of homebot does."""
+
+    def __init__(self, node: Node, file: Path) -> None:
+        self.node = node
+        self.file = file
+        self.reloads: list[bool] = []
+
+    async def reload(self, request: ReloadRequest) -> ChangeAppResponse:
+        self.reloads.append(request.allow_removal)
+        try:
+            await to_thread.run_sync(load_config, self.file)
+        except Exception as exc:  # noqa: BLE001 - any mistake is told
+            return ChangeAppResponse(success=False, message=str(exc))
+        return ChangeAppResponse(success=True, message="reloaded")
+
+    async def change(
+        self, *table: str, values: dict[str, str] | None = None, undo: bool = False
+    ) -> ChangeSetupResponse:
+        pairs = tuple(KeyValue(key=key, value=value) for key, value in (values or {}).items())
+        request = ChangeSetupRequest(table=table, values=pairs, undo=undo)
+        return await self.node.create_client(ChangeSetup, "/setup/change").call(request)
+
+
+@asynccontextmanager
+async def wizard(folder: Path) -> AsyncIterator[Wizard]:
+    file = folder / "homebot.toml"
+    file.write_text(FILE)
+    graph = Graph()
+    async with Node(graph, "page") as page, Node(graph, "homebot") as main, Node(graph, "screen") as screen:
+        made = Wizard(screen, file)
+        Setup(page, lambda: file if file.exists() else None).serve()
+        main.create_service(Reload, "/homebot/reload", made.reload)
+        yield made
+
+
+async def test_a_step_writes_its_lines_and_an_undo_takes_them_back(tmp_path: Path) -> None:
+    async with wizard(tmp_path) as page:
+        page.file.chmod(0o640)
+        answer = await page.change("gateways", "hue", values={"host": '"10.0.0.2"', "act": "true"})
+        assert (answer.success, answer.message) == (True, "reloaded")
+        assert answer.lines == ("[gateways.hue]", "act = true", 'host = "10.0.0.2"')
+        assert (await page.change("home", values={"name": '"Sun"'})).lines == ('name = "Sun"  # ours',)
+        assert page.file.stat().st_mode & 0o777 == 0o640
+        assert (await page.change(undo=True)).success
+        assert page.file.read_text() == f'{FILE}\n[gateways.hue]\nact = true\nhost = "10.0.0.2"\n'
+        page.file.write_text(FILE)
+        assert "changed since" in (await page.change(undo=True)).message
+
+
+@pytest.mark.parametrize(
+    ("table", "values", "why"),
+    [
+        (("gateways", "mqtt"), {"url": "mqtt://x"}, "is no value of TOML"),
+        (("gateways", "mqtt"), {"class": '"os:system"'}, "loads programs"),
+        (("apps", "spy"), {"x": "1"}, "not among those that a page may change"),
+        (("door",), {"token": '"x"'}, "not among those that a page may change"),
+        ((), {"x": "1"}, "not among those"),
+        (("home",), {"planet": '"Mars"'}, "the file is as it was"),
+    ],
+)
+async def test_a_wrong_step_leaves_the_file_as_it_was(
+    tmp_path: Path, table: tuple[str, ...], values: dict[str, str], why: str
+) -> None:
+    async with wizard(tmp_path) as page:
+        answer = await page.change(*table, values=values)
+        assert not answer.success
+        assert why in answer.message
+        assert page.file.read_text() == FILE
+
+
+async def test_a_run_without_a_file_says_so(tmp_path: Path) -> None:
+    async with wizard(tmp_path) as page:
+        page.file.unlink()
+        assert "without a file" in (await page.change("home", values={"name": '"Sun"'})).message
+
+
+@pytest.mark.parametrize(
+    ("scope", "rights", "is_made"),
+    [
+        (("act: all",), ("read", "act: light in hall"), True),
+        (("act: light",), ("read", "act: light"), True),
+        (("act: light",), ("read", "act: all"), False),
+        (("act: all",), ("raw",), False),
+    ],
+)
+async def test_a_token_has_no_more_rights_than_who_makes_it(
+    tmp_path: Path, scope: tuple[str, ...], rights: tuple[str, ...], is_made: object
+) -> None:
+    async with wizard(tmp_path) as page:
+        request = MakeTokenRequest(name="wall", grants=rights, issuer="client:owner", scope=scope)
+        answer = await page.node.create_client(MakeToken, "/setup/token").call(request)
+        assert answer.success is is_made
+        tables = tomllib.loads(page.file.read_text())
+        if is_made:
+            assert tables["door"]["tokens"]["wall"] == {"token_file": "wall.token", "scope": [*rights]}
+            assert (tmp_path / "wall.token").read_text().strip() == answer.token
+        else:
+            assert (answer.token, page.file.read_text()) == ("", FILE)
+
+
+@pytest.mark.virtual_time
+async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
+    facts = {"needs_gateway": "hue", "next_step": "press its button"}
+    async with directory() as house, Node(house.asker.graph, "page") as page:
+        Setup(page, lambda: None).serve()
+        await house.hears(
+            announce("l", part_of("light", "on_off", id="p"), ids=("id:l",), name="Lamp", at=1.0),
+            announce("b", part_of("x_unknown", id="p"), ids=("id:b",), name="Bridge", facts=facts, at=1.0),
+        )
+        answer = await house.asker.create_client(FindUnused, "/setup/found").call(FindUnusedRequest())
+        assert [(row.gateway, row.names, row.next) for row in answer.unused] == [
+            ("hue", ("Bridge",), "press its button")
+        ]
+        assert answer.file == ""

@@ -1,0 +1,72 @@
+"""A file of TOML is changed as its owner would: nothing else of it moves."""
+
+import tomllib
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.support.toml_edit import REMOVED, edit_toml
+
+FILE = """\
+# my house
+[home]
+name = "Villa"   # as on the letter box # really
+
+[gateways.mqtt]
+url = "mqtt://broker"  # in the cellar
+topics = [
+    "a",
+]
+
+[gateways."my hue"]
+[[groups]]
+name = "x"
+"""
+
+
+@pytest.mark.parametrize(
+    ("table", "values", "removed", "added"),
+    [
+        (
+            ("home",),
+            {"name": 'Villa "Sun"'},
+            ['name = "Villa"   # as on the letter box # really'],
+            ['name = "Villa \\"Sun\\""   # as on the letter box # really'],
+        ),
+        (("home",), {"language": "de"}, [], ['language = "de"']),
+        (
+            ("gateways", "mqtt"),
+            {"act": True, "url": REMOVED},
+            ['url = "mqtt://broker"  # in the cellar'],
+            ["act = true"],
+        ),
+        (("gateways", "hue"), {"host": "10.0.0.2"}, [], ["", "[gateways.hue]", 'host = "10.0.0.2"']),
+        (("gateways", "esphome"), {}, [], ["", "[gateways.esphome]"]),
+        (("gateways", "my hue"), {"act": False}, [], ["act = false"]),
+        (("gateways", "a b"), {"x y": 1}, [], ["", '[gateways."a b"]', '"x y" = 1']),
+        (("home",), {"name": "Villa"}, [], []),
+    ],
+)
+def test_one_line_changes(
+    table: tuple[str, ...], values: dict[str, object], removed: list[str], added: list[str]
+) -> None:
+    lines, new = FILE.splitlines(), edit_toml(FILE, table, values)
+    rest = [line for line in new.splitlines() if line not in added]
+    assert rest == [line for line in lines if line not in removed and line not in added]
+    assert [line for line in new.splitlines() if line in added and line] == [line for line in added if line]
+    here = tomllib.loads(new)
+    for name in table:
+        here = here[name]
+    assert {key: here.get(key, REMOVED) for key in values} == values
+
+
+@pytest.mark.parametrize(
+    ("table", "key"), [(("gateways", "mqtt"), "topics"), (("groups",), "name"), (("home", "name"), "x")]
+)
+def test_what_only_a_person_can_change_is_left(table: tuple[str, ...], key: str) -> None:
+    with pytest.raises(UsageError, match=r"by hand|no table"):
+        edit_toml(FILE, table, {key: "y"})
+
+
+def test_an_empty_file_gets_its_first_table() -> None:
+    assert edit_toml("", ("home",), {"name": "Villa"}) == '[home]\nname = "Villa"\n'
