@@ -70,6 +70,20 @@ async def test_what_was_noted_is_there_after_a_restart(tmp_path: Path) -> None:
         assert await read(store, limit=3) == (*entries[-2:], entry(10))
 
 
+async def test_the_entries_of_the_devices_of_a_room_are_read_at_once_also_before_they_are_written(
+    tmp_path: Path,
+) -> None:
+    notes = [note(number, device=f"lamp{number % 3}") for number in range(9)]
+    async with opened(tmp_path / "j") as store:
+        for one in notes[:6]:
+            store.add(one)
+    async with opened(tmp_path / "j") as store:
+        for one in notes[6:]:
+            store.add(one)
+        found = await read(store, devices=("lamp0", "lamp2", "tv"))
+    assert [one.command for one in found] == ["c-0", "c-2", "c-3", "c-5", "c-6", "c-8"]
+
+
 async def test_a_home_without_entries_has_no_file(tmp_path: Path) -> None:
     async with opened(tmp_path / "journal.sqlite"):
         await anyio.lowlevel.checkpoint()

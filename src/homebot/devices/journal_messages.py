@@ -139,6 +139,7 @@ class ReadJournalRequest(Message):
 
     Attributes:
         device: Only entries of the device with this id; empty for all.
+        devices: Likewise of any of these, such as those of a room.
         command: Only entries of the command with this id; empty for all.
         since: Only entries at this time or later.
         until: Only entries at this time or earlier; 0 for no bound.
@@ -146,6 +147,7 @@ class ReadJournalRequest(Message):
     """
 
     device: str = ""
+    devices: Annotated[tuple[str, ...], Field(max_length=500)] = ()
     command: str = ""
     since: Time = _EPOCH
     until: Time = _EPOCH

@@ -139,6 +139,9 @@ def _conditions(request: ReadJournalRequest) -> tuple[str, tuple[object, ...]]:
         if value:
             conditions.append(condition)
             values.append(value)
+    if request.devices:
+        conditions.append(f"device IN ({', '.join('?' * len(request.devices))})")
+        values += request.devices
     return (f" WHERE {' AND '.join(conditions)}" if conditions else ""), tuple(values)
 
 

@@ -164,5 +164,10 @@ def _newest_fitting(notes: Sequence[JournalNote], request: ReadJournalRequest) -
         at = note.stamp.to_seconds()  # rounded as in the entries, which a request may quote
         if at < since:
             continue  # not the end: the clock may have been set
-        if (not until or at <= until) and request.device in {"", note.device} and request.command in {"", note.command}:
+        if (
+            (not until or at <= until)
+            and request.device in {"", note.device}
+            and (not request.devices or note.device in request.devices)
+            and request.command in {"", note.command}
+        ):
             yield note
