@@ -263,8 +263,9 @@ def _size(message: type[Message]) -> tuple[int, int]:
 
 @lru_cache
 def _classes_in(modules: tuple[str, ...]) -> Mapping[str, Interface]:
-    """Return the interfaces that *modules* export, by name, without the messages of services."""
-    exported = (getattr(module, name) for module in map(import_module, modules) for name in module.__all__)
+    """Return the interfaces that *modules* export by a list, or else have, by name; no messages of services."""
+    names = [vars(import_module(module)) for module in modules]
+    exported = (defined[name] for defined in names for name in defined.get("__all__", defined))
     known = (one for one in exported if hasattr(one, "ros_type"))
     return {one.ros_type: one for one in known if interface_key(one.ros_type, one.ros_type.split("/")[1])}
 
