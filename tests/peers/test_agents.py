@@ -1,5 +1,6 @@
 """Agents: the client of the MCP SDK, raw JSON-RPC, and a validator of OpenAPI, each against a running homebot."""
 
+import importlib
 import json
 import sys
 from collections.abc import Mapping
@@ -11,7 +12,7 @@ import anyio
 import pytest
 from anyio.abc import SocketAttribute, SocketStream
 from anyio.streams.buffered import BufferedByteReceiveStream
-from tests.bridges.home_api.api import TOKENS, Api, running_api
+from tests.bridges.home_api.api import TOKENS, Api, bearer, running_api
 from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 
@@ -31,6 +32,8 @@ TOOLS = {
     "achieve",
     "identify",
     "propose_routine",
+    "try_routine",
+    "explain_routine",
     "habits",
 }
 
@@ -77,7 +80,7 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
     tmp_path: Path,
 ) -> None:
     mcp: Any = pytest.importorskip("mcp.client.client")
-    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
     heard: list[str] = []
 
     async def progress(_: float, __: float | None, message: str | None) -> None:
@@ -85,7 +88,9 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
 
     async def called(token: str, **given: object) -> Any:
         address = DoorAddress("127.0.0.1", api.port, TOKENS[token][0])
-        client = await anyio.to_thread.run_sync(server.ApiClient, address)  # it reads files
+        client = await anyio.to_thread.run_sync(
+            importlib.import_module("homebot.cli.mcp_server").ApiClient, address
+        )  # it reads files
         asked = {"sensor": "/rosie/light", "at_night": True, **given}
         async with mcp.Client(server.house_server(client)) as session:
             return json.loads((await session.call_tool("identify", asked, progress_callback=progress)).content[0].text)
@@ -173,14 +178,87 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
 
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
+async def test_an_agent_over_http_may_do_what_its_token_may_and_its_session_outlives_a_connection(
+    tmp_path: Path, mode: str
+) -> None:
+    """The older protocol has sessions; for its clients the house is asked, as answers at the door are no streams."""
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    http: Any = pytest.importorskip("mcp.client.streamable_http")
+    httpx2: Any = pytest.importorskip("httpx2")
+    types: Any = pytest.importorskip("mcp.types")
+    asked: list[str] = []
+    routine = 'name = "Of {}"\nwhen = ["lamp1 on"]\ndo = ["lamp2 off"]\n'
+
+    async def person(_: object, question: Any) -> Any:
+        asked.append(question.message)
+        return types.ElicitResult(action="accept", content={"confirm": True})
+
+    async def outcomes(session: Any, name: str) -> list[str]:
+        calls: list[tuple[str, dict[str, object]]] = [
+            ("home", {}),
+            ("command", {"device": "lamp1", "do": "on"}),
+            ("command", {"device": "front_door", "do": "unlock"}),
+            ("propose_routine", {"text": routine.format(name)}),
+            ("explain_routine", {"name": f"of {name}"}),
+            ("try_routine", {"text": routine.format(name)}),
+            ("identify", {"devices": "light", "sensor": "/nothing", "at_night": True}),
+        ]
+        answers = [json.loads((await session.call_tool(*call)).content[0].text) for call in calls]
+        return [str(one.get("outcome") or one.get("text") or "done") for one in answers]
+
+    async with running_api(tmp_path) as api:
+        questions: list[str] = []
+        url, found = f"http://127.0.0.1:{api.port}/mcp", dict[str, list[str]]()
+        for name in ("reader", "agent", "manager"):
+            client = httpx2.AsyncClient(headers={"Authorization": bearer(name)}, timeout=PATIENCE, trust_env=False)
+            over = http.streamable_http_client(url, http_client=client)
+            in_house = (True,) if mode == "legacy" and name == "manager" else ()
+            session_of = mcp.Client(over, mode=mode, elicitation_callback=person)
+            async with client, session_of as session, api.answering(*in_house) as asked_there:
+                assert {one.name for one in (await session.list_tools()).tools} == TOOLS
+                found[name] = await outcomes(session, name)
+            questions += asked_there
+        none, proposed = "refused", "proposed Of {0}; the owner enables it: homebot routine enable 'Of {0}'"
+        assert found["reader"] == ["done", none, none, none, "not_found", "done", none]
+        assert [one.partition(" ")[0] for one in found["agent"]] == [
+            *("done", "confirmed", none, "proposed", "done", "done", "done"),
+        ]
+        assert found["manager"][2:4] == ["confirmed", proposed.format("manager")]
+        assert (len(asked), len(questions)) == ((3, 0) if mode == "auto" else (0, 1))
+
+        hello = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "raw", "version": "1"}}
+        first = {"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": hello}
+        listed = {"jsonrpc": "2.0", "id": 2, "method": "tools/list"}
+        accepted = {"Accept": "application/json, text/event-stream"}
+
+        async def posted(message: object, name: str, **headers: str) -> Any:
+            given = (
+                accepted | {"Authorization": bearer(name)} | {key.replace("_", "-"): headers[key] for key in headers}
+            )
+            async with httpx2.AsyncClient(headers=given, trust_env=False) as connection:
+                return await connection.post(url, json=message)
+
+        begun = (await posted(first, "agent")).headers["mcp-session-id"]
+        assert "find_devices" in (await posted(listed, "agent", Mcp_Session_Id=begun)).text
+        assert (await posted(listed, "manager", Mcp_Session_Id=begun)).status_code == 404, "it is another's"
+        assert (await posted(first, "agent", Origin="http://evil.example")).status_code == 403
+        assert (await posted(first, "agent", Authorization="Bearer wrong")).status_code == 401
+        async with httpx2.AsyncClient(headers={"Authorization": bearer("agent")}, trust_env=False) as connection:
+            stream = await connection.get(url)
+        assert (stream.status_code, stream.headers["allow"]) == (405, "DELETE, POST")
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
 async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_was_renamed_since(mode: str) -> None:
     mcp: Any = pytest.importorskip("mcp.client.client")
-    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
     types: Any = pytest.importorskip("mcp.types")
     called = ["shed", "front_door", "front_door"]
     asked: list[str] = []
 
     class RenamedDevices:
+        is_of_house = False
+
         async def read(self, *_: str) -> str:
             return json.dumps({"id": called[len(asked)], "always_asks": "it is a lock"})
 
@@ -201,12 +279,12 @@ async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_
 async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:
     """It might be one that always asks, and the directory may answer the command again."""
     mcp: Any = pytest.importorskip("mcp.client.client")
-    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
     problem = {"outcome": "failed", "reason": "discovery does not answer"}
 
     class NoDirectory:
         async def read(self, *_: str) -> str:
-            raise server._MistakeError(json.dumps(problem))
+            raise server.AgentMistakeError(*problem.values())
 
         async def post(self, path: str, _body: object) -> str:
             raise AssertionError(path)
@@ -239,12 +317,12 @@ MISTAKES: tuple[tuple[str, dict[str, object], str], ...] = (
 
 async def test_a_mistake_names_the_tools_own_argument_and_commands_are_read_as_over_http(tmp_path: Path) -> None:
     mcp: Any = pytest.importorskip("mcp.client.client")
-    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
     words = ("on, 40 %", "+10 %", "60 %, over 3s", "off, over 2s", "40%", "brighter")
     async with running_api(tmp_path) as api:
         await api.save("Film", {"lamp1": "20 %"})
         address = DoorAddress("127.0.0.1", api.port, TOKENS["keys"][0])
-        client = await anyio.to_thread.run_sync(server.ApiClient, address)
+        client = await anyio.to_thread.run_sync(importlib.import_module("homebot.cli.mcp_server").ApiClient, address)
         async with mcp.Client(server.house_server(client)) as session:
             for tool, given, problem in MISTAKES:
                 told = await session.call_tool(tool, given)
@@ -266,7 +344,7 @@ async def test_a_mistake_names_the_tools_own_argument_and_commands_are_read_as_o
 async def test_an_unknown_argument_is_refused_with_the_nearest_one() -> None:
     """Ignored, a misspelt query would list everything, and a misspelt room command every lamp."""
     mcp: Any = pytest.importorskip("mcp.client.client")
-    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
 
     class Unasked:
         async def read(self, *asked: str) -> str:
@@ -290,11 +368,13 @@ async def test_an_unknown_argument_is_refused_with_the_nearest_one() -> None:
 
 async def test_one_command_is_for_several_devices_of_which_a_person_is_asked_about_those_that_always_ask() -> None:
     mcp: Any = pytest.importorskip("mcp.client.client")
-    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
     types: Any = pytest.importorskip("mcp.types")
     asked: list[str] = []
 
     class Devices:
+        is_of_house = False
+
         async def read(self, _: str, name: str) -> str:
             return json.dumps({"id": f"id-{name}", **({"always_asks": "it is a lock"} if "door" in name else {})})
 

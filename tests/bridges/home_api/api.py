@@ -20,6 +20,7 @@ TOKENS = {
     "agent": ("agent-token-1234567", ["read", "act: harmless"]),
     "asker": ("asker-token-1234567", ["read", "act: harmless", "ask: lock"]),
     "keys": ("keys-token-12345678", ["read", "act: all"]),
+    "manager": ("manager-token-12345", ["read", "act: all", "manage"]),
     "reader": ("reader-token-123456", ["read"]),
 }
 

@@ -158,9 +158,10 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     if not fitting:
         known = ", ".join([*(f"{one.method} {one.path}" for one in all_routes()), f"GET {_OPENAPI}"])
         raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
-    route = fitting[0]
-    if request.method != route.method:
-        raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{route.path} takes {route.method}", route.method)
+    route = next((one for one in fitting if one.method == request.method), None)
+    if route is None:
+        methods = ", ".join(one.method for one in fitting)
+        raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{fitting[0].path} takes {methods}", methods)
     is_post = route.method == "POST"
     if is_post and request.content_type.partition(";")[0].strip().lower() != _JSON:
         raise ProblemError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"send the header Content-Type: {_JSON}")

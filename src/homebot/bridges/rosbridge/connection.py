@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections import deque
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import suppress
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final
@@ -22,6 +22,7 @@ from websockets.frames import DATA_OPCODES, CloseCode, Frame
 from websockets.http11 import Response
 from websockets.protocol import Event, State
 
+from homebot.bridges.admission import token_of
 from homebot.bridges.rosbridge.arrivals import Arrivals
 from homebot.bridges.turns import ServerTurns
 from homebot.errors import LinkError, WireError
@@ -39,6 +40,12 @@ _BODY: Final = re.compile(rb"\n(?:content-length:\s*[1-9]|transfer-encoding:)", 
 _UPGRADE: Final = re.compile(rb"\nupgrade:", re.IGNORECASE)
 _GO_AHEAD: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
 
+_OF_API: Final = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Connection": "close",
+}
 _CONTROL_HEADER: Final = 6
 """Bytes of a client's control frame in addition to its data."""
 
@@ -265,17 +272,67 @@ async def client_frames(connection: DoorConnection) -> AsyncIterator[str]:
         return
 
 
+class HttpExchange:
+    """A request and its answer, as an ASGI application has them; the answer is sent as a whole.
+
+    Attributes:
+        method: The method of the request.
+        token: The token in its head; empty for none.
+        local_address: The host and port at which it came.
+        scope: The request without its body.
+        response: The answer so far.
+    """
+
+    def __init__(self, connection: DoorConnection) -> None:
+        self._connection, self._is_read = connection, False
+        self.response = Response(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops", Headers(_OF_API), b"")
+        posted, headers = connection.posted, Headers() if connection.request is None else connection.request.headers
+        self.token = token_of(headers.get_all("Authorization"))
+        self.local_address: tuple[str, int] = connection.local_address[:2]
+        path, _, query = connection.target.partition("?")
+        self.method = "GET" if posted is None else posted.method
+        self.scope: dict[str, object] = {
+            "type": "http",
+            "asgi": {"version": "3.0"},
+            "http_version": "1.1",
+            "method": self.method,
+            "scheme": "http",
+            "path": path,
+            "raw_path": path.encode(),
+            "query_string": query.encode(),
+            "root_path": "",
+            "headers": [(name.lower().encode(), value.encode()) for name, value in headers.raw_items()],
+        }
+
+    async def receive(self) -> dict[str, object]:
+        """Return the body, and then that the client has left, once it has."""
+        if self._is_read:
+            await asyncio.wait([self._connection.connection_lost_waiter])
+            return {"type": "http.disconnect"}
+        self._is_read = True
+        return {"type": "http.request", "body": self._connection.posted.body if self._connection.posted else b""}
+
+    async def send(self, message: Mapping[str, Any]) -> None:
+        """Send the begin, or a piece, of the answer."""
+        if message["type"] == "http.response.start":
+            status = HTTPStatus(message["status"])
+            own = {name.lower() for name in _OF_API}
+            given = [(name.decode(), value.decode()) for name, value in message["headers"]]
+            headers = Headers([*(one for one in given if one[0].lower() not in own), *_OF_API.items()])
+            self.response = Response(status, status.phrase, headers, b"")
+        else:
+            self.response.body += message.get("body", b"")
+
+    def refuse(self, status: HTTPStatus, allow: str) -> None:
+        """Answer with *status*, and the methods that there are."""
+        headers = {"Allow": allow, "Content-Length": "0"} | _OF_API
+        self.response = Response(status, status.phrase, Headers(headers), b"")
+
+
 def http_response(status: HTTPStatus, content_type: str, body: bytes, allow: str = "") -> Response:
     """Return an answer of the HTTP API, which pages of other servers cannot load."""
-    headers = {
-        "Content-Type": content_type,
-        "Content-Length": str(len(body)),
-        "Cache-Control": "no-store",
-        "X-Content-Type-Options": "nosniff",
-        "Cross-Origin-Resource-Policy": "same-origin",
-        "Connection": "close",
-        **({"Allow": allow} if allow else {}),
-    }
+    headers = {"Content-Type": content_type, "Content-Length": str(len(body))} | _OF_API
+    headers |= {"Allow": allow} if allow else {}
     return Response(status.value, status.phrase, Headers(headers), body)
 
 

@@ -34,6 +34,7 @@ LOG_IN: Final = Subprotocol("homebot.log_in")
 """The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
 
 _API: Final = "/api/"
+_AGENTS: Final = "/mcp"
 _OWN_SITE: Final = frozenset({"same-origin", "none"})
 _OF_BROWSERS: Final = (
     "User-Agent",
@@ -193,7 +194,7 @@ class Entrance:
             client=client,
             problem=problem,
         )
-        if connection.target.startswith(_API):
+        if connection.request is not None and is_for_api(connection.request):
             from homebot.bridges.rosbridge.http_requests import problem_body  # noqa: PLC0415 - loaded with the first
 
             return http_response(*problem_body(status, problem))
@@ -262,8 +263,13 @@ class Entrance:
 
 
 def is_for_api(request: Request) -> bool:
-    """Return whether *request* is for the HTTP API."""
-    return request.path.startswith(_API)
+    """Return whether *request* is for the HTTP API, or of an agent."""
+    return request.path.startswith(_API) or is_for_agents(request)
+
+
+def is_for_agents(request: Request) -> bool:
+    """Return whether *request* is of an agent, over the Model Context Protocol."""
+    return request.path.partition("?")[0] == _AGENTS
 
 
 def is_for_websocket(request: Request) -> bool:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from http import HTTPStatus
+from importlib import import_module
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 import anyio
+from anyio import to_thread
 
 from homebot.bridges.home_api.routes import ApiAnswer, ApiRequest, answer, problem_body
 from homebot.bridges.home_api.shapes import ProblemError
@@ -18,13 +20,18 @@ from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.wording.json_message import JsonMessage
+from homebot.errors import UsageError
 from homebot.graph import EntityKind
+from homebot.plugins import check_extra
 from homebot.support.addresses import network_of
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.rate_limit import RateLimit
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.connection import DoorConnection
+    from anyio.abc import TaskGroup
+
+    from homebot.bridges.rosbridge.agents import AgentServers
+    from homebot.bridges.rosbridge.connection import DoorConnection, HttpExchange
 
 __all__ = ["HttpRequests", "problem_body"]
 
@@ -34,8 +41,9 @@ _MOST_ADDRESSES = 1000
 class HttpRequests:
     """Answers requests: per address and second as many as a client may send frames."""
 
-    def __init__(self, shared: SharedState, home: str) -> None:
-        self._shared = shared
+    def __init__(self, shared: SharedState, home: str, tasks: TaskGroup) -> None:
+        self._shared, self._tasks = shared, tasks
+        self._agents: AgentServers | None = None
         self._home = unquote(home)
         self._asking: dict[DoorConnection, anyio.CancelScope] = {}
         self._rates: BoundedMap[str, RateLimit] = BoundedMap(_MOST_ADDRESSES)
@@ -50,8 +58,20 @@ class HttpRequests:
         for scope in self._asking.values():
             scope.cancel()
 
-    async def answer(self, connection: DoorConnection, access: ClientAccess, address: str) -> ApiAnswer:
-        """Return the answer; the request is cancelled if its client leaves."""
+    def end_sessions(self, names: Iterable[str]) -> None:
+        """End the sessions of agents with tokens of these *names*."""
+        if self._agents is not None:
+            for name in names:
+                self._agents.end(name)
+
+    async def answer(
+        self, connection: DoorConnection, access: ClientAccess, address: str, exchange: HttpExchange | None
+    ) -> ApiAnswer | None:
+        """Return the answer; the request is cancelled if its client leaves.
+
+        Args:
+            exchange: That of an agent, which gets the answer instead; None for the HTTP API.
+        """
         connection.has_arrived()
         posted = connection.posted
         more = () if posted is None else (posted.content_type, posted.body)
@@ -61,11 +81,32 @@ class HttpRequests:
             connection.connection_lost_waiter.add_done_callback(lambda _: scope.cancel())
             try:
                 await self._wait(network_of(address.rpartition(":")[0]))
-                return await answer(asked, _Calls(OutsideClient(self._shared, access, address), self._home))
+                client = OutsideClient(self._shared, access, address)
+                if exchange is None:
+                    return await answer(asked, self._calls_of(client))
+                try:
+                    servers = await self._agent_servers()
+                except UsageError as exc:
+                    return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
+                await servers.answer(client, exchange)
             finally:
                 del self._asking[connection]
                 connection.has_answer()
-        return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops")
+        return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops") if exchange is None else None
+
+    def _calls_of(self, client: OutsideClient) -> _Calls:
+        return _Calls(client, self._home)
+
+    async def _agent_servers(self) -> AgentServers:
+        if (agents := self._agents) is None:
+            check_extra("/mcp", "mcp", "mcp")
+            module = await to_thread.run_sync(import_module, "homebot.bridges.rosbridge.agents")
+            agents = self._agents = self._first(module.AgentServers(self._calls_of, self._tasks))
+        return agents
+
+    def _first(self, agents: AgentServers) -> AgentServers:
+        """Return those that another request has begun meanwhile, or else *agents*."""
+        return self._agents or agents
 
     async def _wait(self, address: str) -> None:
         """Wait until a request from *address* is within the rate limit, and for its turn."""

@@ -17,15 +17,23 @@ from urllib.parse import quote
 
 import anyio
 from anyio import to_thread
-from anyio.abc import TaskStatus
+from anyio.abc import TaskGroup, TaskStatus
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.bridges.client_error_log import LibraryLog
 from homebot.bridges.rosbridge.arrivals import Arrivals
-from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, http_response, is_roslibpy
-from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
+from homebot.bridges.rosbridge.connection import DoorConnection, HttpExchange, client_frames, http_response, is_roslibpy
+from homebot.bridges.rosbridge.entrance import (
+    LOG_IN,
+    Entrance,
+    Site,
+    address_of,
+    is_for_agents,
+    is_for_api,
+    is_for_websocket,
+)
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
@@ -112,6 +120,7 @@ class Door:
         self._sessions: dict[DoorConnection, ClientSession] = {}
         self._arrivals = Arrivals(settings.max_arriving_bytes_of_all)
         self._api: HttpRequests | None = None
+        self._tasks: TaskGroup
         self._port = settings.port
         self._announce = announce
         self._home = quote(home)
@@ -155,6 +164,8 @@ class Door:
         for connection, session in self._sessions.items():
             if session.client.access.name in changed:
                 connection.transport.abort()
+        if self._api is not None:
+            self._api.end_sessions(changed)
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled, which closes connections cleanly; ``started()`` once it listens.
@@ -181,6 +192,7 @@ class Door:
         self._announce(NetworkService(service_type=SERVICE_TYPE, addresses=addresses, port=self._port))
         try:
             async with anyio.create_task_group() as tasks:
+                self._tasks = tasks
                 await tasks.start(self._shared.expected.run)
                 if tls is not None:
                     tasks.start_soon(tls.run)
@@ -253,7 +265,7 @@ class Door:
         if self._entrance.knows(arriving) and (problem := self._lack_of_places(arriving)):
             return self._entrance.turn_away(arriving, HTTPStatus.SERVICE_UNAVAILABLE, problem)
         if is_for_api(request):
-            return await self._answer(arriving)
+            return await self._answer(arriving, HttpExchange(arriving) if is_for_agents(request) else None)
         if not is_for_websocket(request):
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
@@ -271,14 +283,17 @@ class Door:
             return f"too many clients with the token {access.name} are connected from this address"
         return ""
 
-    async def _answer(self, connection: DoorConnection) -> Response:
+    async def _answer(self, connection: DoorConnection, exchange: HttpExchange | None) -> Response:
         from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
 
         if self._api is None:
-            self._api = HttpRequests(self._shared, self._home)
+            self._api = HttpRequests(self._shared, self._home, self._tasks)
         self._shared.counters.clients += 1
         access = self._entrance.access_of(connection)
-        return http_response(*await self._api.answer(connection, access, address_of(connection)))
+        answer = await self._api.answer(connection, access, address_of(connection), exchange)
+        if answer is not None:
+            return http_response(*answer)
+        return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "") if exchange is None else exchange.response
 
     async def _serve(self, opened: ServerConnection) -> None:
         connection, entrance = cast("DoorConnection", opened), self._entrance

@@ -24,7 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _serve(options: argparse.Namespace) -> int:
     check_extra("homebot mcp", "mcp", "mcp")
     address = door_of(options)
-    from homebot.cli.mcp_server import ApiClient, house_server  # noqa: PLC0415 - not before the extra is known to be there
+    from homebot.bridges.home_api.agent_server import house_server  # noqa: PLC0415 - not before the extra is there
+    from homebot.cli.mcp_server import ApiClient  # noqa: PLC0415 - as above
 
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # the SDK's thread that reads standard input cannot be cancelled
     with redirect_stdout(sys.__stdout__):  # the protocol writes bytes to it

@@ -6,11 +6,11 @@ from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 from pydantic import Field
 
-from homebot.cli.mcp_server import ACTS, ApiClient, tool_answer
+from homebot.bridges.home_api.agent_server import ACTS, HouseApi, tool_answer
 from homebot.features.goals.http import GoalAnswer
 
 
-def add_tools(server: MCPServer, api: ApiClient) -> None:
+def add_tools(server: MCPServer, api: HouseApi) -> None:
     """Add the tool to *server*."""
 
     async def achieve(

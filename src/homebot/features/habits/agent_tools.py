@@ -5,11 +5,11 @@ from typing import Annotated
 from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 
-from homebot.cli.mcp_server import READS, ApiClient, tool_answer
+from homebot.bridges.home_api.agent_server import READS, HouseApi, tool_answer
 from homebot.features.habits.http import HabitList
 
 
-def add_tools(server: MCPServer, api: ApiClient) -> None:
+def add_tools(server: MCPServer, api: HouseApi) -> None:
     """Add the tool to *server*."""
 
     async def habits() -> Annotated[CallToolResult, HabitList]:

@@ -6,11 +6,11 @@ from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 from pydantic import Field
 
-from homebot.cli.mcp_server import READS, ApiClient, Device, Words, tool_answer
+from homebot.bridges.home_api.agent_server import READS, Device, HouseApi, Words, tool_answer
 from homebot.features.history.http import MAX_POINTS, HistoryAnswer
 
 
-def add_tools(server: MCPServer, api: ApiClient) -> None:
+def add_tools(server: MCPServer, api: HouseApi) -> None:
     """Add the tool to *server*."""
 
     async def history(

@@ -1,28 +1,36 @@
 """The tool of ``homebot mcp`` for routines; annotations are not postponed: the SDK reads those."""
 
 import json
+import os
+import sys
+from functools import cache
 from typing import Annotated, Final
 
-from anyio import to_thread
+from anyio import Semaphore, run_process
 from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 from pydantic import Field
 
-from homebot.cli.door_address import DoorAddress
-from homebot.cli.mcp_server import ACTS, ApiClient, tool_answer
+from homebot.bridges.home_api.agent_server import ACTS, READS, HouseApi, Words, tool_answer
+from homebot.bridges.home_api.shapes import Answer
 from homebot.errors import HomebotError
-from homebot.features.routines.http import ProposalAnswer
+from homebot.features.routines.http import ProposalAnswer, RoutineList
+from homebot.features.routines.text import read_routines
 
 _MOST_LINES: Final = 40
 
 
-class _TriedProposal(ProposalAnswer):
-    """The result of a proposal, and the newest lines of its trial."""
+class _Trial(Answer):
+    """The newest lines of a trial."""
 
     trial: list[str]
 
 
-def add_tools(server: MCPServer, api: ApiClient) -> None:
+class _TriedProposal(_Trial, ProposalAnswer):
+    """The result of a proposal, with its trial."""
+
+
+def add_tools(server: MCPServer, api: HouseApi) -> None:
     """Add the tool to *server*."""
 
     async def propose_routine(
@@ -35,16 +43,46 @@ def add_tools(server: MCPServer, api: ApiClient) -> None:
         `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
         """
         answer = json.loads(await api.post("/api/routines", {"text": text}))
-        trial = await to_thread.run_sync(_trial, api.address, text, days)
-        return tool_answer(json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False))
+        return tool_answer(json.dumps({**answer, "trial": await _trial(api, text, days)}, ensure_ascii=False))
+
+    async def try_routine(
+        text: Annotated[str, Field(max_length=20_000, description="TOML, as to propose_routine")],
+        days: Annotated[float, Field(gt=0.0, le=366.0, description="how many")] = 7.0,
+    ) -> Annotated[CallToolResult, _Trial]:
+        """Try a rule on the last days; nothing is sent or proposed."""
+        return tool_answer(_Trial(trial=await _trial(api, text, days)).model_dump_json())
+
+    async def explain_routine(
+        name: Annotated[Words, Field(description="empty for all")] = "",
+    ) -> Annotated[CallToolResult, RoutineList]:
+        """Return the text of a rule, whether it is enabled, its last runs, and why it cannot work."""
+        return tool_answer(await api.read("/api/routines", name=name))
 
     server.add_tool(propose_routine, annotations=ACTS)
+    server.add_tool(try_routine, annotations=READS)
+    server.add_tool(explain_routine, annotations=READS)
 
 
-def _trial(address: DoorAddress, text: str, days: float) -> list[str]:
-    from homebot.features.routines.command_trial import text_trial  # noqa: PLC0415 - a replay needs the whole runtime
-
+async def _trial(api: HouseApi, text: str, days: float) -> list[str]:
+    """Return the newest lines of a trial, by a process of its own: it computes for a while."""
+    if api.is_of_house and not api.door.token:
+        return ["no trial: it needs a token"]
     try:
-        return text_trial(address, text, days * 86_400.0)
+        routines = "".join(routine.text for routine in read_routines(text, "the text"))
     except HomebotError as exc:
         return [f"no trial: {exc}"]
+    place = api.door
+    where = (
+        f"{'wss' if place.has_tls else 'ws'}://{f'[{place.host}]' if ':' in place.host else place.host}:{place.port}"
+    )
+    trial = ("-m", "homebot", "--door", where, "routine", "try", "/dev/stdin", "--on", f"{days * 86_400:.0f}s")
+    env = os.environ | {"HOMEBOT_DOOR_TOKEN": place.token}
+    async with _one_at_a_time():
+        done = await run_process((sys.executable, *trial), input=routines.encode(), env=env, check=False)
+    lines = done.stdout.decode(errors="replace").splitlines()
+    return lines[-_MOST_LINES:] if done.returncode == 0 else [f"no trial: {done.stderr.decode(errors='replace')[:500]}"]
+
+
+@cache
+def _one_at_a_time() -> Semaphore:
+    return Semaphore(1)

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from homebot.apps.grants import without_act
 from homebot.cli.commands.replay import command_text
-from homebot.cli.door_address import DoorAddress
-from homebot.cli.door_client import DoorClient, open_door, with_client
+from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.house_history import read_house_history
 from homebot.config import Config, HomeSettings, load_config, parse_config, parse_settings, read_all
 from homebot.config_lines import located
@@ -106,16 +105,6 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
     recording = read_house_history(door, seconds, asked_about(read.values()))
     unseen = {key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival)] for key, one in read.items()}
     return trial_lines(title, recording, _in_home(door, given), unseen)
-
-
-def text_trial(address: DoorAddress, text: str, seconds: float) -> list[str]:
-    """Return the lines of a trial of the routines in *text* in the last *seconds* of the house at *address*.
-
-    Raises:
-        HomebotError: As :func:`history_lines`.
-    """
-    with open_door(address) as door:
-        return history_lines(door, given_of(text, "the text"), seconds, "then")
 
 
 def given_of(text: str, source: str) -> Config:

@@ -6,13 +6,13 @@ from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 from pydantic import Field
 
+from homebot.bridges.home_api.agent_server import ACTS, READS, HouseApi, Words, tool_answer
 from homebot.bridges.home_api.shapes import OutcomeAnswer
-from homebot.cli.mcp_server import ACTS, READS, ApiClient, Words, tool_answer
 from homebot.devices.command_messages import MAX_TRANSITION_S
 from homebot.features.scenes.http import SceneList
 
 
-def add_tools(server: MCPServer, api: ApiClient) -> None:
+def add_tools(server: MCPServer, api: HouseApi) -> None:
     """Add the tools to *server*."""
 
     async def scenes() -> Annotated[CallToolResult, SceneList]:
