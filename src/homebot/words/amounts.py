@@ -19,8 +19,15 @@ _SYMBOLS: Final = (
     *("%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz", "dB", "dBm"),
     *("lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "m/s", "km/h", "kg"),
 )
-_UNIT_NAMES: Final = {"percent": "%", "degrees": "°C", "celsius": "°C", "fahrenheit": "°F", "volt": "V"}
-UNITS: Final = {one: one for one in _SYMBOLS} | _UNIT_NAMES | dict.fromkeys(("watt", "watts"), "W")
+UNITS: Final = {
+    **{symbol: symbol for symbol in _SYMBOLS},
+    **dict.fromkeys(("percent", "per cent"), "%"),
+    **dict.fromkeys(("°", "degree", "degrees", "celsius"), "°C"),
+    "fahrenheit": "°F",
+    **dict.fromkeys(("k", "kelvin"), "K"),
+    **dict.fromkeys(("watt", "watts"), "W"),
+    **dict.fromkeys(("volt", "volts"), "V"),
+}
 """Units that may follow a number, also by name. A capability has one, and any other is refused rather than ignored."""
 
 
@@ -46,7 +53,7 @@ class Change(NamedTuple):
     amount: str
 
 
-_CHANGE: Final = re.compile(r"(?P<before>.* )?(?P<sign>[+-]) ?(?P<amount>[\d.]++ ?\S*)")
+_CHANGE: Final = re.compile(r"(?P<before>.* )?(?P<sign>[+-]) ?(?P<amount>[\d.]++ ?(?:per cent|\S*))")
 _BRIGHTER: Final = re.compile(r"(?P<word>brighter|darker)(?: by)?(?: (?P<amount>\d.*))?", re.IGNORECASE)
 _USUAL_CHANGE: Final = "20 %"
 _COMMA: Final = re.compile(r",(?! ?[\d.]+ ?(?:,|$))")

@@ -321,12 +321,13 @@ class _Parser:
         if value is None or value.kind not in {"word", "text"}:
             raise UsageError(f"'{name.text} {operator.text}' is not followed by a value")
         self._place += 1
-        unit = self._peek()
-        is_number = value.kind == "word" and value.text[-1:].isdigit()
-        if is_number and unit is not None and unit.kind == "word":
-            symbol = UNITS.get(unit.text) or UNITS.get(unit.text.casefold(), "")
-            self._place += bool(symbol)
-            value = replace(value, text=value.text + symbol)
+        if value.kind == "word" and value.text[-1:].isdigit():
+            for length in (2, 1):  # per cent
+                unit = " ".join([token.text for token in self._tokens[self._place : self._place + length]])
+                if self._folded(length) and (symbol := UNITS.get(unit) or UNITS.get(unit.casefold(), "")):
+                    self._place += length
+                    value = replace(value, text=value.text + symbol)
+                    break
         return name, operator, value
 
     def _is_compared(self) -> bool:

@@ -13,7 +13,7 @@ from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.numbers import to_number
 from homebot.support.similar import did_you_mean
-from homebot.words.amounts import read_amount
+from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
 from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, WAIT, WAIT_UNTIL
@@ -188,7 +188,7 @@ def _read_do(text: str) -> Do:
         return Do(text, target.strip(), command.strip())
     words = text.split(" ")
     for place in range(1, len(words)):
-        commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
+        commands = [command.removeprefix("to ") for command in split_commands(" ".join(words[place:]))]
         is_read = _is_command(commands[0]) and all(_is_command(one) or OVER.match(one) for one in commands)
         target = " ".join(words[:place])
         begun = (f"{target} {words[place]}", f"{target} {commands[0]}")
@@ -296,7 +296,8 @@ def _hue_of(text: str) -> str:
     hue = HUE.match(text)
     return (
         hue["value"]
-        if hue and [number is not None for number in map(to_number, hue["value"].split())] == [True, True]
+        if hue
+        and [number is not None for number in map(to_number, hue["value"].replace(",", " ").split())] == [True, True]
         else ""
     )
 

@@ -41,7 +41,8 @@ def read_time(text: object) -> time:
         UsageError: It is not a time of day.
     """
     if not isinstance(text, str) or (found := _TIME.fullmatch(text.strip())) is None:
-        raise UsageError(f"{text!r} is not a time of day; write it like 22:00 or 7:30:15")
+        example = (isinstance(text, str) and _meant_time(text.casefold()).partition(" on ")[0]) or "22:00 or 7:30:15"
+        raise UsageError(f"{text!r} is not a time of day; write it like {example}")
     hour, minute, second = (int(part or 0) for part in found.groups())
     return time(hour, minute, second)
 
@@ -223,8 +224,9 @@ def _meant_time(text: str) -> str:
     if found["half"] in {"am", "pm"}:
         hour = hour % 12 + 12 * (found["half"] == "pm")
     at = f"{hour:02}:{found['minute'] or '00'}"
+    if not _TIME.fullmatch(at):
+        return ""
     try:
-        read_time(at)
         read_days(days)
     except UsageError:
         return ""

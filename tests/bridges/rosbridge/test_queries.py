@@ -27,11 +27,11 @@ class FakeDirectory:
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
         self.is_checked = request.is_checked
-        self.asked.append(read_terms(request.query))
+        self.asked.append(read_terms(request.query, parse_query))
         return FindDevicesResponse(devices=(), sequence=7)
 
     def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
-        self.asked.append(read_terms(request.query))
+        self.asked.append(read_terms(request.query, parse_query))
         return QueryDevicesResponse(success=True, sequence=7)
 
 

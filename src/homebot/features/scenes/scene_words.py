@@ -13,6 +13,7 @@ from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
 from homebot.errors import RefusedError
+from homebot.words.amounts import split_commands
 from homebot.words.commands import SET, parse_command_words
 
 _SAVED: Final = (*RESTORED, "thermostat_mode", "fan_mode", "preset_mode", "effect")
@@ -46,8 +47,8 @@ def read_values(words: str, device: Device, part: DevicePart, name: str) -> dict
         RefusedError: It does not take them, or nothing lasting; or one is a code, which is never kept.
     """
     found: dict[str, PlainValue] = {}
-    for word in words.split(", "):
-        given = parse_command_words(word.strip(), (), part.part, name)
+    for word in split_commands(words):
+        given = parse_command_words(word, (), part.part, name)
         if any(found.get(one, value) != value for one, value in given.items()):
             raise RefusedError(f"{words} for {name}", "these contradict each other; give one of them")
         found |= given
