@@ -1,6 +1,6 @@
 """Services that read the history of devices: measurements, states, and energy by day."""
 
-from typing import Annotated
+from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
@@ -99,28 +99,38 @@ class ReadHistoryResponse(ServiceAnswer):
     until: Time = _NO_TIME
 
 
+METER_OF_THE_HOUSE: Final = "house meter"
+"""The owner's tag of the meter that counts the others too: it is in no sum of rooms."""
+
+
 class ReadEnergyRequest(Message):
-    """Request for the energy by day.
+    """Request for the energy by day, hour or month.
 
     Attributes:
         device: The id of the device; empty for those of the *query*.
         query: The query for devices, as for :class:`ReadHistoryRequest`.
         since: The start, rounded down to midnight; 0 for six days before the end.
         until: The end; 0 for now.
+        step: The time of each sum.
+        by: Whether the sums are of each device, of each room, or of all; the last two without the meter of the house
+            (:data:`METER_OF_THE_HOUSE`).
     """
 
     device: ShortText = ""
     query: tuple[QueryTerm, ...] = ()
     since: Time = _NO_TIME
     until: Time = _NO_TIME
+    step: Literal["day", "hour", "month"] = "day"
+    by: Literal["device", "room", "all"] = "device"
 
 
 class EnergyOfDay(Message):
     """The energy that one meter counted in one day of the home's time zone.
 
     Attributes:
-        day: The date, as in ISO 8601.
-        name: The name of the device; its id if it is gone.
+        day: The date, as in ISO 8601; of an hour with its start, ``2026-03-28T14+01:00``; of a month ``2026-03``.
+        device: The id of the device; empty in sums.
+        name: The name of the device, its id if it is gone; in sums by room that of the room, empty for none.
         used: The energy that was used, in kWh.
         returned: The energy that was returned to the grid, in kWh.
     """

@@ -4,7 +4,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from datetime import UTC, tzinfo
 from pathlib import Path
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import anyio
 import pytest
@@ -84,8 +84,13 @@ class KeptHouse:
         )
         return await self._correct.call(request)
 
-    async def energy(self, since: float = 86_400.0) -> tuple[EnergyOfDay, ...]:
-        request = ReadEnergyRequest(since=Time.from_seconds(self.clock.now() - since))
+    async def energy(
+        self,
+        since: float = 86_400.0,
+        step: Literal["day", "hour", "month"] = "day",
+        by: Literal["device", "room", "all"] = "device",
+    ) -> tuple[EnergyOfDay, ...]:
+        request = ReadEnergyRequest(since=Time.from_seconds(self.clock.now() - since), step=step, by=by)
         answer = await self._energy.call(request)
         assert answer.success, answer.message
         return answer.days

@@ -125,6 +125,26 @@ async def test_a_day_of_the_home_has_23_to_25_hours(kept: MakeHouse, begin: str,
     assert used[begin] == pytest.approx(hours, abs=0.01)
 
 
+async def test_energy_is_summed_by_hour_and_month_of_devices_rooms_and_all(kept: MakeHouse) -> None:
+    async with kept(MIDNIGHT + 22 * HOUR) as house:
+        await house.add("oven", "electrical_meter", energy=0.0)
+        for energy in range(4):
+            await house.report("meter", energy=float(energy))
+            await house.report("oven", energy=2.0 * energy)
+            await anyio.sleep(HOUR)
+        hours = [(row.day, row.used) for row in await house.energy(DAY, "hour", "all")]
+        assert [(row.day, row.device, row.used) for row in await house.energy(DAY, "month")] == [
+            ("2026-01", "meter", 3.0),
+            ("2026-01", "oven", 6.0),
+        ]
+        assert [(row.device, row.name, row.used) for row in await house.energy(DAY, "month", "room")] == [("", "", 9.0)]
+    assert hours == [
+        ("2026-01-01T23+00:00", 3.0),
+        ("2026-01-02T00+00:00", 3.0),
+        ("2026-01-02T01+00:00", 3.0),
+    ]
+
+
 async def test_a_clock_that_is_set_back_an_hour_loses_and_doubles_nothing(kept: MakeHouse) -> None:
     async with kept() as house:
         for minute in range(190):

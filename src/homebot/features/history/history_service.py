@@ -6,6 +6,7 @@ from typing import Final, NamedTuple, final
 
 from homebot.devices.device import Device
 from homebot.devices.history_messages import (
+    METER_OF_THE_HOUSE,
     CorrectHistoryRequest,
     CorrectHistoryResponse,
     EnergyOfDay,
@@ -27,6 +28,7 @@ from homebot.features.history.history_file import HistoryStore
 from homebot.features.history.reading import HistoryReader, Numbers, Span, StoredStates
 from homebot.graph import Node
 from homebot.messages import Time
+from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 _NOTHING: Final = (
@@ -41,9 +43,13 @@ _DIGITS: Final = 6
 _NOT_YET: Final = "the history has not begun yet, or is not kept now; `homebot doctor` says why"
 
 
+_TIMES: Final = {"day": "%Y-%m-%d", "month": "%Y-%m"}
+
+
 class _FoundSeries(NamedTuple):
     series: list[Series]
     names: Mapping[str, str]
+    devices: Mapping[str, Device]
 
 
 @final
@@ -97,8 +103,11 @@ class HistoryService:
         try:
             found = await self._series(self.collector, request.device, request.query)
             counters = [one for one in found.series if one.place[2] in COUNTERS]
+            if request.by != "device":
+                meters = {one.id for one in found.devices.values() if METER_OF_THE_HOUSE in map(fold, one.tags)}
+                counters = [one for one in counters if one.place[0] not in meters]
             days = await self._store.read(
-                self.collector, lambda reader: _energy(reader, counters, found.names, span, self._zone)
+                self.collector, lambda reader: _energy(reader, counters, found, span, self._zone, request)
             )
         except (LinkError, ServiceError) as exc:
             return ReadEnergyResponse(success=False, message=str(exc))
@@ -146,7 +155,8 @@ class HistoryService:
         named = {term.name for term in query}
         if asked := [one for one in series if one.place[2] in named]:
             series = asked
-        return _FoundSeries(_main_first(series, devices), {key: one.name for key, one in devices.items()})
+        names = {key: device.name for key, device in devices.items()}
+        return _FoundSeries(_main_first(series, devices), names, devices)
 
 
 def _milliseconds(time: Time) -> int:
@@ -233,21 +243,35 @@ def _with_states(empty: HistorySeries, states: StoredStates, span: Span) -> Hist
 
 
 def _energy(
-    reader: HistoryReader, counters: Iterable[Series], names: Mapping[str, str], span: Span, zone: tzinfo | None
+    reader: HistoryReader,
+    counters: Iterable[Series],
+    found_series: _FoundSeries,
+    span: Span,
+    zone: tzinfo | None,
+    request: ReadEnergyRequest,
 ) -> list[EnergyOfDay]:
     found: dict[tuple[str, str, str], dict[str, float]] = {}
     places = {one.number: one.place for one in counters}
     for number, at, rise in reader.rises(places, span, zone):
         device, part, capability = places[number]
-        key = datetime.fromtimestamp(at / 1000, zone).date().isoformat(), device, part
+        local = datetime.fromtimestamp(at / 1000, zone)
+        if request.step == "hour":
+            time = local.astimezone(zone).isoformat(timespec="hours")  # the offset tells the two hours of a set clock
+        else:
+            time = local.strftime(_TIMES[request.step])
+        if request.by == "device":
+            key = time, device, part
+        else:  # the room stands in the place of the part
+            known = found_series.devices.get(device)
+            key = time, "", known.area if request.by == "room" and known is not None else ""
         sums = found.setdefault(key, {})
         sums[capability] = sums.get(capability, 0.0) + rise
     return [
         EnergyOfDay(
             day=day,
             device=device,
-            name=names.get(device, device),
-            part=part,
+            name=found_series.names.get(device, device) if request.by == "device" else part,
+            part=part if request.by == "device" else "",
             used=_rounded(sums.get("energy", 0.0)),
             returned=_rounded(sums.get("energy_returned", 0.0)),
         )
