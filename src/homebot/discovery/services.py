@@ -18,7 +18,6 @@ from homebot.devices.query.matching import is_spelled
 from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
 from homebot.discovery.index import DeviceIndex
-from homebot.discovery.listing import list_device
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import OwnerRequests, PlacesServices
 from homebot.discovery.search.rank import rank, reasons
@@ -179,6 +178,8 @@ class DirectoryServices:
                 found = [one for one in found if is_spelled(query, self._index.postings.facets(one).words)]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
+        from homebot.discovery.listing import list_device  # noqa: PLC0415 - screens and agents ask, after the start
+
         end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
         rights = ALL_RIGHTS
         if request.issuer:

@@ -25,7 +25,6 @@ from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.raw_delivery import begin_of
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
@@ -179,6 +178,8 @@ class CommandServer:
 
     async def describe_commands(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
         """Return the messages that commands to a device would send, as text."""
+        from homebot.gateways.announced.sent_commands import sent_commands  # noqa: PLC0415 - asked before an approval
+
         stored, lines = self._devices.get(request.key), list[str]()
         for part in () if stored is None else stored.described.parts:
             for line in sent_commands(part):

@@ -3,9 +3,12 @@
 Offers and states are kept, within bounds, while the link is down, and published again on every link.
 """
 
+from __future__ import annotations
+
 from collections import deque
 from collections.abc import Collection, Iterable
 from functools import partial
+from typing import TYPE_CHECKING
 
 import anyio
 
@@ -13,13 +16,15 @@ from homebot.conventions.convention import Convention, OfferPublisher, Publishin
 from homebot.conventions.description import Publication
 from homebot.devices.exposure import ExposedDevice
 from homebot.errors import HomebotError, LinkError
-from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.base import Gateway
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.support.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
 
 NOT_PUBLISHED = "gateway.not_published"
 
@@ -45,6 +50,8 @@ class Offers:
         self._news = anyio.Event()
         self._exposed: ExposedDevices | None = None
         if self._publishers:
+            from homebot.gateways.announced.exposed_devices import ExposedDevices  # noqa: PLC0415 - few houses expose any
+
             self._exposed = ExposedDevices(gateway, self._show, self._publish_states, quarantine.log_limited)
 
     def is_own_topic(self, topic: str) -> bool:
