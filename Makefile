@@ -41,7 +41,7 @@ test-fast: $(VENV)/.dev
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
 test-peers: $(VENV)/.peers
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(wildcard tests/integrations/*/peers) $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(wildcard tests/integrations/*/peers tests/features/*/peers) $(ARGS)
 
 # The result is committed: who installs homebot needs no Node.
 ## Builds the web page from src/homebot/web/source and the folders page of features, with npm.

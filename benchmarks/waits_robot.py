@@ -14,8 +14,8 @@ from typing import Any
 
 import zenoh
 
-from homebot.bridges.ros2.attachment import Attachment
-from homebot.bridges.ros2.tokens import data_key
+from homebot.bridges.zenoh.attachment import Attachment
+from homebot.bridges.zenoh.tokens import data_key
 from homebot.devices.services import QueryDevices, QueryDevicesRequest, QueryDevicesResponse
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.type_hash import type_hash

@@ -6,8 +6,8 @@ from pathlib import Path
 import zenoh
 from pydantic import SecretStr
 
-from homebot.bridges.ros2.rights import WireRights
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
+from homebot.bridges.zenoh.rights import WireRights
 from homebot.messages.interfaces.settings import RosSettings
 
 HOME = "villa"

@@ -54,6 +54,8 @@ def paths(feature: Feature) -> list[str]:
         feature.routes,
         feature.tools,
         feature.checks,
+        feature.runs,
+        feature.over_zenoh,
         *(verb.add_arguments for verb in feature.verbs.values()),
     )
     return list(filter(None, own))

@@ -9,7 +9,7 @@ import pytest
 from tests.source_trees import SOURCE, source_trees
 
 INTEGRATIONS: Final = {one.parent.name for one in (SOURCE / "integrations").glob("*/__init__.py")}
-WORDS: Final = INTEGRATIONS & {"hue", "machines", "matter", "things"}
+WORDS: Final = INTEGRATIONS & {"hue", "matter", "things"}
 """Names that are words as well, which count as a text of their own."""
 
 _SPELLED: Final = {"homeassistant": "home[ _-]?assistant", "zigbee2mqtt": "zigbee[ _-]?2[ _-]?mqtt"}

@@ -94,6 +94,8 @@ class Feature:
         keeps_apps: A word such as ``routine`` for the apps that its server, an
             :class:`~homebot.feature_context.AppKeeper`, keeps beside those of the configuration; empty for none.
         runs: An async function that runs all the time, from two seconds after the start; called with the context.
+        over_zenoh: An async function that runs while there is a session of ``[ros]`` with robots and other machines,
+            which opens before gateways start; called with an :class:`~homebot.runtime.session_keeper.OpenSession`.
         is_wanted: Returns whether *runs* is to run, and its modules to be loaded.
         files: Its data files beside that of the directory, which backups have, with their schemas as ``module:name``.
         tables: Its tables of the configuration, by key.
@@ -114,6 +116,7 @@ class Feature:
     stores: tuple[str, ...] = ()
     keeps_apps: str = ""
     runs: str = ""
+    over_zenoh: str = ""
     is_wanted: Callable[[RunFacts], bool] = lambda _: True
     files: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, FeatureTable] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Each integration and feature can be taken out: without its folder and its tests, all is whole."""
+"""Integrations, features and rclpy's spelling can each be taken out: without its folder and its tests, all is whole."""
 
 import importlib
 import multiprocessing
@@ -82,9 +82,9 @@ def import_all(root: Path) -> None:
                     raise
 
 
-@pytest.fixture(params=[*INTEGRATIONS, *FEATURES])
+@pytest.fixture(params=[*INTEGRATIONS, *FEATURES, "compat"])
 def folder(request: pytest.FixtureRequest) -> str:
-    """One integration or feature, such as ``features/scenes``."""
+    """One integration or feature, such as ``features/scenes``, or the spelling of rclpy."""
     return str(request.param)
 
 

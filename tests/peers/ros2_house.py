@@ -14,12 +14,12 @@ from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import HOME, house_rights, log_in
 
-from homebot.bridges.ros2.link import serve_link
-from homebot.bridges.ros2.rights import WireRights
-from homebot.bridges.ros2.robots import RobotsOnWire
-from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.zenoh.rights import WireRights
+from homebot.bridges.zenoh.session import open_session
 from homebot.devices.robot_owners import RobotOwners
+from homebot.features.ros2.link import serve_link
+from homebot.features.ros2.robots import RobotsOnWire
 from homebot.graph import Graph, Node
 from homebot.messages.interfaces.settings import RosSettings
 from homebot.words.rights import read_scope

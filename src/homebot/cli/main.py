@@ -71,8 +71,6 @@ COMMANDS: Final = {
     "backup": "write homebot's data and configuration to one file",
     "restore": "restore the data and configuration from a backup",
     "broker": "run only an MQTT broker",
-    "join": "let another machine, with gateways only, become part of the house",
-    "router": "run only the router between homebot and ROS 2 robots; make its certificate",
 }
 """The purpose of each command of the core in one line."""
 

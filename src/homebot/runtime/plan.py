@@ -51,9 +51,7 @@ OWN_NODES = frozenset(
         "discovery",
         "homebot",
         "identify",
-        "machine",
         "robots",
-        "ros2",
         "rosapi",
         "rosbridge_websocket",
     }
@@ -356,7 +354,7 @@ def _link(config: Config) -> RosSettings | None:
         return None
     _check_extra(config.source, "ros", "the link to robots", "ros2", "zenoh", "xxhash")
     if len(settings.imports) > 1:
-        from homebot.bridges.ros2.rights import check_apart  # noqa: PLC0415 - only with several robots
+        from homebot.bridges.zenoh.rights import check_apart  # noqa: PLC0415 - only with several robots
 
         try:
             check_apart(settings)

@@ -67,8 +67,8 @@ if TYPE_CHECKING:
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
-    from homebot.runtime.link_starter import LinkStarter
     from homebot.runtime.run_recording import RunRecording
+    from homebot.runtime.session_keeper import SessionKeeper
     from homebot.runtime.simulated_house import HouseOfRun
 
 RUNNING = "runtime.running"
@@ -187,12 +187,12 @@ class Runtime:
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
-        self._machines: MachinesOnWire | None = None
+        self._session: CurrentSession | None = None
         if self._plan.link is not None:
-            from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
+            from homebot.bridges.zenoh.current_session import CurrentSession  # noqa: PLC0415 - few houses have a link
 
-            self._machines = MachinesOnWire()
-        self._link: LinkStarter | None = None
+            self._session = CurrentSession()
+        self._session_keeper: SessionKeeper | None = None
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = self._gateway_context()
         self._owner: OwnerFacts
@@ -212,10 +212,10 @@ class Runtime:
         )
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
-        if self._machines is not None:
-            from homebot.runtime.link_starter import LinkStarter  # noqa: PLC0415 - few houses have a link
+        if self._session is not None:
+            from homebot.runtime.session_keeper import SessionKeeper  # noqa: PLC0415 - few houses have a link
 
-            self._link = LinkStarter(self.graph, self._machines, lambda: self._plan, self._owner_token)
+            self._session_keeper = SessionKeeper(self.graph, self._session, lambda: self._plan, self._owner_token)
         self.supervisor = Supervisor(self._clock)
         self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
         self.door: Door | None = None
@@ -228,7 +228,7 @@ class Runtime:
         return GatewayContext.of(
             self._installation,
             *self.services,
-            *filter(None, (self._machines,)),
+            *filter(None, (self._session,)),
             random=self.random,
             is_dry_run=self.is_dry_run,
             home=self._house.home if self._house is not None else self._plan.home,
@@ -303,8 +303,8 @@ class Runtime:
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
             )
             self.app_host.left_out = self._plan.left_out
-            if self._link is not None:
-                self._link.reload()
+            if self._session_keeper is not None:
+                self._session_keeper.reload()
             return self._reloaded
 
     def _grant_kept(self) -> None:
@@ -364,8 +364,8 @@ class Runtime:
     ) -> Iterator[AbstractAsyncContextManager[None]]:
         """Yield components in the order of their start; each is created when the previous ones are ready."""
         running = self.supervisor.running
-        if self._link is not None and not self.is_dry_run:
-            yield running("ros2", self._link.serve)
+        if self._session_keeper is not None and not self.is_dry_run:
+            yield running("ros2", self._session_keeper.serve)
         yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
         if not self._plan.as_other_machine:
             yield from self._mind()

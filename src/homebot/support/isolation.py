@@ -16,7 +16,7 @@ from typing import TypeAlias
 
 import anyio
 
-from homebot.errors import AbortError, ExitError, LinkError, PeerError
+from homebot.errors import AbortError, ExitError, HomebotError, LinkError, PeerError
 
 
 @contextmanager
@@ -106,15 +106,15 @@ def first_cause(error: BaseException) -> BaseException:
 
 
 @contextmanager
-def ungrouped() -> Iterator[None]:
-    """Raise the first :class:`LinkError` or :class:`PeerError` of the block in place of its group.
+def ungrouped(*kinds: type[HomebotError]) -> Iterator[None]:
+    """Raise the first error of *kinds*, by default :class:`LinkError` or :class:`PeerError`, in place of its group.
 
     A group with any other error is raised unchanged.
     """
     try:
         yield
     except BaseExceptionGroup as group:
-        known, others = group.split((LinkError, PeerError))
+        known, others = group.split(kinds or (LinkError, PeerError))
         if known is None or others is not None:
             raise
         raise first_cause(known) from group

@@ -5,10 +5,10 @@ from __future__ import annotations
 import anyio
 import anyio.lowlevel
 import pytest
-from tests.bridges.ros2.pair import pair
-from tests.bridges.ros2.test_goals import all_parts
 from tests.control.conftest import OpenHome
 from tests.features.goals.conftest import NAVIGATE, Family, goals_of
+from tests.features.ros2.pair import pair
+from tests.features.ros2.test_goals import all_parts
 from tests.patience import PATIENCE
 
 from homebot.features.goals import ACHIEVE

@@ -1,0 +1,198 @@
+"""The rights of others on Zenoh: logins, and the messages that pass; all others are dropped."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import chain, combinations, product
+from typing import TYPE_CHECKING, Final, NamedTuple, Self, TypeAlias
+
+import zenoh
+
+from homebot.bridges.zenoh.tokens import ALL_TOKENS
+from homebot.devices.client_rights import OWNER_CLIENT
+from homebot.errors import UsageError
+from homebot.names import escape_token
+from homebot.rights import Right
+from homebot.words.rights import read_scope
+
+if TYPE_CHECKING:
+    from pydantic import SecretStr
+
+    from homebot.bridges.rosbridge import DoorSettings
+    from homebot.messages.interfaces.settings import RosSettings
+
+_Words: TypeAlias = tuple[str, ...]
+
+_FROM, _TO = ("ingress",), ("egress",)
+_GIVE: Final = ("put", "delete", "declare_queryable", "reply", "liveliness_token")
+"""Messages of the nodes that have a topic or service."""
+
+_TAKE: Final = ("declare_subscriber", "query", "declare_liveliness_subscriber", "liveliness_query")
+"""Messages of the nodes that use it."""
+
+_EVERYTHING: Final = ("**", "**/@adv/**", "@ros2_lv/**")
+_ENTITY: Final = "@ros2_lv/{domain}/*/*/*/{kind}/*/{node}/{rest}"
+_OWN_NODE: Final = "%/ros2"
+
+
+class WireRule(NamedTuple):
+    """Messages that pass.
+
+    Attributes:
+        user: Their sender or receiver; empty for any.
+        flows: ``ingress`` for messages from the user, ``egress`` for those to the user.
+        messages: Their kinds, in Zenoh's words.
+        keys: Their topics and services, as key expressions.
+    """
+
+    user: str
+    flows: _Words
+    messages: _Words
+    keys: _Words
+
+
+@dataclass(frozen=True, slots=True)
+class WireRights:
+    """The rights of others in a session.
+
+    Attributes:
+        passwords: The passwords of logins at this router, by user.
+        login: The user and password with which it logs in at other routers; None for none.
+    """
+
+    rules: tuple[WireRule, ...]
+    passwords: Mapping[str, SecretStr] = field(default_factory=dict)
+    login: tuple[str, SecretStr] | None = None
+
+    @classmethod
+    def of_tokens(
+        cls,
+        settings: RosSettings,
+        door: DoorSettings,
+        home: str,
+        machines: Mapping[str, SecretStr],
+        now: float,
+        owner: SecretStr | None = None,
+    ) -> Self:
+        """Return the rights at the router of *home*: of each robot those of its token in *door*, all of the owner.
+
+        A robot whose token is missing, or has ended at *now*, may not log in. Other machines of the house, with their
+        secrets by name, have what is below ``/HOME/MACHINE``.
+
+        Raises:
+            UsageError: A machine has the name of a token.
+        """
+        passwords = {name: one for name, one in door.all_tokens(owner).items() if name == OWNER_CLIENT}
+        rules = [WireRule(name, _FROM + _TO, _GIVE + _TAKE, _EVERYTHING) for name in passwords]
+        for name, secret in machines.items():
+            passwords[name] = secret
+            rules.append(WireRule(name, _FROM + _TO, _GIVE + _TAKE, (*_keys(settings.domain, (_below(home, name),)),)))
+        for robot in settings.imports:
+            token = token_of(robot, door)
+            if token in machines:
+                raise UsageError(f"a machine and a token are both called {token}; give one of them another name")
+            if token is not None and now < door.tokens[token].until:
+                passwords[token] = door.tokens[token].token
+                rules += _rules_of(token, robot, settings, reads=read_scope(door.tokens[token].scope).has(Right.READ))
+        return cls(tuple(rules), passwords)
+
+    @classmethod
+    def of_routers(cls, settings: RosSettings, home: str, login: tuple[str, SecretStr] | None) -> Self:
+        """Return the rights of the routers that homebot connects to: nothing passes from one to another."""
+        tokens = ALL_TOKENS.format(domain=settings.domain)
+        names, machines = chain.from_iterable(settings.imports.values()), _below(home)
+        imported = (*_keys(settings.domain, (*names, machines)), tokens)
+        exported = (*_keys(settings.domain, (*settings.export, machines)), tokens)
+        rules = (
+            WireRule("", _FROM, _GIVE, imported),
+            WireRule("", _TO, _TAKE, imported),
+            WireRule("", _TO, _GIVE, exported),
+            WireRule("", _FROM, _TAKE, exported),
+        )
+        return cls(rules, login=login)
+
+    def dictionary(self) -> str:
+        """Return the users with their passwords, as in Zenoh's file: without one, everybody could connect."""
+        known = {user: one.get_secret_value() for user, one in self.passwords.items()}
+        return "".join(f"{user}:{one}\n" for user, one in (known or {"nobody": secrets.token_urlsafe()}).items())
+
+    def access_control(self) -> dict[str, object]:
+        """Return the rules as Zenoh's configuration."""
+        rules = [rule for rule in self.rules if rule.keys]
+        users = [{"usernames": [rule.user]} if rule.user else {} for rule in rules]
+        ids = [{"id": str(number)} for number in range(len(users))]
+        return {
+            "enabled": True,
+            "default_permission": "deny",
+            "rules": [
+                {**name, "permission": "allow", "flows": one.flows, "messages": one.messages, "key_exprs": one.keys}
+                for name, one in zip(ids, rules, strict=True)
+            ],
+            "subjects": [{**name, **user} for name, user in zip(ids, users, strict=True)],
+            "policies": [{"rules": [name["id"]], "subjects": [name["id"]]} for name in ids],
+        }
+
+
+def _rules_of(user: str, robot: str, settings: RosSettings, *, reads: bool) -> Iterator[WireRule]:
+    domain = settings.domain
+    own = (*_keys(domain, settings.imports[robot]), *_tokens(robot, settings))
+    yield WireRule(user, _FROM + _TO, _GIVE + _TAKE, own)  # its programs have each other's too
+    yield WireRule(user, _FROM + _TO, _TAKE, (ALL_TOKENS.format(domain=domain),))
+    if reads:
+        exported = tuple(_keys(domain, settings.export))
+        spaces = (name.rpartition("/") for name in settings.export)
+        nodes = (_OWN_NODE, *(f"{_chunk(space) or '%'}/{_chunk(node)}" for space, _, node in spaces))
+        tokens = (_ENTITY.format(domain=domain, kind="*", node=node, rest="**") for node in nodes)
+        yield WireRule(user, _TO, _GIVE, (*exported, *tokens))
+        yield WireRule(user, _FROM, _TAKE, exported)
+
+
+def _tokens(robot: str, settings: RosSettings) -> Iterator[str]:
+    """Yield the tokens of *robot*, whose nodes are below its name if there are others."""
+    nodes = ("*/*",) if len(settings.imports) == 1 else (f"%{robot}/*", f"%{robot}%$*/*", f"%/{robot}")
+    names = [f"{_chunk(name)}{rest}/**" for name in settings.imports[robot] for rest in ("", "%_action%$*")]
+    given = [(kind, name) for kind in ("MP", "SS") for name in names]
+    for node, (kind, rest) in product(nodes, [("NN", "**"), ("MS", "**"), ("SC", "**"), *given]):
+        yield _ENTITY.format(domain=settings.domain, kind=kind, node=node, rest=rest)
+
+
+def _keys(domain: int, names: Iterable[str]) -> Iterator[str]:
+    """Yield the keys of the topics, services and actions *names*, and of what Zenoh has for their late readers."""
+    for name in names:
+        parts = "/".join(part if part == "**" else _chunk(part) for part in name.split("/")[1:])
+        for rest in ("", "/_action/*"):
+            key = str(zenoh.KeyExpr.autocanonize(f"{domain}/{parts}{rest}/*/*"))
+            yield from (key, f"{key}/@adv/**")
+
+
+def _chunk(pattern: str) -> str:
+    """Return *pattern* as one part of a token."""
+    text = pattern.replace("/", "%").replace("**", "*")
+    return text if text == "*" else text.replace("*", "$*")
+
+
+def _below(*names: str) -> str:
+    return f"/{'/'.join(map(escape_token, names))}/**"
+
+
+def token_of(robot: str, door: DoorSettings) -> str | None:
+    """Return the name of the token of *robot*: the first with the right to be it; None without one."""
+    return next((name for name, one in door.tokens.items() if robot in read_scope(one.scope).robots), None)
+
+
+def check_apart(settings: RosSettings) -> None:
+    """Check that no name is imported of two robots: nothing would tell the sender of a message.
+
+    Raises:
+        UsageError: One is.
+    """
+    for (robot, names), (other, others) in combinations(settings.imports.items(), 2):
+        for name, second in product(names, others):
+            one, two = _keys(settings.domain, (name,)), _keys(settings.domain, (second,))
+            if zenoh.KeyExpr(next(one)).intersects(zenoh.KeyExpr(next(two))):
+                raise UsageError(
+                    f"{name} of {robot} and {second} of {other} have names in common, of which nothing "
+                    f"would tell whose they are; import those below /{robot} and /{other}"
+                )
