@@ -11,7 +11,6 @@ from typing import Any, Final, TypeAlias
 from pydantic import create_model
 
 from homebot.bridges.client_error_log import ClientErrorLog
-from homebot.bridges.rosapi import parameters
 from homebot.bridges.rosbridge.types import (
     define_type,
     find_action_type,
@@ -194,6 +193,15 @@ def _unique(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(set(names)))
 
 
+def _parameters(name: str) -> _Answerer:
+    """Return a function that answers about parameters; its module is loaded with the first question."""
+
+    def answer(graph: Graph, request: Any) -> object:
+        return getattr(import_module("homebot.bridges.rosapi.parameters"), name)(graph, request)
+
+    return answer
+
+
 _DONE: Final = "bool successful, string reason"
 _TYPES: Final[Mapping[str, object]] = {
     "bool": bool,
@@ -210,12 +218,12 @@ _SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
     "action_result_details": ("string type", "TypeDef[] typedefs", _typedefs(find_action_type, "Result")),
     "action_servers": ("", "string[] action_servers", _action_servers),
     "action_type": ("string action", "string type", _type_of_action),
-    "delete_param": ("string name", _DONE, parameters.delete_parameter),
-    "get_param": ("string name, string default_value ''", f"string value, {_DONE}", parameters.get_parameter),
-    "get_param_names": ("", "string[] names", parameters.list_parameters),
+    "delete_param": ("string name", _DONE, _parameters("delete_parameter")),
+    "get_param": ("string name, string default_value ''", f"string value, {_DONE}", _parameters("get_parameter")),
+    "get_param_names": ("", "string[] names", _parameters("list_parameters")),
     "get_ros_version": ("", "uint8 version, string distro", _version),
     "get_time": ("", "time time", _time),
-    "has_param": ("string name", "bool exists", parameters.has_parameter),
+    "has_param": ("string name", "bool exists", _parameters("has_parameter")),
     "interfaces": ("", "string[] interfaces", lambda graph, _: interfaces_of(graph).names()),
     "message_details": ("string type", "TypeDef[] typedefs", _typedefs(find_message_type)),
     "node_details": ("string node", "string[] subscribing, string[] publishing, string[] services", _node_details),
@@ -228,7 +236,7 @@ _SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
     "service_type": ("string service", "string type", _of_service("ros_type")),
     "services": ("", "string[] services", lambda graph, _: _visible(graph.get_service_names_and_types())),
     "services_for_type": ("string type", "string[] services", _served("name", "type")),
-    "set_param": ("string name, string value", _DONE, parameters.set_parameter),
+    "set_param": ("string name, string value", _DONE, _parameters("set_parameter")),
     "subscribers": ("string topic", "string[] subscribers", _users(EntityKind.SUBSCRIPTION)),
     "topic_type": ("string topic", "string type", _type_of_topic),
     "topics": ("", "string[] topics, string[] types", _topics),
