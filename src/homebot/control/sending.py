@@ -18,6 +18,7 @@ from homebot.control.settings import ControlSettings
 from homebot.control.shared_sending import SharedSending
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
 from homebot.control.timeline.facts import (
+    NO_GROUP,
     Answered,
     Asked,
     Cause,
@@ -116,6 +117,7 @@ class Sending:
             if command.members:
                 members = self._timelines.command_members(opened.progress.order, command.members)
                 opened.members, opened.progress.members = tuple(members), tuple(members.values())
+                opened.progress.transmission.group = opened.progress.members[0].transmission.group
             witnesses = await self.witnesses.begin(opened)
             outcome = await self._run(opened)
             if witnesses:
@@ -306,12 +308,12 @@ class Sending:
             UnansweredError: It was sent, but not acknowledged.
         """
         command, sendings = sent.command, sent.progress.transmission
-        sendings.echoed = shared.echoed
+        sendings.group = shared.message
         on_sent = partial(self._journal.record, "sent", command, shared.name)
         if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
             sent.progress.fellows = shared.progress
             return True
-        sendings.echoed = frozenset()
+        sendings.group = NO_GROUP
         if sent.progress.superseded_by:
             return None
         self._journal.record("sent", command)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
+from homebot.control.timeline.facts import GroupMessage
 from homebot.devices.outcomes import AlreadySo, Outcome
 from homebot.errors import HomebotError, LinkError, RefusedError, UnansweredError
 
@@ -38,7 +39,7 @@ class SharedSending:
         part: Its part.
         name: Its name for the journal.
         progress: That of each command that it is sent for.
-        echoed: The capabilities that its bridge reports for the members without having heard from them.
+        message: The message to a group, as far as its bridge repeats it.
     """
 
     def __init__(
@@ -53,7 +54,8 @@ class SharedSending:
         self.device, self.part = group
         self.name = f"group {self.device.name}" if recall is None else f"scene {self.part.part.name}"
         self._recall = recall
-        self.echoed = frozenset([capability.name for capability in self.part.part.capabilities if capability.echoed])
+        echoed = [capability.name for capability in self.part.part.capabilities if capability.echoed]
+        self.message = GroupMessage(frozenset(echoed))
         self._node, self._sender, self._may_send = node, sender, may_send
         self._awaited = awaited
         self._orders: list[Sequence[Command]] = []

@@ -12,7 +12,7 @@ from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.timeline.cause import MAX_NEARBY, NOWHERE, Nearby, NearbyCommands
-from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported
+from homebot.control.timeline.facts import Attribution, Cause, GroupMessage, Order, PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
@@ -82,6 +82,7 @@ class Timelines:
     ) -> dict[PartTimeline, CommandProgress]:
         """Record a command to a group for each of its *members*; return its progress there by their timelines."""
         by_timeline: dict[PartTimeline, CommandProgress] = {}
+        message = GroupMessage(order.echoed)
         for device, part in members:
             can = {capability.name: capability.readable for capability in part.part.capabilities}
             settings = {name: value for name, value in order.settings.items() if name in can}
@@ -90,7 +91,7 @@ class Timelines:
             own = replace(order, settings=settings or order.settings, wanted=wanted, echoed=frozenset())
             timeline = self.of(device, part)
             by_timeline[timeline] = progress = timeline.command(own, self._clock.monotonic(), is_raw=True)
-            progress.transmission.echoed = order.echoed
+            progress.transmission.group = message
         return by_timeline
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:

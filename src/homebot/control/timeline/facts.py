@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, NamedTuple, TypeAlias, final
 
+from homebot.control import durations
 from homebot.devices.capabilities import acts_each_time
 from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue, SetBy
@@ -244,6 +245,32 @@ class Reported:
 
 
 @final
+class GroupMessage:
+    """Message to a group, whose bridge then reports it at once for the group and all members, without hearing them.
+
+    Args:
+        echoed: The capabilities that it reports so.
+    """
+
+    __slots__ = ("_echoed_at", "echoed")
+
+    def __init__(self, echoed: frozenset[str] = frozenset()) -> None:
+        self.echoed = echoed
+        self._echoed_at: dict[str, float] = {}
+
+    def is_echo(self, capability: str, at: float, sent_at: float) -> bool:
+        """Return whether a report of the wanted value, by the group or a member, may be the bridge's."""
+        if capability not in self.echoed:
+            return False
+        if self._echoed_at.get(capability, -math.inf) < sent_at:
+            self._echoed_at[capability] = at
+        return at - self._echoed_at[capability] <= durations.FAST
+
+
+NO_GROUP: Final = GroupMessage()
+
+
+@final
 class Transmission:
     """The sendings of one command so far.
 
@@ -262,8 +289,7 @@ class Transmission:
         accepted: When the device or its network first accepted each setting.
         refusal: The reason why the device refuses the command; empty if it does not.
         routes: The routes that accepted settings, in order, if the part has several.
-        echoed: The capabilities that a bridge reports once without having heard from the part, because a message to a
-            group took the place of the first sending.
+        group: The message to a group that took the place of the first sending, or of all.
     """
 
     attempts = count = asked_after = 0
@@ -273,7 +299,7 @@ class Transmission:
     is_unacknowledged = _is_shared = False
     refusal = ""
     routes: tuple[str, ...] = ()
-    echoed: frozenset[str] = frozenset()
+    group = NO_GROUP
 
     def __init__(self, given_at: float) -> None:
         self.first_sent_at = self.sent_at = given_at

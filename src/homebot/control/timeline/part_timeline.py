@@ -380,7 +380,8 @@ class PartTimeline:
     def _record_change(self, fact: Reported, roles: Roles) -> None:
         """Keep the newest changes, and stop the repetitions of commands against what may be a person's will."""
         is_change, may_be_person = fact.is_change, fact.attribution.may_be_person
-        if is_change or fact.is_first:
+        newest = self.newest.get(fact.capability)
+        if is_change or fact.is_first or (newest is not None and newest.value != fact.value):  # or takes back an echo
             self.newest[fact.capability] = fact
         if is_change and may_be_person:
             self.unexplained_change = fact

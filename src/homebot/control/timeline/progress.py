@@ -313,7 +313,7 @@ class CommandProgress:
 
     def _met_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
         """Return the role of the wanted value before the outcome: the device's own report, or a bridge's echo."""
-        if self.transmission.echoed and self._is_of_group(fact):
+        if self.transmission.group.echoed and self._is_of_group(fact) and not self.members:
             wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
             return ReportRole.ECHO
         if not (self.has_echo and self._is_echo(wanted, fact)):
@@ -423,7 +423,8 @@ class CommandProgress:
     def _undo(self, capability: str, at: float) -> None:
         self.led_nowhere, self._steps = self._steps, _NO_NUMBERS
         self.undoing = Undoing(capability, at - self.ended_at)
-        self.until = -math.inf
+        is_awaited = self.members and not self.is_met_by_members  # a group whose other members are still to follow
+        self.until = at + self._settle if is_awaited else -math.inf
 
     def _was_echoed(self, wanted: WantedValue, fact: Reported) -> bool:
         """Return whether a bridge repeated the wanted value since the last sending, or the message to the group."""
@@ -443,9 +444,13 @@ class CommandProgress:
 
     def _is_of_group(self, fact: Reported) -> bool:
         """Return whether a report of the wanted value repeats the message to its group."""
-        if self.transmission.count != 1 or fact.capability not in self.transmission.echoed:
+        sendings = self.transmission
+        is_message = self.is_raw or sendings.count == 1  # a repetition goes to the part alone
+        if not (is_message and sendings.group.is_echo(fact.capability, fact.at, sendings.sent_at)):
             return False
-        told_at = self._told_of_group.setdefault(fact.capability, fact.at)
+        told_at = self._told_of_group.get(fact.capability, -math.inf)
+        if told_at < sendings.sent_at:
+            told_at = self._told_of_group[fact.capability] = fact.at
         return fact.at - told_at <= durations.SAME_MESSAGE
 
     def _is_echo(self, wanted: WantedValue, fact: Reported) -> bool:
