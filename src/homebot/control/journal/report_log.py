@@ -81,9 +81,11 @@ class ReportLog:
 
 
 def _is_late(progress: CommandProgress, fact: Reported) -> bool:
-    """Return whether the device obeyed a command after its failure, or no longer does; False for a raw text."""
-    outcome = progress.outcome
-    if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
+    """Return whether the device obeyed a command after its failure or undoing, or no longer does; not for a raw text."""
+    outcome, is_again = progress.outcome, progress.undoing is not None and fact.attribution.role is ReportRole.EFFECT
+    if outcome is None or not (outcome.may_obey_later or is_again):
+        return False
+    if isinstance(outcome, Contradicted) and outcome.witness:
         return False
     is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
     return not progress.is_raw and is_change and fact.attribution.role in _LATE_ROLES

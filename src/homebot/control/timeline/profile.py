@@ -23,6 +23,9 @@ _MAX_ANSWERS: Final = 8
 """The limit of answers to different values, for each capability."""
 
 ENOUGH: Final = 3
+_NEWEST: Final = 5
+"""The number of times of one value among which enough have to be the same."""
+
 _IN_VAIN: Final = 2
 """Consecutive commands without effect after which a route is tried last: a person may have undone one."""
 
@@ -164,9 +167,14 @@ class DeviceProfile:
             del self.failures[next(iter(self.failures))]
 
     def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
-        """Record that *value* lasted for *seconds*; return how often it did so the last five times."""
+        """Record that *value* lasted for *seconds*; return how often it did so the last five times.
+
+        People undo a command so soon so often that a short time counts as usual only if it was the same each time.
+        """
+        before = sum(lasted == value for lasted, _ in self.stays.get(capability, ()))
         slack = max(durations.REGULAR, durations.CLOCK_DRIFT * seconds)
-        return self._learn_regular(self.stays, capability, value, seconds, slack)
+        count = self._learn_regular(self.stays, capability, value, seconds, slack)
+        return count if seconds > durations.HASTY or count == min(before, _NEWEST) else min(count, ENOUGH - 1)
 
     def learn_gap(self, capability: str, value: PlainValue, seconds: float) -> bool:
         """Record the time since the last change that nothing explains; return whether these come regularly."""
@@ -191,7 +199,7 @@ class DeviceProfile:
         if isinstance(value, tuple) or value is None:
             return 0
         known = records.get(capability, [])
-        times = [lasted for one, lasted in known if one == value][-ENOUGH - 2 :]
+        times = [lasted for one, lasted in known if one == value][-_NEWEST:]
         records[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
         same = [seconds, *(time for time in times if abs(time - seconds) <= slack)]
         is_regular = max(same) - min(same) <= slack

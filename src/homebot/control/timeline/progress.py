@@ -282,7 +282,8 @@ class CommandProgress:
         capability, value, wanted = fact.capability, fact.value, self.wanted.get(fact.capability)
         if value == STOPPED:
             self.motion.stopped_at = fact.at
-        is_late = not (self.is_open or self.is_confirmed) and fact.at > self.ended_at + durations.LATE
+        has_failed = not (self.is_open or self.is_confirmed)
+        is_late = has_failed and (fact.at > self.ended_at + durations.LATE or self.will_at > -math.inf)
         if self.superseded_by or is_late or capability in self._released:
             return self._late_role(wanted, fact, is_exact=is_late)
         if value is None:
