@@ -37,7 +37,7 @@ Truth: TypeAlias = Literal["command", "along", "device", "program", "away", "per
 """``along``: the effect of a command to another part: a group, a scene, a mirrored part; ``away``: what a device tells
 after nobody could see it, so that nobody can know."""
 
-_SAME = 1.5
+_SAME = 0.4
 """Seconds by which a change and its entry in the journal may differ."""
 
 _INDISTINCT = 1.0
@@ -345,13 +345,18 @@ class SimulatedHouse:
             return
         parts = [part for name, part, one in self.values if (name, one) == (key, capability)]
         value = self.random.choice([one for one in values if one != self.values[key, parts[0], capability]])
-        given, wanted = self._wanted.get((key, capability), (-math.inf, None))
-        if self.now() - given < _AGREES_FOR and _is_on_the_way(self.values[key, parts[0], capability], value, wanted):
+        if self._agrees(key, parts[0], capability, value):
             return
         after = self.random.uniform(0.02, 0.3)
         number = None
         for part in parts:  # a person at a mirrored relay changes both
             number = self.later(after, key, part, capability, value, "person", number=number)
+
+    def _agrees(self, key: str, part: str, capability: str, value: PlainValue) -> bool:
+        """Return whether a person does what the newest command wants, so that nobody can tell who did it."""
+        given, wanted = self._wanted.get((key, capability), (-math.inf, None))
+        is_new = self.now() - given < _AGREES_FOR
+        return is_new and _is_on_the_way(self.values[key, part, capability], value, wanted)
 
     async def command(self, key: str, part: str, capability: str, value: PlainValue) -> None:
         await self.give(key, {capability: value}, part)
@@ -426,7 +431,7 @@ class SimulatedHouse:
     ) -> None:
         await anyio.sleep(seconds)
         key, part, capability = place
-        if self._number[key] != number:
+        if self._number[key] != number or (truth == "person" and self._agrees(*place, value)):
             return
         self.physical[place] = value
         if self.is_away:

@@ -28,9 +28,9 @@ class ReportRole(Enum):
     """Meaning of a report for one command.
 
     ``EFFECT``: the wanted value. ``ECHO``: the wanted value, repeated by a bridge. ``STEP``: a value on the way.
-    ``ASTRAY``: a position farther away than the one before. ``UNDONE``: another value after the wanted one.
-    ``REPEAT``: the same other value again. ``OTHERWISE``: another value. ``AGREES``: a value of another capability that
-    is consistent with the command. ``ASIDE``: any other value.
+    ``ASTRAY``: a position farther away than the one before, or beyond the wanted one. ``UNDONE``: another value after
+    the wanted one. ``REPEAT``: the same other value again. ``OTHERWISE``: another value. ``AGREES``: a value of another
+    capability that is consistent with the command. ``ASIDE``: any other value.
     """
 
     EFFECT = "effect"

@@ -12,6 +12,9 @@ from homebot.devices.value import PlainValue
 
 _RUNS: Final = frozenset({"opening", "closing"})
 _OPENINGS: Final = frozenset({"movement", "valve"})
+_GRID: Final = 10.0
+"""Percent by which a level may be beyond the wanted one: a dimmer has at least ten steps."""
+
 STEP: Final = 0.5
 """The smallest change of a level or position, in percent, while a device is on its way."""
 
@@ -119,19 +122,33 @@ class Motion:
         stopped_at: When a motor last reported that it stopped; -inf if it did not.
     """
 
-    __slots__ = ("_goals", "_is_fade", "_is_positioned", "_now", "_rose", "_told_at", "moved_at", "stopped_at")
+    __slots__ = (
+        "_goals",
+        "_is_fade",
+        "_is_positioned",
+        "_now",
+        "_range",
+        "_rose",
+        "_told_at",
+        "moved_at",
+        "stopped_at",
+    )
 
     def __init__(self, order: Order, last: Mapping[str, PlainValue]) -> None:
         settings = order.settings
         self.moved_at = self.stopped_at = self._told_at = -math.inf
         self._is_fade = self._rose = False
+        self._range = -math.inf, math.inf
         self._is_positioned = order.moves and "position" in settings
         self._goals: dict[str, float] = {}
         self._now: dict[str, PlainValue] = {}
         level = 0.0 if settings.get("on_off") is False else settings.get("level")
         if isinstance(level, float):
             self._goals["level"] = level
-            self._now["level"] = 0.0 if last.get("on_off") is False else last.get("level")
+            known = last.get("level")
+            begun = self._now["level"] = 0.0 if last.get("on_off") is False else known
+            if isinstance(known, float) and isinstance(begun, float):
+                self._range = min(level - _GRID, begun), max(level + _GRID, known)
         position = END_POSITIONS.get(settings.get("movement"))
         if order.moves and not self._is_positioned and position is not None:
             self._goals["position"] = position
@@ -171,6 +188,7 @@ class Motion:
             else:
                 self._now[capability] = value
                 is_nearer = isinstance(before, float) and abs(before - goal) - abs(value - goal) >= STEP
+                is_nearer = is_nearer and (capability != "level" or self._range[0] <= value < self._range[1] + STEP)
             if capability == "level":
                 self._is_fade = self._is_fade or is_nearer
                 self._told_at = -math.inf if before is None else at

@@ -441,7 +441,8 @@ class CommandProgress:
             isinstance(goal, float) and isinstance(value, float) and isinstance(before, float)
         ):
             return False
-        return abs(value - goal) > abs(before - goal)
+        is_beyond = (value - goal) * (before - goal) < 0  # a motor runs one way
+        return is_beyond or abs(value - goal) > abs(before - goal)
 
     def _is_of_group(self, fact: Reported) -> bool:
         """Return whether a report of the wanted value repeats the message to its group."""
