@@ -85,6 +85,10 @@ class Tables:
         """Return the share of the changes with a true cause that were told to have the cause *told*."""
         return self.count(kind, truth, told) / max(self.count(kind, truth), 1)
 
+    def named(self, truth: Truth) -> float:
+        """Return the share of the changes told to have their true cause; the journal tells none of a colour's."""
+        return self.count("", truth, truth) / max(self.count("", truth) - self.count("", truth, "nothing"), 1)
+
     def count(self, kind: str = "", truth: str = "", told: str = "") -> int:
         """Return how many changes fit; an empty text fits all."""
         wanted = kind, truth, told

@@ -77,9 +77,9 @@ class Kind:
             ("program", self.by_program),
         )
         failures += [
-            f"{truth} told {truth}: {tables.share(truth, truth):.0%}, at least {least:.0%}"
+            f"{truth} told {truth}: {tables.named(truth):.0%}, at least {least:.0%}"
             for truth, least in shares
-            if told(truth) and tables.share(truth, truth) < least
+            if told(truth) and tables.named(truth) < least
         ]
         return failures
 
@@ -229,7 +229,10 @@ def _blind(house: SimulatedHouse, key: str, settles_after: float, by: float) -> 
 
 
 def adaptive(house: SimulatedHouse) -> None:
-    """Lamps that another program dims and tints along the day, as long as they are lit."""
+    """Lamps that another program dims and tints along the day, as long as they are lit.
+
+    Its first changes, and those after a pause of which nobody knows how many intervals it was, may be a person's.
+    """
     for number in range(3):
         _adaptive_lamp(house, f"lamp{number}")
 
@@ -351,7 +354,7 @@ KINDS = (
     Kind("fade, dimmed", partial(fades, transition=6.0, late=0.0, by="level")),
     Kind("late level, off", partial(fades, transition=0.0, late=8.0)),
     Kind("blind that settles", partial(blinds, settles_after=20.0, by=2.0), hours=6.0, by_device=0.95),
-    Kind("adaptive lighting", adaptive, hours=6.0, by_program=0.9, named=0.85),
+    Kind("adaptive lighting", adaptive, hours=6.0, by_program=0.75, named=0.85, unlearnt=3),
     Kind("timer of 5 min", lambda house: timers(house, 5.0), hours=6.0, hand_every=1000.0, by_device=0.7, unlearnt=3),
     Kind(
         "timer of 15 min", lambda house: timers(house, 15.0), hours=12.0, hand_every=3000.0, by_device=0.7, unlearnt=3

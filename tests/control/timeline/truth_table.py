@@ -62,7 +62,7 @@ def main(words: Sequence[str] | None = None) -> int:
             f"{tables.commands:,}",
             tables.overridden.total(),
             f"{tables.wrong_persons:.1%}" if told(told="person") else "-",
-            *(f"{tables.share(truth, truth):.0%}" if told(truth=truth) else "-" for truth in _OWN_CAUSES),
+            *(f"{tables.named(truth):.0%}" if told(truth=truth) else "-" for truth in _OWN_CAUSES),
             told(truth="person", told="command") + told(truth="person", told="transition"),
             told(truth="person", told="device") + told(truth="person", told="program"),
             f"{tables.seen['two answers']} of {tables.seen['asked']:,}",

@@ -81,7 +81,7 @@ class ReportLog:
 
 
 def _is_late(progress: CommandProgress, fact: Reported) -> bool:
-    """Return whether the device obeyed a command after its failure or undoing, or no longer does; not for a raw text."""
+    """Return whether the device obeyed a command after its failure or undoing, or no longer does; no raw text."""
     outcome, is_again = progress.outcome, progress.undoing is not None and fact.attribution.role is ReportRole.EFFECT
     if outcome is None or not (outcome.may_obey_later or is_again):
         return False

@@ -84,8 +84,8 @@ def _cause_without_command(fact: Reported) -> tuple[Cause, str]:
         return Cause.COMMAND if fact.is_usual else Cause.UNKNOWN, fact.along if fact.is_usual else ""
     if fact.timed >= ENOUGH:
         return Cause.DEVICE, ""
-    if fact.is_programmed:
-        return Cause.PROGRAM, ""
+    if fact.by_program is not None:
+        return fact.by_program, ""
     return Cause.UNKNOWN if fact.timed and fact.at - fact.since > durations.HASTY else Cause.PERSON, ""
 
 

@@ -212,7 +212,7 @@ class Reported:
         was_absent: Whether the device was unreachable since the previous value.
         is_news: Whether it repeats the value of a device that reports only changes: it changed twice in between.
         set_by: Who set it past homebot, if the gateway knows that.
-        is_programmed: Whether it is a regular change of another program.
+        by_program: *program* if it is a regular change of one, *unknown* if it may be; None for others.
         drifted_from: The command whose confirmed number it still fits; empty for none.
         attribution: Its cause and role, judged when it arrived; all else reads this column.
         is_change: Whether the value is known to have been different before: a lamp that is off has no colour.
@@ -234,7 +234,7 @@ class Reported:
     was_absent: bool = False
     is_news: bool = False
     set_by: SetBy = ""
-    is_programmed: bool = False
+    by_program: Cause | None = None
     drifted_from: str = ""
     attribution: Attribution = NOT_JUDGED
 

@@ -364,7 +364,8 @@ class PartTimeline:
         if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
             fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
         if is_unexplained and not (fact.along or fact.timed >= ENOUGH):
-            fact.is_programmed = self._programs.recognizes(fact, is_lit=self.value("on_off") is not False)
+            is_on, _, since = self._latest.get("on_off", (True, 0.0, -math.inf))
+            fact.by_program = self._programs.cause(fact, math.inf if is_on is False else since)
 
     def _judge(self, fact: Reported, roles: Roles) -> None:
         """Store the cause of a report, the only time that it is asked for."""

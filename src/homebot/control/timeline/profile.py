@@ -13,7 +13,7 @@ from typing import Annotated, Final, NamedTuple, TypeAlias, TypeVar, final
 from pydantic import Field
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Reported
+from homebot.control.timeline.facts import Cause, Reported
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.obedience import departs, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
@@ -180,6 +180,15 @@ class DeviceProfile:
         """Record the time since the last change that nothing explains; return whether these come regularly."""
         return self._learn_regular(self.gaps, capability, value, seconds, durations.PUNCTUAL) >= ENOUGH
 
+    def is_tick(self, capability: str, gap: float) -> bool:
+        """Return whether *gap* is a multiple of a program's interval, so that it went on unseen."""
+        gaps = [seconds for _, seconds in self.gaps.get(capability, ())]
+        shortest = [seconds for seconds in gaps if seconds - min(gaps) <= durations.PUNCTUAL]
+        if len(shortest) < ENOUGH or gap == math.inf:
+            return False
+        interval = sum(shortest) / len(shortest)
+        return abs(gap - round(gap / interval) * interval) <= min(durations.PUNCTUAL, interval / KEPT)
+
     def learn_creep(self, *, is_small: bool) -> bool:
         """Record a change of the level or colour of a lit lamp; return whether it is usual: three were small before."""
         before = self.creeps
@@ -294,14 +303,14 @@ class _Creep(NamedTuple):
     Attributes:
         at: When its newest step came, in seconds.
         begin: The values before, by capability.
-        is_small: Whether nobody would see it.
-        is_usual: Whether another program makes such changes.
+        is_small: Whether it is hardly seen.
+        cause: The cause of such changes; None if they are not usual.
     """
 
     at: float
     begin: dict[str, PlainValue]
     is_small: bool
-    is_usual: bool
+    cause: Cause | None
 
 
 @final
@@ -309,7 +318,8 @@ class ProgramWatch:
     """The changes of one part that nothing explains: a program makes them regularly, or little by little.
 
     At intervals of at most an hour; a setpoint at the same second each day; or the level and colour of a lit lamp by at
-    most five percent, again and again.
+    most five percent, again and again. A lamp that was off catches up, at one of the times at which the program changes
+    the others.
     """
 
     def __init__(self, profile: DeviceProfile) -> None:
@@ -317,33 +327,43 @@ class ProgramWatch:
         self._creep: _Creep | None = None
         self._changed_at: dict[tuple[str, PlainValue], float] = {}
 
-    def recognizes(self, fact: Reported, *, is_lit: bool) -> bool:
-        """Return whether a change that nothing explains is usual for a program; learn from it."""
+    def cause(self, fact: Reported, lit_since: float) -> Cause | None:
+        """Return *program* for a change that is usual for one, *unknown* if it may be one's; learn from it.
+
+        Args:
+            lit_since: When the lamp came on, in seconds; inf if it is off.
+        """
         capability, is_look = fact.capability, fact.capability in _LOOKS
         value = "" if is_look else fact.value  # each value is another one
         last_at = self._changed_at.pop((capability, value), -math.inf)
         self._changed_at[capability, value] = fact.at
         if len(self._changed_at) > KEPT:
             del self._changed_at[next(iter(self._changed_at))]
-        if is_look and self._creep is not None and fact.at - self._creep.at < durations.CREEPS:
-            return self._is_further_step(fact, self._creep)
+        creep = self._creep
+        if is_look and creep is not None and fact.at - creep.at < durations.CREEPS:
+            return self._cause_of_step(fact, creep)
         gap = fact.at - last_at
+        is_tick = is_look and self._profile.is_tick(capability, gap)
         is_interval = gap <= durations.INTERVAL or (isinstance(value, float) and gap < math.inf)
         is_usual = is_interval and self._profile.learn_gap(capability, value, gap)
-        if is_look and is_lit:
-            is_small = _is_small(capability, fact.previous, fact.value)
-            is_usual = self._profile.learn_creep(is_small=is_small) or is_usual
-            self._creep = _Creep(fact.at, {capability: fact.previous}, is_small, is_usual)
-        return is_usual
+        if not (is_look and lit_since <= fact.at):
+            return Cause.PROGRAM if is_usual else None
+        catches_up = self._profile.creeps == ENOUGH and (creep is None or creep.at < lit_since)
+        is_small = not catches_up and _is_small(capability, fact.previous, fact.value)
+        is_usual = is_usual or is_tick if catches_up else self._profile.learn_creep(is_small=is_small) or is_usual
+        cause = Cause.PROGRAM if is_usual else Cause.UNKNOWN if is_small or catches_up else None
+        self._creep = _Creep(fact.at, {capability: fact.previous}, is_small, cause)
+        return cause
 
-    def _is_further_step(self, fact: Reported, creep: _Creep) -> bool:
-        """Return whether a step, or the colour after the level, still belongs to a usual small change."""
+    def _cause_of_step(self, fact: Reported, creep: _Creep) -> Cause | None:
+        """Return the cause of a further step, or of the colour after the level, of a change."""
+        is_other = fact.capability not in creep.begin
         begin = creep.begin.setdefault(fact.capability, fact.previous)
         is_small = creep.is_small and _is_small(fact.capability, begin, fact.value)
         if creep.is_small and not is_small:
             self._profile.learn_creep(is_small=False)
         self._creep = creep._replace(at=fact.at, is_small=is_small)
-        return creep.is_usual and is_small
+        return creep.cause if is_small or (is_other and not creep.is_small) else None
 
 
 def _is_small(capability: str, before: PlainValue, value: PlainValue) -> bool:
