@@ -14,7 +14,8 @@ from homebot.devices.command_messages import CommandRequest, PerformCommand, Set
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
-from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.journal_messages import GetCauses, GetCausesRequest
+from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Confirmed, Evidence, Refused, Superseded
 from homebot.devices.part import Part
 from homebot.devices.wording.journal_words import finding_text
@@ -299,3 +300,19 @@ async def test_a_lamp_that_blinks_with_its_group_may_not_be_switched_once_more(o
         refused = await (await home.handle(Handle, "left")).command("on_off", False)
         assert isinstance(refused, Refused)
         assert refused.policy == "rate_limit"
+
+
+async def test_a_press_of_a_member_is_no_effect_of_an_earlier_press_of_its_group(home: Home) -> None:
+    for name in LAMPS:
+        home.gateway.devices.put(_device(name, simple_part("switch", settable=("push",)), ""), "it was found")
+    group = simple_part("switch", settable=("push",)).model_copy(
+        update={"members": tuple(f"id:{one}" for one in LAMPS)}
+    )
+    home.gateway.devices.put(_device("group", group, ""), "it was found")
+    outcome = await (await home.handle(Handle, "group")).command("push", True)
+    assert isinstance(outcome, Confirmed)
+    await anyio.sleep(durations.UNREAD + 1.0)
+    await home.report("left", "push", True)
+    left = (await home.handle(Handle, "left")).device.id
+    known = await home.app.create_client(GetCauses, GET_CAUSES).call(GetCausesRequest(devices=(left,)))
+    assert [(one.capability, one.may_be_person) for one in known.causes] == [("push", True)]

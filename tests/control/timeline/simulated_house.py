@@ -17,6 +17,7 @@ from typing import Literal, TypeAlias
 import anyio
 from tests.control.conftest import Behaviour, Home
 
+from homebot.devices.capabilities import SETTABLE
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle
@@ -84,10 +85,6 @@ class Tables:
     def share(self, truth: Truth, told: str, kind: str = "") -> float:
         """Return the share of the changes with a true cause that were told to have the cause *told*."""
         return self.count(kind, truth, told) / max(self.count(kind, truth), 1)
-
-    def named(self, truth: Truth) -> float:
-        """Return the share of the changes told to have their true cause; the journal tells none of a colour's."""
-        return self.count("", truth, truth) / max(self.count("", truth) - self.count("", truth, "nothing"), 1)
 
     def count(self, kind: str = "", truth: str = "", told: str = "") -> int:
         """Return how many changes fit; an empty text fits all."""
@@ -327,7 +324,7 @@ class SimulatedHouse:
         await anyio.sleep(self.until)
         ended = self.now() - 5.0
         await anyio.sleep(5.0)
-        self._count([one for one in self.changes if began <= one.at <= ended])
+        self._count([one for one in self.changes if began <= one.at <= ended and one.capability in SETTABLE])
         self.restarts += 1
 
     async def _live(self) -> None:

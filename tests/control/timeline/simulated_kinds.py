@@ -77,9 +77,9 @@ class Kind:
             ("program", self.by_program),
         )
         failures += [
-            f"{truth} told {truth}: {tables.named(truth):.0%}, at least {least:.0%}"
+            f"{truth} told {truth}: {tables.share(truth, truth):.0%}, at least {least:.0%}"
             for truth, least in shares
-            if told(truth) and tables.named(truth) < least
+            if told(truth) and tables.share(truth, truth) < least
         ]
         return failures
 
@@ -275,11 +275,11 @@ def held(house: SimulatedHouse) -> None:
 
     async def run() -> None:
         for lease in count():
-            await house.home.hold(hold_request(house.ids[key], "on_off", value=False, ttl=3600.0, lease=str(lease)))
+            asked = hold_request(house.ids[key], "on_off", value=False, ttl=3600.0, lease=str(lease))
+            is_held = (await house.home.hold(asked)).held
             await anyio.sleep(house.random.uniform(900.0, 1500.0))
-            if house.is_touched_since(key, house.now() - 310.0):
+            if not is_held or house.is_touched_since(key, house.now() - 310.0):
                 continue  # a hand outranks the hold
-            house.tables.seen["cuts"] += 1
             house.dark.add(key)
             house.home.gateway.devices.report_reachable(key, reachable=False)
             await anyio.sleep(house.random.uniform(2.0, 300.0))
@@ -287,6 +287,7 @@ def held(house: SimulatedHouse) -> None:
             house.later(house.random.uniform(0.05, 2.0), key, "", "on_off", value=True, truth="away")
             await anyio.sleep(45.0)
             house.dark.discard(key)
+            house.tables.seen["cuts"] += 1
             house.tables.seen["held again"] += house.values[key, "", "on_off"] is False
 
     house.loops.append(run)

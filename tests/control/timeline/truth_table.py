@@ -43,12 +43,12 @@ def main(words: Sequence[str] | None = None) -> int:
     """Play the kinds, and print a table; return 1 if an aim is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10, help="how many seeds")
-    parser.add_argument("--seed", type=int, help="this one alone")
+    parser.add_argument("--first", type=int, default=0, help="the first of them")
     parser.add_argument("--kind", default="", help="the kinds that contain this text")
     parser.add_argument("--notes", action="store_true", help="print what was wrong, and all that was told")
     given = parser.parse_args(words)
     logging.disable()
-    seeds = range(given.seeds) if given.seed is None else [given.seed]
+    seeds = range(given.first, given.first + given.seeds)
     kinds = [kind for kind in KINDS if given.kind in kind.name]
     print("| " + " | ".join(_HEADINGS) + " |")
     is_missed = False
@@ -62,7 +62,7 @@ def main(words: Sequence[str] | None = None) -> int:
             f"{tables.commands:,}",
             tables.overridden.total(),
             f"{tables.wrong_persons:.1%}" if told(told="person") else "-",
-            *(f"{tables.named(truth):.0%}" if told(truth=truth) else "-" for truth in _OWN_CAUSES),
+            *(f"{tables.share(truth, truth):.0%}" if told(truth=truth) else "-" for truth in _OWN_CAUSES),
             told(truth="person", told="command") + told(truth="person", told="transition"),
             told(truth="person", told="device") + told(truth="person", told="program"),
             f"{tables.seen['two answers']} of {tables.seen['asked']:,}",
