@@ -360,7 +360,8 @@ async def test_two_robots_by_namespace_and_by_prefixed_frames() -> None:
         assert (await one.ask()).message == "say which robot: bob, rosie"
         assert (await one.ask("rosi")).message == "there is no robot 'rosi'; did you mean rosie?"
         assert (await one.ask("rosi")).is_mistake
-        assert (await one.ask("ROSIE")).pose[0].robot == "rosie"
+        for name in ("ROSIE", "the Rosie", '"rosie"'):
+            assert (await one.ask(name)).pose[0].robot == "rosie"
 
 
 async def test_in_a_doorway_the_robot_stays_in_its_room(one: House) -> None:

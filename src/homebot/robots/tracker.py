@@ -25,7 +25,7 @@ from homebot.robots.sensors import follow_motion, read_poses, read_tags
 from homebot.robots.settings import RobotSettings
 from homebot.robots.vacuum import Vacuum
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.words.names import find_name, no_such
 
 UNSURE = "robots.unsure"
 EXPIRED = "robots.expired"
@@ -91,13 +91,12 @@ class RobotTracker:
             node.create_task(partial(follow_motion, devices, tuple(self._robots.values())))
 
     def _where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
-        by_name = {"robot": self._owners.sole, "": self._owners.sole} | {fold(one): one for one in self._robots}
-        name = by_name.get(fold(request.robot)) or request.robot
+        is_any = fold(request.robot) in {"robot", ""}
+        name = find_name(request.robot, self._robots) or (is_any and self._owners.sole) or request.robot
         robot = self._robots.get(name)
         known = ", ".join(self._owners.names)
         if robot is None:
-            hint = did_you_mean(name, self._owners.names, f"robots are {known}")
-            problem = f"there is no robot {name[:100]!r}; {hint}" if name else f"say which robot: {known}"
+            problem = no_such("robot", name[:100], self._owners.names) if name else f"say which robot: {known}"
             return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
         self._topics.read()
         if (best := robot.best()) is None:
