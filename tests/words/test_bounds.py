@@ -63,6 +63,7 @@ def test_no_expression_repeats_what_repeats() -> None:
 FORMATS = {
     "features/alerts/alert_table.py",
     "features/bags",
+    "features/machine/command.py",
     "features/routines/text.py",
     "control/journal/given_codes.py",
 }

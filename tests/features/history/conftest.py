@@ -22,6 +22,7 @@ from homebot.devices.history_messages import (
     ReadHistoryRequest,
     ReadHistoryResponse,
 )
+from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.value import PlainValue
 from homebot.discovery import Directory, DirectorySettings
 from homebot.features.history import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
@@ -73,6 +74,10 @@ class KeptHouse:
         begin = Time.from_seconds(self.clock.now() - since)
         request = ReadHistoryRequest(device=device, capability=capability, since=begin, points=points)
         return await self._read.call(request)
+
+    async def query(self, query: tuple[QueryTerm, ...]) -> tuple[HistorySeries, ...]:
+        since = Time.from_seconds(self.clock.now() - 86_400.0)
+        return (await self._read.call(ReadHistoryRequest(query=query, since=since))).series
 
     async def correct(
         self, device: str, capability: str, begin: float, end: float, value: float | None = None

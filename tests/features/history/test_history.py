@@ -8,9 +8,11 @@ import pytest
 from anyio import to_thread
 from tests.features.history.conftest import MIDNIGHT, MakeHouse
 
+from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.features.history.history_file import HistoryFile
 from homebot.features.history.settings import KeepSettings
 from homebot.support.sqlite_file import SqliteFile
+from homebot.words.queries import parse_query
 
 pytestmark = pytest.mark.virtual_time
 
@@ -33,6 +35,14 @@ async def test_the_first_number_of_a_new_device_is_kept_once(kept: MakeHouse, ki
         await house.add("new", kind, **{capability: 21.5})
         series = await house.read("new")
     assert series.values == (21.5,)
+
+
+async def test_a_query_that_names_a_value_reads_that_one_as_terms_and_in_words(kept: MakeHouse) -> None:
+    async with kept() as house:
+        await house.add("new", "plug", power=3.5, energy=1.5)
+        for query in (query_terms(parse_query("plug with energy")), query_words("plug with energy")):
+            series = await house.query(query)
+            assert [one.capability for one in series] == ["energy"]
 
 
 async def test_numbers_are_values_then_five_minutes_then_hours(kept: MakeHouse) -> None:

@@ -17,7 +17,7 @@ from homebot.devices.history_messages import (
     ReadHistoryResponse,
 )
 from homebot.devices.names import FIND_DEVICES
-from homebot.devices.query.term_messages import QueryTerm
+from homebot.devices.query.term_messages import QueryTerm, query_terms, read_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import LinkError, ServiceError
 from homebot.features.history.batch import Series
@@ -30,6 +30,7 @@ from homebot.graph import Node
 from homebot.messages import Time
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
+from homebot.words.queries import parse_query
 
 _NOTHING: Final = (
     "there are no numbers in that time, or only summaries of a longer one: "
@@ -152,7 +153,7 @@ class HistoryService:
         devices = {one.id: one for one in (await self._find.call(request)).devices}
         ids = {device} if device else devices.keys()
         series = sorted((one for one in collector.series.values() if one.place[0] in ids), key=lambda one: one.place)
-        named = {term.name for term in query}
+        named = {term.name for term in query_terms(read_terms(query, parse_query))}
         if asked := [one for one in series if one.place[2] in named]:
             series = asked
         names = {key: device.name for key, device in devices.items()}
