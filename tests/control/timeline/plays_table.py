@@ -1,4 +1,4 @@
-"""Who did what, in plays of every kind of house: ``python -m tests.control.timeline.plays_table --seeds 10``.
+"""Who did what, in plays of every kind of house; :mod:`tests.control.timeline.truth_table` prints how well it is known.
 
 Each play goes on at one device or group in virtual time, again and again with other times, and is a function of a seed.
 The truth is what the play did; what homebot tells is read from its graph, and what it sends from the gateway.
@@ -6,9 +6,7 @@ The truth is what the play did; what homebot tells is read from its graph, and w
 
 from __future__ import annotations
 
-import argparse
 import asyncio
-import sys
 from collections import Counter
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -32,7 +30,6 @@ from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.log import configure_logging
 from homebot.support.virtual_time import VirtualTimeLoop
 
 MEMBERS: Final = ("one", "two", "three")
@@ -522,27 +519,3 @@ def score_of(name: str, seeds: Iterable[int]) -> Score:
         with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
             runner.run(run(seed))
     return score
-
-
-def main() -> int:
-    """Print the table; return 1 where an aim is missed."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--play", default="", help="the beginning of the names of plays")
-    options = parser.parse_args()
-    configure_logging(level="critical")
-    is_missed = False
-    for name in (one for one in PLAYS if one.startswith(options.play)):
-        score = score_of(name, range(options.seeds))
-        missed = PLAYS[name].missed(score)
-        is_missed |= bool(missed)
-        for what, asked in score.asked.items():
-            share = f"{score.so[what]:6,} of {asked:6,} = {score.so[what] / asked:6.1%}"
-            print(f"{name:42} {what:42} {share}{'  MISSED' if what in missed else ''}", flush=True)
-        for text in [one for one in score.failures if one.partition(":")[0] in missed][:3]:
-            print(f"    {text[:300]}")
-    return int(is_missed)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Print how well causes are known, by kind, over some seeds: ``python -m tests.control.timeline.truth_table``."""
+"""Print how well causes are known, by kind and play: ``python -m tests.control.timeline.truth_table --seeds 10``."""
 
 import argparse
 import asyncio
@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from tests.control.conftest import opened_home
+from tests.control.timeline.plays_table import PLAYS, score_of
 from tests.control.timeline.simulated_house import Tables, Truth
 from tests.control.timeline.simulated_kinds import KINDS, Kind, Play
 
@@ -44,7 +45,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10, help="how many seeds")
     parser.add_argument("--first", type=int, default=0, help="the first of them")
-    parser.add_argument("--kind", default="", help="the kinds that contain this text")
+    parser.add_argument("--kind", default="", help="the kinds and plays that contain this text")
     parser.add_argument("--notes", action="store_true", help="print what was wrong, and all that was told")
     given = parser.parse_args(words)
     logging.disable()
@@ -73,6 +74,15 @@ def main(words: Sequence[str] | None = None) -> int:
         print("| " + " | ".join(texts) + " |", flush=True)
         if given.notes:
             print(tables.text(), *tables.notes, sep="\n")
+    for name in (name for name in PLAYS if given.kind in name):
+        score = score_of(name, seeds)
+        missed = PLAYS[name].missed(score)
+        is_missed |= bool(missed)
+        for what, asked in score.asked.items():
+            share = f"{score.so[what]:,} of {asked:,}"
+            print(f"| {name:42} | {what:42} | {share:>16} | {'missed' if what in missed else 'none'} |", flush=True)
+        if given.notes:
+            print(*score.failures, sep="\n")
     return int(is_missed)
 
 
