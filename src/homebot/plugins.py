@@ -143,7 +143,7 @@ def class_in(module: ModuleType, name: str, base: type[object]) -> str:
 
 def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
     """Add *wanted* to the tables *apps* unless one has it; a class MyApp becomes my_app, with the settings there."""
-    if any(_is_same(str(table.get("class", name)), wanted) for name, table in apps.items()):
+    if app_of(apps, wanted):
         return
     kind = wanted.rpartition(":")[2]
     first = name = snake_case(kind) if ":" in wanted else wanted
@@ -152,6 +152,11 @@ def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
         number += 1
         name = f"{first}_{number}"
     apps[name] = apps.get(name, {}) | ({} if name == wanted else {"class": wanted})
+
+
+def app_of(apps: Mapping[str, Mapping[str, object]], wanted: str) -> str:
+    """Return the name in the tables *apps* of the app that :func:`add_app` adds for *wanted*; empty for none."""
+    return next((name for name, table in apps.items() if _is_same(str(table.get("class", name)), wanted)), "")
 
 
 def _is_same(one: str, other: str) -> bool:

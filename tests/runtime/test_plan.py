@@ -1,13 +1,15 @@
 """What the configuration makes of doors and tokens."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from homebot.cli.commands.run import with_environment
-from homebot.config import parse_config
+from homebot.config import load_config, parse_config
 from homebot.devices.client_rights import LOCAL_RIGHTS
 from homebot.errors import ConfigError
+from homebot.runtime import Runtime
 from homebot.runtime.plan import make_plan, plan_errors
 
 ROOMS: dict[str, object] = {"bath": {}, "hall": {"doors": ["bath", "outside"]}}
@@ -55,6 +57,49 @@ def test_quiet_hours_go_by_the_zone_of_the_home(stated: dict[str, object], zone:
     plan = make_plan(parse_config(tables, "homebot.toml"))
     assert plan.control is not None
     assert plan.control.time_zone == zone
+
+
+WRONG_APPS = """\
+[apps.lights_out]
+[apps.follow_me]
+quiet = 3
+[apps.goals]
+class = "homebot.apps.lights_out:LightsOut"
+[apps.light_servce]
+[apps.window_heating]
+act = "lamp in"
+[apps.rmf_doors]
+quiet = 3
+act = "light in hall"
+"""
+
+
+def test_a_wrong_app_is_left_out_and_named_with_its_line(tmp_path: Path) -> None:
+    """Any mistake in a table of an app stopped the whole start."""
+    file = tmp_path / "homebot.toml"
+    file.write_text(WRONG_APPS)
+    config = load_config(file)
+    plan = make_plan(config)
+    assert [app.name for app in plan.apps] == ["lights_out"]
+    told = {key: str(error).removeprefix(f"{file}:").partition(": ")[0] for key, error in plan.left_out.items()}
+    assert told == {
+        "apps.follow_me": "3",
+        "apps.goals": "4",
+        "apps.light_servce": "6",
+        "apps.window_heating": "8",
+        "apps.rmf_doors": "10",
+    }
+    grants = {"/window_heating": ("read",), "/rmf_doors": ("act: light in hall",)}
+    assert plan.grants == grants, "it may run since before a reload"
+    assert {*map(str, plan_errors(config))} == {*map(str, plan.left_out.values())}
+
+
+async def test_a_house_goes_on_without_a_wrong_app_and_says_so() -> None:
+    async with Runtime(parse_config(tomllib.loads(WRONG_APPS), "test"), with_door=False) as runtime:
+        assert [*runtime.app_host.running] == ["lights_out"]
+        told = [one.split(": ")[:3] for one in runtime.app_host.problems()]
+    assert ["left out", "test", "apps.goals"] in told
+    assert len(told) == 5
 
 
 def test_a_wrong_plan_is_told_once() -> None:

@@ -97,8 +97,8 @@ class Plan:
         limits: The limits of readings; None for none.
         notify: The settings of notifications of apps; None to only log them.
         features: The tables of features as their readers returned them, by key.
-        left_out: The mistakes of wrong routines, groups, arrays of features and features of other packages, by their
-            keys: they stop nothing else.
+        left_out: The mistakes of wrong apps, routines, groups, arrays of features and features of other packages, by
+            their keys: they stop nothing else.
     """
 
     config: Config
@@ -185,7 +185,7 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
             the reason.
     """
     whole = config.model_copy(update={"apps": config.apps | {name: config.apps.get(name, {}) for name in given}})
-    config, mistakes = _without_mistakes(whole)
+    config, mistakes = _without_mistakes(whole, given)
     return Plan(
         config=whole,
         left_out=mistakes,
@@ -193,10 +193,22 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
         home_settings=config.home,
         gateways=_gateways(config),
         apps=tuple(planned_app(name, table, config, given.get(name)) for name, table in config.apps.items()),
-        grants=dict(grants_of(config)),
+        grants=dict(grants_of(config)) | _grants_left(whole, whole.apps.keys() - config.apps.keys()),
         tables={f"/{name}": _in_words(name, table) for name, table in config.apps.items()},
         **{name: read(config) for name, read in _TABLES.items()},
     )
+
+
+def _grants_left(config: Config, names: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Return the grants of apps that are left out but may run since before a reload; none if they are wrong too."""
+    found: dict[str, tuple[str, ...]] = {}
+    for name in names:
+        try:
+            scope = scope_of(_key_of(name, config.apps[name]), config.apps[name], config.source)
+        except ConfigError:
+            scope = ("read",)
+        found |= {} if scope is None else {f"/{name}": scope}
+    return found
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
@@ -205,20 +217,34 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(planned_app, name, table, config) for name, table in config.apps.items()]
-    found = [error for one in left_out.values() for error in (one, *one.others)]
+    found: list[ConfigError] = []
     for part in parts:
         try:
             part()
         except ConfigError as exc:
             found += (exc, *exc.others)
-    return tuple(found)
+    return (*found, *(error for one in left_out.values() for error in (one, *one.others)))
 
 
-def _without_mistakes(config: Config) -> tuple[Config, Mapping[str, ConfigError]]:
+def _without_mistakes(
+    config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN
+) -> tuple[Config, Mapping[str, ConfigError]]:
     broken = {
         f"features.{name}": ConfigError(config.source, f"features.{name}", f"is left out: {problem}")
         for name, problem in find_features().problems.items()
     }
+    apps = dict(config.apps)
+    for name, table in config.apps.items():
+        if name in given or _table_of(table):
+            continue
+        try:
+            planned_app(name, table, config)
+        except ConfigError as exc:
+            from homebot.config_lines import located  # noqa: PLC0415 - after a mistake alone
+
+            broken[f"apps.{name}"] = located(exc)
+            del apps[name]
+    config = config.model_copy(update={"apps": apps})
     planned = {
         _key_of(name, table): partial(planned_app, name, table, config)
         for name, table in config.apps.items()

@@ -28,7 +28,7 @@ from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import WITH_COMMAND_LINE, Config, load_config, load_tables, parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
-from homebot.plugins import add_app, check_extra, is_file, name_in_file
+from homebot.plugins import add_app, app_of, check_extra, is_file, name_in_file
 from homebot.support.output import queued_output
 from homebot.support.owner_token import OWNER_FILE
 from homebot.support.production_loop import ProductionLoop
@@ -225,6 +225,7 @@ def run_configured(options: argparse.Namespace) -> int:
         atexit.register(gc.freeze)  # else the final garbage collection takes seconds
         with gc_paused():
             from homebot.runtime import Runtime  # noqa: PLC0415 - most of the start, after the first line
+        _check_named_apps(options, config)
         index_file, owner_file = None, None
         if house is None or options.config or options.mqtt:
             from homebot.runtime.home_folder import settle_home  # noqa: PLC0415 - a simulated house keeps nothing
@@ -249,6 +250,15 @@ def run_configured(options: argparse.Namespace) -> int:
             watches_apps=options.reload,
         )
         return on_an_event_loop(_run(make_runtime, options.seconds, read, view))
+
+
+def _check_named_apps(options: argparse.Namespace, config: Config) -> None:
+    """Raise the mistake of an app that the command line names; a wrong one of the file is left out."""
+    from homebot.runtime.plan import planned_app  # noqa: PLC0415 - as above
+
+    for wanted in options.app:
+        name = app_of(config.apps, _with_its_class(wanted) if is_file(wanted) else wanted)
+        planned_app(name, config.apps[name], config)
 
 
 def _config(options: argparse.Namespace) -> Config:
