@@ -3,16 +3,26 @@
 from typing import Final
 
 from homebot.devices.always_ask import waits_for_approval, why_it_asks
-from homebot.devices.client_rights import ClientRights
+from homebot.devices.client_rights import ALL_RIGHTS, ClientRights
 from homebot.devices.device import Device
 from homebot.devices.harmless import why_not_covered
 from homebot.devices.opening_kinds import opening_kind
-from homebot.devices.services import ListedDevice, ListedReading
+from homebot.devices.services import ListDevicesRequest, ListedDevice, ListedReading
 from homebot.discovery.description import position_of
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
+from homebot.rights import Right
 
 _UNKNOWN: Final = Time(sec=0, nanosec=0)
+
+
+def rights_in(request: ListDevicesRequest) -> ClientRights:
+    """Return the rights to devices of the client that asks; homebot's own nodes have all."""
+    if not request.issuer:
+        return ALL_RIGHTS
+    from homebot.words.rights import rights_of  # noqa: PLC0415 - for clients alone
+
+    return rights_of(request.scope) if Right.ACT.value in request.rights else ClientRights()
 
 
 def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -> ListedDevice:

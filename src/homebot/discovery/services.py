@@ -12,7 +12,6 @@ from anyio import to_thread
 import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, names
 from homebot.devices import services as messages
-from homebot.devices.client_rights import ALL_RIGHTS, ClientRights
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.matching import is_spelled
 from homebot.devices.query.term_messages import query_terms, read_terms
@@ -20,10 +19,8 @@ from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import OwnerRequests, PlacesServices
-from homebot.discovery.search.rank import rank, reasons
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
-from homebot.rights import Right
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
@@ -136,6 +133,8 @@ class DirectoryServices:
         return sorted(found) if near is None else [one for one in near if one in found]
 
     async def _query(self, request: messages.QueryDevicesRequest) -> messages.QueryDevicesResponse:
+        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
+
         await self._catch_up()
         index, limit = self._index, request.offset + request.limit if request.limit else None
         ranked: list[tuple[float, str, tuple[str, ...]]]
@@ -178,14 +177,10 @@ class DirectoryServices:
                 found = [one for one in found if is_spelled(query, self._index.postings.facets(one).words)]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
-        from homebot.discovery.listing import list_device  # noqa: PLC0415 - screens and agents ask, after the start
+        from homebot.discovery.listing import list_device, rights_in  # noqa: PLC0415 - screens and agents ask, after the start
 
         end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
-        rights = ALL_RIGHTS
-        if request.issuer:
-            from homebot.words.rights import rights_of  # noqa: PLC0415 - for clients alone
-
-            rights = rights_of(request.scope) if Right.ACT.value in request.rights else ClientRights()
+        rights = rights_in(request)
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,

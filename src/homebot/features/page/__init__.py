@@ -7,9 +7,9 @@ from homebot.rights import OfferedService, Right
 
 CHANGE_LAYOUT: Final = OfferedService("/page/change_layout", Right.ACT)
 GET_USAGE: Final = OfferedService("/page/usage", Right.READ)
-FIND_UNUSED: Final = OfferedService("/setup/found", Right.READ)
-CHANGE_SETUP: Final = OfferedService("/setup/change", Right.MANAGE)
-MAKE_TOKEN: Final = OfferedService("/setup/token", Right.MANAGE)
+FIND_UNUSED: Final = OfferedService("/setup/found", Right.READ, "homebot/srv/FindUnused")
+CHANGE_SETUP: Final = OfferedService("/setup/change", Right.MANAGE, "homebot/srv/ChangeSetup")
+MAKE_TOKEN: Final = OfferedService("/setup/token", Right.MANAGE, "homebot/srv/MakeToken")
 
 LAYOUT: Final = "/page/layout"
 """The topic of the present layout."""

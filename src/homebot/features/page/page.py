@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import TYPE_CHECKING, Final, Protocol, final
 
 import anyio
@@ -11,7 +12,15 @@ from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES, LIST_DEVICES
 from homebot.devices.services import ListDevices, ListDevicesRequest
 from homebot.errors import RefusedError, UsageError, WireError
-from homebot.features.page import CHANGE_LAYOUT, FEATURE, GET_USAGE, LAYOUT
+from homebot.features.page import (
+    CHANGE_LAYOUT,
+    CHANGE_SETUP,
+    FEATURE,
+    FIND_UNUSED,
+    GET_USAGE,
+    LAYOUT,
+    MAKE_TOKEN,
+)
 from homebot.features.page.layout import LayoutBook, change_layout, read_book
 from homebot.features.page.messages import (
     ChangeLayout,
@@ -22,12 +31,13 @@ from homebot.features.page.messages import (
     UsageRequest,
     UsageResponse,
 )
-from homebot.features.page.setup import Setup
 from homebot.features.page.usage import Usage
 from homebot.graph import Node, qos_profile_latched
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from homebot.feature_context import FeatureContext
 
 UNREADABLE: Final = "page.unreadable"
@@ -50,8 +60,21 @@ async def serve_page(house: FeatureContext) -> None:
     """Serve the page's data until cancelled."""
     async with Node(house.graph, FEATURE.name) as node:
         usage = Usage(house.store("page usage"), house.zone)
-        Setup(node, house.config_file).serve()
+        offer_setup(node, house.config_file)
         await run_as(node.full_name, PageData(node, usage, house.directory).serve)
+
+
+def offer_setup(node: Node, file: Callable[[], Path | None]) -> None:
+    """Offer the services of the setup, which is loaded with the first call."""
+
+    @cache
+    def start() -> None:
+        from homebot.features.page.setup import Setup  # noqa: PLC0415 - few runs are set up
+
+        Setup(node, file).serve()
+
+    for service in (FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN):
+        node.offer_service(service.ros_type, service.name, start)
 
 
 @final
