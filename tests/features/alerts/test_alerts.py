@@ -98,7 +98,7 @@ def news(house: VirtualHouse) -> list[str]:
 
 async def shown(house: VirtualHouse) -> tuple[Finding, ...]:
     """Return what the page shows."""
-    async with Node(house.runtime.graph, "page") as page:
+    async with Node(house.runtime.graph, "screen") as page:
         return (await page.create_subscription(Findings, ALERT_FINDINGS, None, qos_profile_latched).receive()).findings
 
 
@@ -346,7 +346,7 @@ async def test_a_fire_is_told_alone_first_and_again_until_it_is_seen(house: Virt
     ]
     assert said == [*smoke, *smoke, ("Alarm: Haustür ist offen", "normal", "door"), *smoke]
     repeats: list[bool] = []
-    async with Node(house.runtime.graph, "page") as page:
+    async with Node(house.runtime.graph, "screen") as page:
         page.create_subscription(Findings, ALERT_FINDINGS, lambda one: repeats.append(one.repeats), qos_profile_latched)
         await house.run_for("1s")
         assert repeats.pop()
