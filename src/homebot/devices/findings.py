@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 
 from homebot.messages.message import Message, UInt32
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 MOST_SHOWN: Final = 20
 """The limit of rows of a finding."""
+
+ShownUrgency: TypeAlias = Literal["", "danger", "attention", "later"]
 
 Row: TypeAlias = tuple[str, str]
 """The fields of a :class:`FindingRow`."""
@@ -38,6 +40,7 @@ class Finding(Message):
         total: How many there are, if more than *rows*.
         next: The next step; empty if the reason names it.
         hint: How to see the others.
+        urgency: Of an alert: ``danger`` to people or the house; ``attention`` today; ``later``; otherwise empty.
     """
 
     code: str
@@ -48,6 +51,7 @@ class Finding(Message):
     rows: tuple[FindingRow, ...]
     next: str
     hint: str = ""
+    urgency: ShownUrgency = ""
 
 
 class Findings(Message):

@@ -128,6 +128,7 @@ async def test_a_danger_is_told_within_two_seconds_and_once_and_so_is_its_end(
     assert json.loads(await house.hears("homebot/notifications"))["message"] == f"Sink {begin}"
     (finding,) = await shown(house)
     assert (finding.code, finding.is_problem, finding.rows[0].why) == (code, True, begin)
+    assert finding.urgency == "danger"
     await house.run_for("50m")
     assert (await shown(house))[0].rows[0].why == f"{begin}, for 49 min"
     await house.says("home/Sink", "OFF")
@@ -516,6 +517,12 @@ def test_each_kind_is_said_in_all_languages(kind: AlertKind) -> None:
         texts = [text for language in LANGUAGES for text in (alert.told(language), alert.over(language))]
         assert all(text.count(alert.target if kind is GATEWAY else "Sink") == 1 and "{" not in text for text in texts)
         assert all("1 d" in text for text in texts[::2]) is ("{age}" in alert.said[0][0])
+
+
+def test_the_page_shows_what_can_wait_as_such() -> None:
+    urgencies = {kind.key: kind.shown_urgency for kind in (*ALERTS, GATEWAY)}
+    assert {key for key, urgency in urgencies.items() if urgency == "danger"} == {"smoke", "co", "gas", "leak", "alarm"}
+    assert {kind.finding.code for kind in ALERTS if kind.shown_urgency == "later"} == CAN_WAIT
 
 
 def test_the_page_has_the_findings_and_the_next_steps_of_urgent_ones_in_all_languages() -> None:

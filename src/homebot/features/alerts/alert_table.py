@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, get_args
 from homebot.config import Language, Urgency
 from homebot.devices.device import Device, DevicePart, State, target_of
 from homebot.devices.device_types import spoken_type
-from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind
+from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind, ShownUrgency
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, compares, fits
 from homebot.devices.query.terms import And, GatewayIs, Not, Query, StateIs, leaves
@@ -20,6 +20,9 @@ from homebot.words.queries import parse_query
 
 LANGUAGES: Final = get_args(Language)
 """English, and the columns of the table of the others."""
+
+
+_DAY: Final = 86_400.0
 
 
 class AlertKind(NamedTuple):
@@ -39,6 +42,13 @@ class AlertKind(NamedTuple):
     told_after: float = 0.0
     urgency: Urgency = "normal"
     held: str = ""
+
+    @property
+    def shown_urgency(self) -> ShownUrgency:
+        """Its urgency for screens: a kind of which people are told a day later can wait."""
+        if self.urgency == "high":
+            return "danger"
+        return "later" if self.urgency == "low" or self.told_after >= _DAY else "attention"
 
     def query(self, lost: Iterable[str] = ()) -> Query:
         """Return the query; devices of *lost* gateways are unreachable, as these' own alert says."""
@@ -251,11 +261,17 @@ def _why(alert: Alert) -> str:
 def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
     """Return *alerts* as findings, the worst first."""
     rows: dict[FindingKind, list[tuple[str, str]]] = {kind: [] for kind in FindingKind}
+    urgencies: dict[FindingKind, ShownUrgency] = {}
     for alert in alerts:
         is_gateway = alert.kind is GATEWAY
         row = ("", alert.text) if is_gateway else (alert.target.partition("#")[0], _why(alert))
         rows[alert.kind.finding].append(row)
-    return tuple(kind.finding(some[:MOST_SHOWN], total=len(some)) for kind, some in rows.items() if some)
+        urgencies[alert.kind.finding] = alert.kind.shown_urgency
+    return tuple(
+        kind.finding(some[:MOST_SHOWN], total=len(some)).model_copy(update={"urgency": urgencies[kind]})
+        for kind, some in rows.items()
+        if some
+    )
 
 
 def _values(kind: AlertKind, device: Device, part_id: str) -> list[tuple[StateIs, State]]:
