@@ -9,15 +9,14 @@ from dataclasses import dataclass
 from math import exp, inf
 from random import Random
 
-from homebot.identify.belief import Seen, begun, is_brightening, is_brighter
-from homebot.identify.codes import next_code
-from homebot.identify.conclusion import Conclusion
+from homebot.identify.belief import Seen
+from homebot.identify.inquiry import STILL_LOOKS, Inquiry
 from homebot.identify.sight import Noise
 
 PERIOD = 0.2
 SETTLES = 0.8
 LOOK = 1.0
-MOST_SLOTS = 24
+LIMIT = 60.0
 DAYLIGHT = 5.0
 
 
@@ -37,7 +36,10 @@ class Rooms:
     step: float = 0.0
     effect: float = 1.0
     is_announced_twice: bool = False
+    reports_commands: bool = False
     flicker: float = 0.0
+    dwell: float = 0.0
+    fade: float = 0.0
 
 
 class Room:
@@ -58,36 +60,51 @@ class Room:
         if kind.jump:  # another lamp, or the sun
             self.cloud = (random.uniform(0, 40), random.choice([-kind.jump, kind.jump]))
         self.now = self.base = 0.0
-        self.told = self.before = self.shown = [False] * kind.count
+        self.told = self.before = self.shown = [random.random() < 0.5 for _ in range(kind.count)]
+        if kind.is_announced_twice and self.target is not None:
+            self.told[self.target - 1] = self.told[self.target]
         self.due = [0.0] * kind.count
-        self.levels = [0.0] * kind.count
-        self.fades_on = 0.0
+        self.changed = [-60.0] * kind.count
+        self.levels = [float(is_on) for is_on in self.told]
+        self.flicker = 0.0
         self.disobeyed = set[int]()
 
-    def set(self, code: Sequence[bool]) -> None:
+    def set(self, code: Sequence[bool], fades_on: float) -> None:
         """Set the lamps, and wait until the last one has reported and faded."""
         self.before, last, self.shown, self.told = self.told, self.shown, list(code), list(code)
         if self.kind.is_announced_twice and self.target is not None:  # one relay does what came last
             pair = [self.target - 1, self.target]
-            new = [one for one in pair if one % self.kind.count not in self.disobeyed and code[one] != last[one]]
-            is_on = code[self.random.choice(new)] if new else self.before[self.target]
-            self.disobeyed |= {one % self.kind.count for one in new if code[one] != is_on}
+            changed = [
+                place for place in pair if place % self.kind.count not in self.disobeyed and code[place] != last[place]
+            ]
+            is_on = code[self.random.choice(changed)] if changed else self.before[self.target]
             self.told[pair[0]] = self.told[pair[1]] = is_on
-            self.shown = self.told
-        changed = [place for place, one in enumerate(self.told) if one != self.before[place]]
+            if not self.kind.reports_commands:
+                self.disobeyed |= {place % self.kind.count for place in changed if code[place] != is_on}
+                self.shown = self.told
+        moved = [place for place, one in enumerate(self.told) if one != self.before[place]]
         self.due = [self.now + late for late in self.lates]
-        self.pass_time(max((self.lates[one] for one in changed), default=0.0) + SETTLES + self.fades_on)
+        for place, (old, new) in enumerate(zip(last, self.shown, strict=True)):
+            self.changed[place] = self.due[place] if old != new else self.changed[place]
+        self.pass_time(max((self.lates[one] for one in moved), default=0.0) + SETTLES + fades_on)
 
     def pass_time(self, seconds: float) -> list[float]:
         """Return what the sensor sees meanwhile."""
         values, end = [], self.now + seconds - 1e-9
-        self.flicker = self.random.choice((0.0, self.kind.flicker)) if self.kind.flicker else 0.0
+        if self.kind.flicker and not self.kind.dwell:
+            self.flicker = self.random.choice((0.0, self.kind.flicker))
         while self.now < end:
             self.now += PERIOD
+            if self.kind.dwell and self.random.random() < PERIOD / self.kind.dwell:
+                self.flicker = self.kind.flicker - self.flicker
             self.base += self.random.gauss(0, 0.02)
             for place, fade in enumerate(self.fades):
                 is_on = (self.told if self.now >= self.due[place] else self.before)[place]
-                self.levels[place] += (is_on - self.levels[place]) * (1 - exp(-PERIOD / fade))
+                missing = is_on - self.levels[place]
+                evenly = PERIOD / self.kind.fade if self.kind.fade else 0.0
+                self.levels[place] += (
+                    max(-evenly, min(evenly, missing)) if evenly else missing * (1 - exp(-PERIOD / fade))
+                )
             at, jump = self.cloud
             lamps = sum(effect * level for effect, level in zip(self.effects, self.levels, strict=True))
             base = DAYLIGHT + self.base + (jump if self.now > at else 0.0) + self.flicker
@@ -110,26 +127,19 @@ def identify(kind: Rooms, seed: int) -> Found:
     random = Random(seed)  # noqa: S311 - a simulation
     room = Room(kind, random)
     look = Looks(room)
-    room.set([False] * kind.count)
-    first = look()
-    room.set([True] * kind.count)
-    bright = [look()]
-    while is_brightening(bright):
-        bright.append(look())
-    if is_brighter(bright):
-        room.fades_on = LOOK * (len(bright) - 1)
-        bright = bright[-1:]
-    belief, conclusion = begun(first, bright[0], kind.least), Conclusion(0.99)
-    for seen in bright[1:]:
-        belief.add(seen)
-    for _ in range(MOST_SLOTS):
-        room.set(next_code(belief, random))
+    inquiry = Inquiry(kind.count, kind.least, 0.99, random)
+    for _ in range(STILL_LOOKS):
+        inquiry.add(look())
+    for code in inquiry.codes():
+        if code is not None:
+            room.set(code, inquiry.fades_on)
         for place in room.disobeyed:
-            belief.drop(place)
-        belief.add(look())
-        if conclusion.add(belief, look.noise.trouble):
-            return Found(conclusion.found == room.target, conclusion.found != room.target, room.now)
-    return Found(is_right=False, is_wrong=False, seconds=room.now)
+            inquiry.drop(place)
+        inquiry.add(look(), look.noise.trouble)
+        if room.now > LIMIT:
+            break
+    is_found = inquiry.found == room.target
+    return Found(inquiry.is_sure and is_found, inquiry.is_sure and not is_found, room.now)
 
 
 class Looks:
@@ -143,4 +153,5 @@ class Looks:
     def __call__(self) -> Seen:
         mean, variance = self.noise.of(self._room.pass_time(LOOK))
         passed, self._last = self._room.now - self._last, self._room.now
-        return Seen(tuple(map(float, self._room.shown)), mean, variance, passed)
+        ages = tuple(self._room.now - LOOK / 2 - at for at in self._room.changed)
+        return Seen(tuple(map(float, self._room.shown)), mean, variance, passed, ages)

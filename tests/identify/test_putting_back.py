@@ -118,7 +118,7 @@ async def test_nothing_is_changed_if_the_values_cannot_be_kept(room: Room) -> No
 async def test_what_cannot_be_put_back_is_tried_again(room: Room) -> None:
     await room.lamps(60)
     goal = await room.begin()
-    await anyio.sleep(4.0)
+    await anyio.sleep(6.0)
     assert await room.is_on() == {"Lamp0": True}
     room.home.behaviours["lamp0"] = ignore
     goal.request_cancel()
@@ -135,7 +135,7 @@ async def test_what_is_not_yet_back_comes_back_after_the_next_identification_too
     """The next one found the lamp as the first had left it."""
     await room.lamps(60, 5)
     goal = await room.begin()
-    await anyio.sleep(4.0)
+    await anyio.sleep(6.0)
     assert await room.is_on() == {"Lamp0": True, "Lamp1": True}
     room.home.behaviours["lamp0"] = ignore
     goal.request_cancel()
@@ -192,7 +192,7 @@ async def test_a_person_is_obeyed_while_a_lamp_is_put_back(room: Room) -> None:
     """The lamp has not heard that it is put back, and is as the person wants."""
     await room.lamps(60)
     goal = await room.begin()
-    await anyio.sleep(4.0)
+    await anyio.sleep(6.0)
     room.home.behaviours["lamp0"] = ignore
     goal.request_cancel()
     await anyio.sleep(1.0)

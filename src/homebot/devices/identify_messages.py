@@ -34,7 +34,8 @@ class IdentifyDeviceGoal(Message, ros_type="homebot/action/IdentifyDevice_Goal")
         region: Of pictures, in pixels: x, y, width and height; empty for all.
         sure: The probability that is enough.
         seconds: The time limit.
-        least_effect: The least change of the sensor's value by a device in view; 0 for 5 % of the value.
+        least_effect: The least change of the sensor's value by a device in view; 0 for three deviations of a look,
+            and at least 5 % of the value.
         at_night: Whether the devices may change from 22:00 to 07:00 and in the quiet hours too.
         robot: The robot of the sensor; with its pose, and *distance*, the position of the device is kept as ``seen``.
         bearing: The direction of the region from the robot, in radians, counter-clockwise from its heading.

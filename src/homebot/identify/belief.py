@@ -11,8 +11,10 @@ are followed beside each other, each by a Gaussian-sum filter: a few alternative
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import erf, exp, inf, log, pi, sqrt
+from operator import mul
 from typing import Final, final
 
 _IN_VIEW: Final = (0.45, 1.3)
@@ -27,22 +29,25 @@ _DRIFT: Final = 0.045
 _JUMP: Final = 1.0
 _JUMPS: Final = 0.02
 
-_INEXACT: Final = 0.03
+_INEXACT: Final = 0.1
 """What the sensor's own error is at least, as such a share."""
 
-_SHARE: Final = 0.05
-"""The least effect of a candidate in view, as a share of what is seen, if it is unknown."""
-
-_LOOKS_OF_A_JUMP: Final = 12
-"""Looks for each jump of the base: if it jumps more often, what is seen does not follow the candidates."""
-
-_CLEARLY: Final = ((1.0, 3.0), (1.2, 1.0))
+_CLEARLY: Final = 1.1, 3.0
 """How many times the effect of any other candidate that of the one in view is, by how many standard deviations."""
 
-_EXCLUDED: Final = 3.0
-"""Standard deviations by which the effects are smaller than what is excluded."""
+_FADES: Final = {0.0: 0.94, 2.5: 0.03, 5.0: 0.03}
+"""Seconds for which candidates fade after their reports, and how likely that is before anything is seen."""
 
-_TINY: Final = 1e-6
+_POSSIBLE: Final = 0.02
+"""The probability of a fade from which it is waited for."""
+
+_UNLIKELY: Final = 12.0
+"""Logarithm of how much less likely than the others a family is that is given up."""
+
+_CERTAINTY: Final = 3.0
+"""Standard deviations by which effects are smaller than what is excluded, and larger than the least in view."""
+
+_TINY: Final = 1e-9
 _ALTERNATIVES: Final = 5
 _MOST_FAMILIES: Final = 8
 
@@ -56,12 +61,29 @@ class Seen:
         value: The mean, in the unit of the sensor.
         variance: That of the mean.
         seconds: Since the middle of the last time.
+        ages: Of each candidate, the seconds since it reported its last change; empty if all have long settled.
     """
 
     levels: tuple[float, ...]
     value: float
     variance: float
     seconds: float
+    ages: tuple[float, ...] = ()
+
+    def faded(self, fade: float, before: Seen, shown: Seen) -> Seen:
+        """Return this with the levels of candidates that go on to fade for so many seconds.
+
+        Args:
+            before: What was seen last, by the levels that were reported.
+            shown: The same, by those that were reached.
+        """
+        if not fade or not self.ages:
+            return self
+        levels = []
+        for old, new, level, age in zip(before.levels, self.levels, shown.levels, self.ages, strict=True):
+            reached = _nearer(level, old, (self.seconds - age) / fade) if age < self.seconds else level
+            levels.append(_nearer(reached, new, min(age, self.seconds) / fade))
+        return replace(self, levels=tuple(levels))
 
 
 @final
@@ -77,27 +99,42 @@ class Belief:
     def __init__(self, first: Seen, least: float, most: float) -> None:
         self.count = len(first.levels)
         self._dropped: set[int] = set()
-        self._levels = [first.levels]
+        self._looks = {fade: [first] for fade in _FADES}
         effect, effects = least / _IN_VIEW[0], list[float]()
         while not effects or (effect < 2 * most and len(effects) < _MOST_FAMILIES):
             effects.append(effect)
             effect *= 2
         self._families = [
-            _Family(first, one, share * one, may_be_none=one == effects[0]) for one in effects for share in _REFLECTIONS
+            _Family(first, one, share * one, least, fade)
+            for one in effects
+            for share in _REFLECTIONS
+            for fade in _FADES
         ]
         self._weigh()
 
     def add(self, seen: Seen) -> None:
         """Learn from what was seen next."""
-        self._levels.append(seen.levels)
+        before = self._looks[0.0][-1]
+        for fade, looks in self._looks.items():
+            looks.append(seen.faded(fade, before, looks[-1]))
         for one in self._families:
-            one.add(seen)
+            one.add(self._looks[one.fade][-1])
         self._weigh()
 
     @property
-    def follows(self) -> bool:
-        """True if the candidates explain what is seen, but for a cloud now and then."""
-        return self._best.tracks[0].jumps * _LOOKS_OF_A_JUMP <= len(self._levels)
+    def jumps(self) -> tuple[int, ...]:
+        """The looks before which what is seen jumped by itself, at the likeliest."""
+        return self._best.tracks[0].jumps
+
+    @property
+    def fade(self) -> float:
+        """Seconds for which candidates may fade after their reports."""
+        return max(fade for fade, share in self._fades.items() if share > _POSSIBLE)
+
+    @property
+    def fades(self) -> bool:
+        """Whether they do."""
+        return self._fades[0.0] <= _POSSIBLE
 
     def drop(self, candidate: int) -> None:
         """Rule a candidate out, as it does not change any more."""
@@ -107,26 +144,62 @@ class Belief:
         """Return by how much a candidate changes what is seen, and the standard deviation."""
         return self._families[-1].effect(candidate)  # that which supposes least
 
-    def stands_out(self, candidate: int) -> bool:
-        """Return whether a candidate clearly has more effect than each other one: two in view are never told apart."""
-        columns = [*zip(*self._levels, strict=True)]
-        return columns.count(columns[candidate]) == 1 and all(  # one relay may be announced twice
-            self._best.exceeds(candidate, other, more, deviations)
-            for other in {*range(self.count)} - {candidate, *self._dropped}
-            for more, deviations in _CLEARLY
-        )
+    def alike(self, candidate: int) -> set[int]:
+        """Return the others in view as clearly, for all that is known: two in view are never told apart."""
+        others = {*range(self.count)} - {candidate, *self._dropped}
+        return {other for other in others if not self._best.exceeds(candidate, other)}
+
+    def tied(self, candidate: int) -> set[int]:
+        """Return the others that may be the same device, announced twice: it does what either was told last.
+
+        It is not the same if little changed as the other went away, while the candidate stayed.
+        """
+        effects, own, inexact = self._best.tracks[0].mean, self._best.effect_in_view(candidate), self._best.inexact
+        sums, weights, away = [0.0] * self.count, [0.0] * self.count, set[int]()  # those that went away last
+        shown = pairwise(self._looks[self._best.fade])
+        pairs = enumerate(zip(pairwise(self._looks[0.0]), shown, strict=True), start=1)
+        for look, ((before, after), (old, new)) in pairs:
+            if before.levels[candidate] != (level := after.levels[candidate]) or look in self.jumps:
+                away.clear()
+                continue
+            moves = [end - start for start, end in zip(old.levels, new.levels, strict=True)]
+            change = after.value - before.value - sum(map(mul, moves, effects))
+            variance = max(before.variance, inexact) + max(after.variance, inexact)
+            for other, (start, end) in enumerate(zip(before.levels, after.levels, strict=True)):
+                if end != level and other in self._dropped:
+                    weights[other] = inf
+                elif end != level or other in away:
+                    sums[other] += moves[other] * (change + moves[other] * effects[other]) / variance
+                    weights[other] += moves[other] ** 2 / variance
+                if start != end:
+                    (away.discard if end == level else away.add)(other)
+        return {
+            other
+            for other, (whole, weight) in enumerate(zip(sums, weights, strict=True))
+            if other != candidate and weight < inf and own * weight - whole <= _CLEARLY[1] * sqrt(weight)
+        }
 
     def largest(self) -> float:
         """Return the effect that is excluded for each candidate."""
-        effects = map(self.effect, {*range(self.count)} - self._dropped)
-        return max((effect + _EXCLUDED * deviation for effect, deviation in effects), default=0.0)
+        left = {*range(self.count)} - self._dropped
+        return max((self._best.effect_in_view(number, _CERTAINTY) for number in left), default=0.0)
 
-    def gain(self, levels: Sequence[float]) -> float:
-        """Return how much is learnt about the likely candidates from what is seen with these levels."""
+    def least(self, candidate: int) -> float:
+        """Return the effect that a candidate has at least."""
+        return self._best.effect_in_view(candidate, -_CERTAINTY)
+
+    def gain(self, levels: Sequence[float], rivals: Sequence[int] = ()) -> float:
+        """Return how much is learnt about the likely candidates from what is seen with these levels.
+
+        Args:
+            rivals: The likeliest candidate, and those that are alike.
+        """
         track = self._best.tracks[0]
         row = _times(track.covariance, (*levels, 1.0))
         variance = sum(level * one for level, one in zip((*levels, 1.0), row, strict=True)) + self._best.usual
-        return sum(float(p**0.3) * one * one for p, one in zip(self.each, row, strict=False)) / variance
+        shares = [(float(p**0.3), one) for p, one in zip(self.each, row, strict=False)]
+        shares += [(1.0, row[rivals[0]] - _CLEARLY[0] * row[other]) for other in rivals[1:]]
+        return sum(share * one * one for share, one in shares) / variance
 
     def _weigh(self) -> None:
         """Compute the probability of none and of each candidate."""
@@ -134,36 +207,16 @@ class Belief:
         sums = [_log_sum(one) for one in each]
         self._best = self._families[sums.index(max(sums))]
         whole = _log_sum(sums)
+        self._fades = dict.fromkeys(_FADES, 0.0)
+        for one, weight in zip(self._families, sums, strict=True):
+            self._fades[one.fade] += exp(weight - whole)
+        self._families = [
+            one for one, weight in zip(self._families, sums, strict=True) if weight > max(sums) - _UNLIKELY
+        ]
         self.none, *rest = (exp(_log_sum(column) - whole) for column in zip(*each, strict=True))
         each_left = [0.0 if number in self._dropped else one for number, one in enumerate(rest)]
         total = self.none + sum(each_left)
         self.none, self.each = self.none / total, tuple(one / total for one in each_left)
-
-
-def begun(dark: Seen, bright: Seen, least: float = 0.0) -> Belief:
-    """Return what is known after a look with all candidates dark, and one with all bright.
-
-    Args:
-        least: The least effect of a candidate in view; 0 for a share of what is seen.
-    """
-    least = least or _SHARE * max(abs(dark.value), abs(bright.value), _TINY)
-    belief = Belief(dark, least, max(2 * abs(bright.value - dark.value), least))
-    belief.add(bright)
-    return belief
-
-
-def is_brightening(looks: Sequence[Seen]) -> bool:
-    """Return whether what is seen may change further, while all candidates are told to be bright."""
-    return len(looks) == 1 or _differ(looks[-2], looks[-1], 1.0)
-
-
-def is_brighter(looks: Sequence[Seen]) -> bool:
-    """Return whether it changed between the first and the last look: lamps faded on."""
-    return _differ(looks[0], looks[-1], 2.0)
-
-
-def _differ(one: Seen, other: Seen, deviations: float) -> bool:
-    return abs(one.value - other.value) > deviations * sqrt(one.variance + other.variance)
 
 
 @dataclass(slots=True)
@@ -173,44 +226,45 @@ class _Track:
     Attributes:
         weight: The logarithm of its likelihood if no candidate is in view.
         mean: The effects, and then the base.
-        jumps: How often the base has jumped.
+        jumps: The looks before which the base has jumped.
     """
 
     weight: float
     mean: list[float]
     covariance: list[list[float]]
     hypotheses: list[float]
-    jumps: int = 0
+    jumps: tuple[int, ...] = ()
 
 
 class _Family:
     """One effect of what is in view with one strength of the reflections."""
 
-    def __init__(self, first: Seen, effect: float, strongest: float, *, may_be_none: bool) -> None:
-        self._may_be_none = may_be_none  # in the others, what is none has more than the least effect
-        self._effect = effect
+    def __init__(self, first: Seen, effect: float, strongest: float, least: float, fade: float) -> None:
+        self._effect, self._least, self.fade = effect, least, fade
+        self.inexact = (_INEXACT * effect) ** 2
         self._mean = strongest / 2
         self._variance = (_SCATTER * strongest) ** 2
         self.usual, self._last = first.variance, first.value
-        count = len(first.levels)
+        self._looks, count = 0, len(first.levels)
         covariance = [[0.0] * count + [-level * self._variance] for level in first.levels]
         for place, row in enumerate(covariance):
             row[place] = self._variance
         base = first.value - self._mean * sum(first.levels)
         spread = self._variance * sum(one * one for one in first.levels) + first.variance
         covariance.append([row[-1] for row in covariance] + [spread])
-        track = _Track(0.0, [self._mean] * count + [base], covariance, [])
+        track = _Track(log(_FADES[fade]), [self._mean] * count + [base], covariance, [])
         self.tracks = [self._weighed(track)]
 
     def add(self, seen: Seen) -> None:
-        self.usual = max(seen.variance, (_INEXACT * self._effect) ** 2)
+        self._looks += 1
+        self.usual = max(seen.variance, self.inexact)
         drift = (_DRIFT * self._effect) ** 2 * seen.seconds
         jump = drift + max(_JUMP * self._effect, abs(seen.value - self._last)) ** 2
         self._last = seen.value
         tracks = [
-            self._weighed(_followed(track, seen, self.usual, moved, log(chance), track.jumps + jumps))
+            self._weighed(_followed(track, seen, self.usual, moved, log(chance), (*track.jumps, *jumps)))
             for track in self.tracks
-            for jumps, moved, chance in ((0, drift, 1 - _JUMPS), (1, jump, _JUMPS))
+            for jumps, moved, chance in (((), drift, 1 - _JUMPS), ((self._looks,), jump, _JUMPS))
         ]
         tracks.sort(key=lambda one: _log_sum(one.hypotheses), reverse=True)
         self.tracks = tracks[:_ALTERNATIVES]
@@ -220,35 +274,46 @@ class _Family:
         track = self.tracks[0]
         return track.mean[candidate], sqrt(max(track.covariance[candidate][candidate], 0.0))
 
-    def exceeds(self, candidate: int, other: int, more: float, deviations: float) -> bool:
-        """Return whether an effect is larger than *more* times another one, by so many standard deviations."""
+    def effect_in_view(self, candidate: int, deviations: float = 0.0) -> float:
+        """Return an effect, and so many standard deviations, without what is supposed of reflections."""
         track = self.tracks[0]
-        own, row = track.covariance[candidate], track.covariance[other]
-        spread = own[candidate] - 2 * more * own[other] + more**2 * row[other]
-        return track.mean[candidate] - more * track.mean[other] > deviations * sqrt(max(spread, 0.0))
+        own = track.covariance[candidate][candidate]
+        learnt = max(self._variance - own, _TINY * own)
+        effect = track.mean[candidate] + own * (track.mean[candidate] - self._mean) / learnt
+        return effect + deviations * sqrt(max(own * self._variance / learnt, 0.0))
+
+    def exceeds(self, candidate: int, other: int) -> bool:
+        """Return whether an effect is clearly larger than another, without what is supposed of reflections."""
+        track, (more, deviations) = self.tracks[0], _CLEARLY
+        one, both, two = (track.covariance[a][b] for a, b in ((candidate,) * 2, (candidate, other), (other,) * 2))
+        whole = max(one * two - both * both, _TINY * one * two)
+        a, b, c = two / whole - 1 / self._variance, -both / whole, one / whole - 1 / self._variance
+        if min(a, c) <= 0 or (rest := a * c - b * b) <= 0:
+            return False
+        x = (two * track.mean[candidate] - both * track.mean[other]) / whole - self._mean / self._variance
+        y = (one * track.mean[other] - both * track.mean[candidate]) / whole - self._mean / self._variance
+        difference = (c * x - b * y) - more * (a * y - b * x)
+        return difference > deviations * sqrt(rest * (c + 2 * more * b + more**2 * a))
 
     def hypotheses(self) -> Iterator[float]:
         """Yield the logarithm of the likelihood of none and of each candidate."""
         none, *each = zip(*(one.hypotheses for one in self.tracks), strict=True)
-        yield _log_sum(none) if self._may_be_none else -inf
+        yield _log_sum(none)
         yield from map(_log_sum, each)
 
     def _weighed(self, track: _Track) -> _Track:
-        places = range(len(track.mean) - 1)
-        limits = [self._limit(track.mean[one], track.covariance[one][one]) for one in places]
-        none = track.weight + sum(limits)
-        ratios = (self._ratio(track.mean[one], track.covariance[one][one]) for one in places)
-        track.hypotheses = [none, *(none - limit + one for limit, one in zip(limits, ratios, strict=True))]
-        return track
-
-    def _limit(self, mean: float, variance: float) -> float:
-        """Return the logarithm of how much likelier a reflection is below the effects in view than before."""
-        least = _IN_VIEW[0] * self._effect
-        shares = (
-            _below((least - one) / sqrt(spread)) for one, spread in ((mean, variance), (self._mean, self._variance))
+        known = [
+            (mean, row[place]) for place, (mean, row) in enumerate(zip(track.mean[:-1], track.covariance, strict=False))
+        ]
+        none, others = (
+            [_log_below(least, one, spread) - _log_below(least, self._mean, self._variance) for one, spread in known]
+            for least in (self._least, _IN_VIEW[0] * self._effect)
         )
-        now, before = (log(max(share, 1e-300)) for share in shares)
-        return now - before
+        ratios = (self._ratio(one, spread) for one, spread in known)
+        reflected = track.weight + sum(others)
+        each = (reflected - other + ratio for other, ratio in zip(others, ratios, strict=True))
+        track.hypotheses = [track.weight + sum(none), *each]
+        return track
 
     def _ratio(self, mean: float, variance: float) -> float:
         """Return the logarithm of how much likelier the candidate is in view than a reflection.
@@ -267,7 +332,11 @@ class _Family:
         return log(max(in_view, 1e-300)) - log(max(reflected, 1e-300))
 
 
-def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: float, jumps: int) -> _Track:
+def _nearer(level: float, wanted: float, step: float) -> float:
+    return level + max(-step, min(step, wanted - level))
+
+
+def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: float, jumps: tuple[int, ...]) -> _Track:
     """Return the track after *seen*, by a step of a Kalman filter; *moved* is the variance of the base since."""
     weights = (*seen.levels, 1.0)
     gains = _times(track.covariance, weights)
@@ -291,6 +360,10 @@ def _times(matrix: list[list[float]], weights: Sequence[float]) -> list[float]:
 def _below(deviations: float) -> float:
     """Return the share of a normal distribution below so many deviations."""
     return 0.5 * (1 + erf(deviations / sqrt(2)))
+
+
+def _log_below(limit: float, mean: float, variance: float) -> float:
+    return log(max(_below((limit - mean) / sqrt(variance)), 1e-300))
 
 
 def _density(value: float, mean: float, variance: float) -> float:

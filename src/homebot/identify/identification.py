@@ -24,9 +24,8 @@ from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest,
 from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError, UsageError
-from homebot.identify.belief import Belief, Seen, begun, is_brightening, is_brighter
-from homebot.identify.codes import next_code
-from homebot.identify.conclusion import Conclusion
+from homebot.identify.belief import Seen
+from homebot.identify.inquiry import STILL_LOOKS, Inquiry
 
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup
@@ -79,35 +78,51 @@ class Identification:
         self._goal, self._candidates = goal, candidates
         self._clock = node.graph.clock
         self._lookup, self._sight, self._kept = lookup, sight, kept
-        self._random, self._check_all, self._on_look = random, check, on_look
+        self._check_all, self._on_look = check, on_look
+        self._inquiry = Inquiry(len(candidates), goal.least_effect, goal.sure, random)
         self._hold = node.create_client(HoldPart, HOLD_PART)
         self._renew = node.create_client(RenewLease, RENEW_LEASE)
         self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
         self._entries = node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self._on_entry, _ENTRIES)
-        self._belief: Belief | None = None
-        self._fades_on = 0.0
+        self._commands: dict[str, tuple[str, str]] = {}  # those without an outcome: the places by id
+        self._has_ended = anyio.Event()
         self._began = self._last_at = self._clock.monotonic()
         self.looks: list[LookRecord] = []
 
     @property
     def none(self) -> float:
         """The probability of none of the candidates."""
-        return 1 / (len(self._candidates) + 1) if self._belief is None else self._belief.none
+        belief = self._inquiry.belief
+        return 1 / (len(self._candidates) + 1) if belief is None else belief.none
 
     @property
     def trouble(self) -> str:
         """The reason for which no look decides; empty if there is none."""
-        does_follow = self._belief is None or self._belief.follows
-        return self._sight.trouble or ("" if does_follow else "what is seen changes, but not as the candidates do")
+        if self._sight.trouble:
+            return self._sight.trouble
+        if not self._inquiry.follows:
+            return "what is seen changes by itself, and does not follow the candidates; look when the light is steady"
+        if rivals := [self._candidates[number].name for number in self._inquiry.rivals]:
+            return f"{' and '.join(rivals)} change what is seen alike, as one device does, or two in view; come nearer"
+        return ""
 
     @property
     def largest(self) -> float:
         """The effect that is excluded for each candidate, in the unit of the sensor."""
-        return inf if self._belief is None else self._belief.largest()
+        return inf if self._inquiry.belief is None else self._inquiry.belief.largest()
 
     def states(self) -> tuple[CandidateState, ...]:
         """Return the states of the candidates."""
         return tuple(map(self._state, range(len(self._candidates)), self._candidates))
+
+    async def watch(self) -> None:
+        """Look before anything changes.
+
+        Raises:
+            UsageError: The sensor sees nothing.
+        """
+        for _ in range(STILL_LOOKS if self._sight.is_prompt else 1):
+            self._inquiry.add(await self._look())
 
     async def run(self) -> tuple[bool, CandidatePart | None]:
         """Return whether it is sure, and the candidate; None for none of them.
@@ -116,17 +131,22 @@ class Identification:
             UsageError: The sensor sees nothing, or no candidate obeys.
             RefusedError: Nothing may change any more.
         """
-        deadline = self._clock.monotonic() + self._goal.seconds
-        conclusion, count, is_sure = Conclusion(self._goal.sure), len(self._candidates), False
-        dark, bright = await self._look_at([False] * count), await self._until_bright(count)
-        belief = self._belief = begun(dark, bright[0], self._goal.least_effect)
-        for seen in bright[1:]:
-            belief.add(seen)
-        self._publish()
-        while not is_sure and self._clock.monotonic() < deadline:
-            seen = await self._look_at(next_code(belief, self._random))
-            is_sure = self._learn(belief, seen, conclusion)
-        found = conclusion.found
+        self._began, inquiry = self._clock.monotonic(), self._inquiry
+        for code in inquiry.codes():
+            seen = await (self._look() if code is None else self._look_at(code))
+            for number, one in enumerate(self._candidates):
+                if one.problem:
+                    inquiry.drop(number)
+            inquiry.add(seen, self._sight.trouble)
+            self.looks.append(
+                LookRecord(
+                    at=self._last_at - self._began, value=seen.value, deviation=seen.variance**0.5, levels=seen.levels
+                )
+            )
+            self._publish()
+            if self._clock.monotonic() >= self._began + self._goal.seconds:
+                break
+        is_sure, found = inquiry.is_sure, inquiry.found
         return is_sure, None if not is_sure or found is None else self._candidates[found]
 
     def close(self) -> None:
@@ -139,15 +159,6 @@ class Identification:
         for one in self._candidates:
             await self._let_go(one)
         await self._kept.end(self._run_id)
-
-    def _learn(self, belief: Belief, seen: Seen, conclusion: Conclusion) -> bool:
-        for number, one in enumerate(self._candidates):
-            if one.problem:
-                belief.drop(number)
-        belief.add(seen)
-        is_sure = conclusion.add(belief, self._sight.trouble)
-        self._publish()
-        return is_sure
 
     async def _look_at(self, code: Sequence[bool]) -> Seen:
         """Return what is seen once each candidate that still takes part is as *code* says, and has settled."""
@@ -164,26 +175,16 @@ class Identification:
             (value, variance), before = await self._sight.look(), self._taking_part()
             at = (began + self._clock.monotonic()) / 2
             for one in before:
-                await self._check(one)
+                if one.lease:
+                    await self._check(one)
             if self._taking_part() == before:
                 return await self._seen(value, variance, at)
 
-    async def _until_bright(self, count: int) -> Sequence[Seen]:
-        """Return what is seen once all are bright, and learn how long they fade on after their reports."""
-        looks, began = [await self._look_at([True] * count)], self._clock.monotonic()
-        while self._sight.is_prompt and is_brightening(looks) and self._clock.monotonic() < began + _FADES:
-            self._publish()
-            looks.append(await self._look())
-        if not is_brighter(looks):
-            return looks
-        self._fades_on = self._clock.monotonic() - began
-        return looks[-1:]
-
     async def _settle(self) -> None:
         """Wait until no candidate has reported a change for as long as one of its kind goes on changing."""
-        parts = {one.place: one.settles + self._fades_on for one in self._taking_part()}
+        parts = {one.place: one.settles + self._inquiry.fades_on for one in self._taking_part()}
         wait = max(parts.values())
-        with anyio.move_on_after(_FADES + self._fades_on):
+        with anyio.move_on_after(_FADES + self._inquiry.fades_on):
             while wait > 0:
                 await anyio.sleep(wait)
                 states, now = plain_states(await self._lookup.devices()), self._clock.now()
@@ -203,13 +204,12 @@ class Identification:
 
     async def _seen(self, value: float, variance: float, at: float) -> Seen:
         states = plain_states(await self._lookup.devices())
-        known = ((one, states.get((*one.place, one.capability))) for one in self._candidates)
+        known = [(one, states.get((*one.place, one.capability))) for one in self._candidates]
         levels = tuple(one.level_of(one.wanted if state is None else state.value.plain()) for one, state in known)
+        middle = self._clock.now() - (self._clock.monotonic() - at)
+        ages = tuple(inf if state is None else max(middle - state.since.to_seconds(), 0.0) for _, state in known)
         seconds, self._last_at = at - self._last_at, at
-        self.looks.append(LookRecord(at=at - self._began, value=value, deviation=variance**0.5, levels=levels))
-        if len(self.looks) == 1:
-            self._publish()
-        return Seen(levels, value, variance, seconds)
+        return Seen(levels, value, variance, seconds, ages)
 
     async def _set(self, candidate: CandidatePart, value: PlainValue) -> None:
         """Hold *candidate* at *value*, if it takes part; it does not any more if it does not obey."""
@@ -217,7 +217,12 @@ class Identification:
             return
         if candidate.lease and not await self._check(candidate):
             return
-        before = candidate.wanted, candidate.set_at
+        if not candidate.lease and candidate.place in self._commands.values():  # which a hold would supersede
+            with anyio.move_on_after(_COMMAND):
+                while candidate.place in self._commands.values():
+                    await self._has_ended.wait()
+            await self._kept.keep_again(self._run_id, candidate)
+        is_held, before = bool(candidate.lease), (candidate.wanted, candidate.set_at)
         candidate.wanted, candidate.set_at = value, self._clock.now()
         candidate.lease = candidate.lease or f"{self._run_id}-{self._candidates.index(candidate)}"
         self._kept.command(self._run_id, candidate)
@@ -245,6 +250,9 @@ class Identification:
                     candidate.wanted, candidate.set_at = before
                     self._kept.command(self._run_id, candidate)
                 await self._drop(candidate, outcome.text)
+            elif is_held and not outcome.was_sent:  # it was switched since the check
+                await self._kept.forget(self._run_id, target_of(device, part))
+                await self._drop(candidate, "it was changed meanwhile")
 
     async def _check(self, candidate: CandidatePart) -> bool:
         """Return whether *candidate* is still held as it was set; if not, it takes part no more."""
@@ -266,6 +274,12 @@ class Identification:
 
     async def _on_entry(self, entry: JournalEntry) -> None:
         """Leave a candidate as a person commands it, now, as homebot may be killed before the next look."""
+        if entry.kind == "requested" and (entry.device, entry.part) in [one.place for one in self._candidates]:
+            self._commands[entry.command] = (entry.device, entry.part)
+        elif entry.kind == "outcome":
+            self._commands.pop(entry.command, None)
+            self._has_ended.set()
+            self._has_ended = anyio.Event()
         if entry.kind == "outranked" and entry.issuer:
             await self._kept.forget(self._run_id, target_of(entry.device, entry.part))
 
@@ -273,7 +287,7 @@ class Identification:
         return HolderRequest(lease=candidate.lease, by=self._by, issuer=self._goal.issuer)
 
     def _state(self, number: int, candidate: CandidatePart) -> CandidateState:
-        belief = self._belief
+        belief = self._inquiry.belief
         effect, deviation = (0.0, 0.0) if belief is None else belief.effect(number)
         device, part = candidate.place
         return CandidateState(

@@ -101,9 +101,6 @@ class IdentifyServer:
         by = f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
         rooms = {fold(one.device.area) for one in candidates if one.device.area}
         with await open_sight(self._node, self._lookup, request.topic, request.region, rooms) as sight:
-            await sight.look()  # a sensor that sees nothing is found before anything changes
-            await self._announce(by, request, candidates)
-            await self._kept.keep(run, by, request.issuer, request.scope, candidates)
             identification = Identification(
                 self._node,
                 run,
@@ -118,6 +115,9 @@ class IdentifyServer:
                 goal.publish_feedback,
             )
             with closing(identification):
+                await identification.watch()  # a sensor that sees nothing is found before anything changes
+                await self._announce(by, request, candidates)
+                await self._kept.keep(run, by, request.issuer, request.scope, candidates)
                 try:
                     is_sure, found = await identification.run()
                 finally:
@@ -156,6 +156,7 @@ def _result(
         message = f"{found.name} is in view{problem and f'; its position is not kept: {problem}'}"
     elif is_sure:
         message = f"{best.name} is not in view" if len(states) == 1 else "none of the candidates is in view"
+        message += f": it does not change what is seen by {identification.largest:.3g}"
     else:
         likeliest = "none of them" if none > best.probability else best.name
         percent = 100 * max(none, best.probability)

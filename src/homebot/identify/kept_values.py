@@ -94,6 +94,16 @@ class KeptValues:
             del self._store[run]
             raise LinkError(f"nothing was changed, as the values to put back cannot be kept: {problem}")
 
+    async def keep_again(self, run: str, candidate: CandidatePart) -> None:
+        """Keep the value that a person gave *candidate* before its first change."""
+        known = (await known_states(self._node, await self._lookup.devices())).get(
+            (*candidate.place, candidate.capability)
+        )
+        kept = self._store[run]["values"].get(target_of(*candidate.place))
+        if known is not None and kept is not None:
+            candidate.before = candidate.wanted = kept[_BEFORE] = kept[_WANTED] = known.state.value.plain()
+            await self._flush()
+
     def command(self, run: str, candidate: CandidatePart) -> None:
         """Record that *candidate* is given the value that it wants, unless its value is forgotten."""
         if kept := self._store[run]["values"].get(target_of(*candidate.place)):

@@ -46,9 +46,10 @@ _SILENT: Final = 3
 _AGAIN: Final = 0.2
 """Seconds between two questions for the state of a device."""
 
-_MARGIN: Final = 1.5
+_MARGIN: Final = 1.2
 _JUMPING: Final = 6.0
-"""Factor of the median variance, as it is known from few values; and of that which a look with a jump has at least."""
+"""Factor of the median variance, as that of few values is below their mean; and of that which a look with a jump has at
+least."""
 
 _PICTURES: Final = {"sensor_msgs/msg/Image": brightness, "sensor_msgs/msg/CompressedImage": compressed_brightness}
 _NUMBERS: Final = frozenset({f"{kind}{bits}" for kind in ("int", "uint", "float") for bits in (8, 16, 32, 64)})
