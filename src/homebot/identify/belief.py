@@ -133,7 +133,7 @@ class Belief:
 
     @property
     def fades(self) -> bool:
-        """Whether they do."""
+        """True if they surely do."""
         return self._fades[0.0] <= _POSSIBLE
 
     def drop(self, candidate: int) -> None:
