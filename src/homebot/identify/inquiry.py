@@ -41,7 +41,7 @@ _LIKELY: Final = 0.9
 
 _MOST_RIVALS: Final = 3
 _MOST_REPEATS: Final = 2
-"""Further looks at the same code, but at a fade: what repeats tells little of what changes slowly by itself."""
+"""Further looks at the same code, but at a fade: they tell little of slow changes from elsewhere."""
 
 _TRIED: Final = 60
 """Codes of which the next is chosen."""
@@ -149,7 +149,7 @@ class Inquiry:
         self.follows = len(self._looks) > _LOOKS_OF_A_JUMP * jumps
 
     def _has_jumped(self, before: Seen, after: Seen) -> bool:
-        """Return whether what is seen changed as much as by a candidate, while none of them changed."""
+        """Return whether the value changed as much as by a candidate, while none of them changed."""
         if before.levels != after.levels or self._may_fade(after):
             return False
         least = max(self._least_in_view, _DEVIATIONS * sqrt(before.variance + after.variance))
@@ -161,7 +161,7 @@ class Inquiry:
     def _next_code(self, belief: Belief) -> Code:
         """Return the code of some that are drawn by which most is learnt, or one that tells devices apart.
 
-        None where the same tells more in the time: of a fade that is possible, of what changes by itself, or of noise.
+        None where the same tells more in the time: of a possible fade, of changes from elsewhere, or of noise.
         """
         *_, before, latest = self._looks
         if self._is_prompt and self._may_fade(latest) and not belief.fades:
