@@ -21,8 +21,8 @@ from homebot.runtime import Runtime
 NAME = "house.example"
 """A name of this computer, for the browser alone."""
 
-SMALLEST_TARGET = 24
-"""Pixels of CSS that a finger needs: WCAG 2.2, success criterion 2.5.8."""
+SMALLEST_TARGET = 44
+"""Pixels of CSS that a finger needs: WCAG 2.2, success criterion 2.5.5."""
 
 _AXE = """
 const done = arguments[0];
@@ -33,6 +33,12 @@ axe.run({ resultTypes: ["violations", "incomplete"] }).then(({ violations, incom
 });
 """
 """A text in the colour of its background is left to a person by axe, and is an error here."""
+
+_PLACE = """
+arguments[0].scrollIntoView({ block: "center" });
+const box = arguments[0].getBoundingClientRect();
+return [box.x + box.width / 2, box.y + box.height / 2, box.width, box.height];
+"""
 
 _FLAGS = (
     "--headless=new",
@@ -106,7 +112,9 @@ class Page:
 
     def clicked(self, selector: str) -> None:
         """Click the element of *selector*, in the thread of the caller."""
-        self._until(lambda: self.browser.find_elements("css selector", selector))[0].click()
+        found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        self.browser.execute_script("arguments[0].scrollIntoView({ block: 'nearest' })", found)  # above the bar
+        found.click()
 
     async def write(self, selector: str, text: str) -> None:
         await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
@@ -146,15 +154,37 @@ class Page:
 
     def _tapped(self, selector: str) -> None:
         found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
-        place = """
-          arguments[0].scrollIntoView({ block: "center" });
-          const box = arguments[0].getBoundingClientRect();
-          return [box.x + box.width / 2, box.y + box.height / 2, box.width, box.height];
-        """
-        x, y, *size = self.browser.execute_script(place, found)
+        x, y, *size = self.place_of(found)
         assert min(size) >= SMALLEST_TARGET, f"{selector} is {size} pixels"
-        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchEnd", [])):
-            self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        self.finger("touchStart", (x, y))
+        self.finger("touchEnd")
+
+    async def hold(self, selector: str, seconds: float = 1.3) -> None:
+        """Keep the finger on the element of *selector* for so long."""
+        await to_thread.run_sync(lambda: self.held(selector, seconds))
+
+    def held(self, selector: str, seconds: float) -> None:
+        """Do the same in the thread of the caller."""
+        found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        x, y, _, _ = self.place_of(found)
+        self.finger("touchStart", (x, y))
+        self.pass_time(seconds)
+        self.finger("touchEnd")
+
+    def place_of(self, element: Any) -> tuple[float, float, float, float]:
+        """Return the middle, the width and the height of *element*, which is in the window then."""
+        place: list[float] = self.browser.execute_script(_PLACE, element)
+        x, y, width, height = place
+        return x, y, width, height
+
+    def finger(self, kind: str, *points: tuple[float, float]) -> None:
+        """Let fingers be at *points*: ``touchStart``, ``touchMove`` or ``touchEnd``."""
+        found = [{"x": x, "y": y, "id": at} for at, (x, y) in enumerate(points)]
+        self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": found})
+
+    def pass_time(self, seconds: float) -> None:
+        """Let time pass in the browser."""
+        self.browser.execute_async_script("setTimeout(arguments[1], 1000 * arguments[0])", seconds)
 
     def prefer(self, scheme: str) -> None:
         """Let the owner prefer *scheme*: light or dark."""

@@ -32,7 +32,7 @@ SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 BUILT = SOURCE.parent / "page"
 MARKUP = "<img src=x onerror=alert(1)><b>lamp"
 LAMP = "#/device/lights%2Froomlights405"
-SWITCH = "button[role=switch][aria-label=philips165]"
+SWITCH = ".tile [role=switch][aria-label*=philips165]"
 PANEL = {
     "homeassistant/alarm_control_panel/panel/config": json.dumps(
         {"unique_id": "panel", "device": {"identifiers": ["panel"], "name": "panel"}, "name": None}
@@ -197,29 +197,29 @@ async def test_what_always_asks_is_done_once_the_person_at_the_page_agrees(page:
         "places": {"devices": {"lights/lamp": {"tags": ["always_ask"]}}},
     }
     world = World.of(SimulatedDoorLock("front_door"), SimulatedLamp("lamp"))
-    roads = {
-        "#/house": ("button[role=switch]",),
-        "#/device/lights%2Flamp": ("button[role=switch]",),
-        "#/device/locks%2Ffront_door": ("div[aria-label=lock] button:nth-of-type(2)",),
-        "#/house/": ("button[aria-label='more of Front door']", "div[aria-label=lock] button:nth-of-type(2)"),
-    }
+    locked = world.devices["front_door"].device.state
+    tile = ".tile .main[aria-label*='Front door']"
     async with page(world, tables, token="hunter2") as own:
         await own.open("#token=hunter2", shows="2 devices")
-        for view, road in roads.items():
-            await own.open(view, shows="amp" if "lamp" in view else "ront")
-            for one in road:
-                await own.click(one)
-            await own.shows("yes, do it", ".agreement")
-            await own.click(".agreement button:nth-of-type(2)")
-            await own.hides("yes, do it")
+        await own.click(".tile .main[aria-label*=lamp]")  # what the owner lets ask
+        await own.shows("Hold to turn on", ".tile .asks")
+        await own.open("#/device/locks%2Ffront_door", shows="Hold to unlock")
+        await own.click("div[aria-label=lock] .hold")
+        await own.open("#/home", shows="Front door")
+        await own.click(tile)
+        await own.shows("Hold to unlock", ".asks")
+        await own.click(".asks .hold")
+        await own.hold(".asks .hold", 0.4)
+        await own.click(".asks .no")
+        await own.hides("Hold to unlock", ".tiles")
+        assert locked() == "locked"
         await own.open("#/journal", shows="Nothing has happened yet.")
-        await own.open("#/device/locks%2Ffront_door", shows="Commands")
-        await own.click("div[aria-label=lock] button:nth-of-type(2)")
-        await own.shows("lock", ".agreement")
-        await own.click(".agreement button")
-        await own.shows("confirmed after", "[role=alert].good")
-        await own.click("div[aria-label=lock] button")
-        await own.shows("confirmed after", "[role=alert].good")  # to lock asks nobody
+        await own.open("#/home", shows="Front door")
+        await own.click(tile)
+        await own.hold(".asks .hold")
+        await own.shows("Unlocked", ".tile.open")
+        await own.click(tile)
+        await own.shows("Locked", ".tile.secure")  # to lock asks nobody
         assert own.problems() == []
 
 
@@ -229,7 +229,7 @@ async def test_a_routine_gets_the_right_that_it_lacks_and_is_run_once_the_person
     """A tap on "run now" unlocked the front door."""
     world = World.of(SimulatedDoorLock("front_door"))
     fields = {"[name=name]": "Let in", "[name=when]": "7:00", "[name=steps]": "front door unlock"}
-    yes, no = ".agreement button", ".agreement button:nth-of-type(2)"
+    yes, no = ".agreement .hold", ".agreement button:nth-of-type(2)"
     async with page(world, token="hunter2") as own:
         await own.open("#token=hunter2", shows="1 device")
         await own.open("#/routines", shows="There is no routine yet.")
@@ -238,29 +238,29 @@ async def test_a_routine_gets_the_right_that_it_lacks_and_is_run_once_the_person
             await own.write(field, text)
         await own.click("form .buttons button")
         await own.shows("let this routine command light?", ".agreement")
-        await own.click(yes)
+        await own.hold(yes)
         await own.shows("is refused", ".bad")
         for answer in (no, yes):
             await own.click(".bad + .choices button")
             await own.shows("let this routine command Front door?", ".agreement")
             await own.shows("is refused", ".bad")
-            await own.click(answer)
+            await (own.hold if answer == yes else own.click)(answer)
         await own.shows('may command\nlight, id="locks/front_door"', "dl")
         await own.hides("is refused")
         for answer in (no, yes):
             await own.click("section > .choices button")
             await own.shows("Let in: Front door (it is a door lock)?", ".agreement")
             assert world.devices["front_door"].device.state() == "locked"
-            await own.click(answer)
+            await (own.hold if answer == yes else own.click)(answer)
         await own.open("#/device/locks%2Ffront_door", shows="unlocked")
         assert own.problems() == []
 
 
 async def test_a_lamp_is_turned_on_with_the_keyboard_alone(page: OpenPage) -> None:
     def press(browser: Any) -> None:
-        for _ in range(30):
+        for _ in range(60):
             active = browser.switch_to.active_element
-            if active.get_attribute("aria-label") == "philips165":
+            if "philips165" in (active.get_attribute("aria-label") or "") and active.get_attribute("role") == "switch":
                 active.send_keys(" ")
                 return
             active.send_keys("\ue004")  # Tab
@@ -320,7 +320,7 @@ async def test_lines_of_a_full_journal_are_not_drawn_anew_with_each_entry(page: 
         command = partial(to_thread.run_sync, own.browser.execute_async_script, COMMAND)
         await own.open("#/journal", shows="Nothing has happened yet.")
         assert [await command("lights", word) for word in ("on", "off")] == ["confirmed"] * 2
-        await own.open("#/house", shows="151 devices")
+        await own.open("#/home", shows="151 devices")
         await own.open("#/journal", shows="lamp150")
         await to_thread.run_sync(own.browser.execute_script, mark)
         assert await command("lamp7", "on") == "confirmed"
@@ -331,7 +331,7 @@ async def test_lines_of_a_full_journal_are_not_drawn_anew_with_each_entry(page: 
 async def test_a_failed_command_is_red_in_the_journal(page: OpenPage) -> None:
     async with page(tables=ALWAYS_ASKING) as own:
         await own.open("#/device/lights%2Fphilips165", shows="Commands")
-        await own.click("div[aria-label='on/off'] button")
+        await own.hold("div[aria-label='on/off'] .hold")
         await own.open("#/journal", shows="such a device needs a right")
         await own.shows("such a device needs a right", "ol .bad")
 
@@ -421,7 +421,8 @@ async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: Ope
             await own.click("form button")
             await own.shows(shown)
         assert "hunter2" not in own.browser.current_url
-        await own.click("header button")
+        await own.open("#/system", shows="This screen")
+        await own.click(".screen button")
         await own.shows("not logged in")
         await own.open("#token=hunter2", shows="3 devices")  # a link, where the page is open already
         assert "hunter2" not in own.browser.current_url
@@ -441,8 +442,8 @@ async def test_an_address_with_a_mistake_and_a_narrow_window_show_the_page(page:
         await own.open("#/device/100%", shows="There is no device 100%")
         for width in (320, 780, 800):
             own.resize(width, 800)
-            for view in ("#/house", "#/graph"):
-                await own.open(view, shows="villa")
+            for view, text in (("#/home", "Rooms"), ("#/graph", "/discovery")):
+                await own.open(view, shows=text)
                 assert own.overflow() == 0, f"{view} at {width} pixels"
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
@@ -458,7 +459,8 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
         await own.click("form button")
         await own.shows("Waiting for your approval")
         await own.open(LAMP, shows="not approved")
-        await own.click("button[role=switch]")
+        await own.click(".title .pill")
+        await own.click(".sheet .chief")
         await own.shows("refused (approval)", "[role=alert]")
         await own.click("[role=alert] button")
         await own.hides("refused (approval)")
@@ -469,7 +471,8 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
         await own.click(".box button")
         await own.hides("roomlights405", "main section")
         await own.open(LAMP, shows="roomlights405")
-        await own.click("button[role=switch]")
+        await own.click(".title .pill")
+        await own.click(".sheet .chief")
         await own.shows("confirmed after", "[role=alert]")
         assert own.problems() == []
 
@@ -490,14 +493,19 @@ async def test_axe_finds_nothing(page: OpenPage, axe: str, scheme: str, width: i
         await own.click(".choices button")
         await own.shows("what starts it", "form")
         found += await to_thread.run_sync(own.complaints, axe)
-        await own.open("#/house", shows="philips165")
-        await own.click(".choices button")
+        await own.open("#/home", shows="philips165")
+        await own.click(".scenes .new")
         await own.click("form summary")
         await own.shows("It keeps the present values of", "form")
-        await own.click("button[aria-label='more of philips165']")
-        await own.click(".opened summary")
-        await own.shows("on/off", ".commands")
+        found += await to_thread.run_sync(own.complaints, axe)
         await own.click(SWITCH)
+        await own.shows("Hold to turn on", ".asks")
+        found += await to_thread.run_sync(own.complaints, axe)
+        await own.click(".asks .no")
+        await own.click("button[aria-label='more of philips165']")
+        await own.click(".sheet summary")
+        await own.shows("Tags", ".sheet")
+        await own.hold(".sheet .hold")
         await own.shows("close", "[role=alert]")
         found += await to_thread.run_sync(own.complaints, axe)
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
@@ -508,24 +516,14 @@ async def test_an_error_covers_nothing_and_is_gone_in_the_next_view(page: OpenPa
     """The last devices could not be reached below it, and it followed through all views."""
     async with page(tables=ALWAYS_ASKING) as own:
         own.resize(390, 500)
-        await own.open(shows="philips165")
-        await own.click(SWITCH)
+        await own.open("#/device/lights%2Fphilips165", shows="Commands")
+        await own.hold("div[aria-label='on/off'] .hold")
         await own.shows("close", "[role=alert]")
         assert not await to_thread.run_sync(own.browser.execute_script, COVERED)
-        await own.click("nav a[href='#/journal']")
+        await own.open("#/journal", shows="philips165")
         await own.shows("such a device needs a right", "ol")
         await own.hides("close", "[role=alert]")
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-async def test_a_lock_has_a_field_for_a_code_that_is_used_once(page: OpenPage) -> None:
-    async with page(World.of(SimulatedDoorLock("front_door")), {"control": {"always_ask": False}}) as own:
-        await own.open("#/device/locks%2Ffront_door", shows="code, if it needs one")
-        await own.write("input[name=code]", "4321")
-        await own.click("div[aria-label=lock] button")
-        await own.shows("Front door:", "[role=alert]")
-        assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
-        assert "4321" not in await own.open("#/journal", shows="Front door")
 
 
 @asynccontextmanager
@@ -545,7 +543,7 @@ async def test_an_alert_of_which_people_are_told_again_has_a_button_until_somebo
     async with keeping(SMOKE) as (broker, _), page(tables={"notify": {}}, services=(broker,)) as own:
         await own.open(shows="Kitchen smoke")
         await own.shows("I have seen it")
-        await own.click(".alert + .choices button")
+        await own.click(".banner.alarm .seen")
         await own.shows("Nobody is told of it again.", "[role=alert].good")
         await own.hides("I have seen it")
         await own.shows("is there a fire?")
@@ -559,31 +557,35 @@ async def test_the_first_plot_of_a_plug_is_its_power(page: OpenPage) -> None:
     """It was whether it is on, which the journal tells."""
     tables = {"history": {"enabled": True}}
     async with keeping(PLUG) as (broker, field), page(tables=tables, services=(broker,)) as own:
-        await own.open("#/house", shows="Plug")
+        await own.open("#/home", shows="Plug")
         await to_thread.run_sync(own.browser.execute_async_script, HISTORY)
         for topic, payload in {"plug/state": b"ON", "plug/power": b"43"}.items():
             await field.publish(topic, payload, qos=1)
-        await own.shows("43 W")
+        await own.shows("43 W", ".tile.on")
         await own.open("#/device/plug", shows="now 43 W")
         await own.shows("on/off", "select[aria-label=value]")
         plot = own.browser.find_element("css selector", "[role=img]").get_attribute("aria-label")
         assert plot.startswith("power over time")
 
 
-async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_code(page: OpenPage) -> None:
+async def test_a_kept_value_is_explained_once_and_a_panel_has_a_keypad_for_its_code(page: OpenPage) -> None:
     """It read "alarm armed_away unconfirmed", offered "arming", and had no way to give a code."""
     async with keeping(PANEL) as (broker, _), page(services=(broker,)) as own:
-        text = await own.open(shows="armed away")
+        text = await own.open(shows="Armed away")
         assert text.count("the device has not reported since homebot started") == 1
         assert "unconfirmed" not in text
-        await own.open("#/device/panel", shows="code, if it needs one")
-        assert "armed night\narmed vacation" in await own.shows("disarmed", "select[name=value]")
-        await own.hides("arming", "select[name=value]")
-        await own.write("input[name=code]", "4321")
-        await own.click(".commands form button")
-        await own.click(".agreement button")
+        await own.open("#/security", shows="Armed night")
+        await own.hides("arming", ".modes")
+        await own.click(".modes .disarmed")
+        for digit in (4, 3, 2, 1):
+            await own.click(f".keypad button:nth-of-type({digit})")
+        await own.shows("●●●●", ".keypad")
+        await own.click(".keypad .hold")
+        await own.shows("●●●●", ".keypad")  # it is held, as all that lets in
+        await own.hold(".keypad .hold")
         await own.shows("panel: ", "[role=alert]")
-        assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
+        await own.hides("code for", ".securitygrid")
+        assert "4321" not in await own.open("#/journal", shows="panel")
 
 
 async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, zigbee_lamp: World) -> None:
@@ -592,7 +594,7 @@ async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, 
         await own.open("#/device/lamp", shows="Commands")
         assert await to_thread.run_sync(own.browser.execute_async_script, COMMAND, "lamp", "40 %") == "confirmed"
         await own.shows("40 %")
-        await own.open("#/house", shows="lamp")
+        await own.open("#/home", shows="lamp")
         await own.open("#/device/lamp", shows="Commands")
         field = own.browser.find_element("css selector", "input[type=range]")
         assert field.get_attribute("value") == "40"
@@ -669,7 +671,7 @@ async def test_the_question_of_a_program_is_answered_with_a_button(page: OpenPag
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(ask, word)
                 await own.shows(f"the client agent wants: lights/philips165 → {word}?", "[aria-label=question]")
-                await own.click(f"[aria-label=question] button:nth-of-type({button})")
+                await (own.hold if button == 1 else own.click)(f"[aria-label=question] button:nth-of-type({button})")
                 await own.hides("the client agent wants")
             assert outcomes[-1] == outcome
         assert own.problems() == []

@@ -107,7 +107,8 @@ def reject(page: Page, _: str) -> None:
 def look(page: Page, _: str) -> None:
     """Without a token there is nothing to decide."""
     page.opened("#/routines", "it is not proposed again")
-    page.clicked("header button")
+    page.opened("#/more", "This screen")
+    page.clicked(".screen button")
     page.opened("#/system", "Doctor")
     left = proposals(page, "desk <b>lamp off at 23:0")
     assert all(one.text.split(" at ")[0] in {"desk <b>lamp on", "desk <b>lamp off"} for one in left)

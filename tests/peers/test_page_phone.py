@@ -17,7 +17,7 @@ from homebot.config import parse_config
 from homebot.house import thesis_world
 from homebot.runtime import Runtime
 
-SWITCH = "button[role=switch][aria-label=philips165]"
+SWITCH = ".tile [role=switch][aria-label*=philips165]"
 TOKEN = "hunter2-and-some-more"
 
 
@@ -85,12 +85,13 @@ async def test_a_phone_logs_in_turns_a_lamp_on_and_stays_logged_in(browser: Any)
         await own.shows("3 devices")
         await own.tap(f"{SWITCH}[aria-checked=false]")
         await own.shows("confirmed after", "[role=alert]")
-        for view in ("journal", "house"):
+        for view in ("security", "home"):
             await own.tap(f"nav a[href='#/{view}']")
         assert await to_thread.run_sync(own.overflow) == 0
         await to_thread.run_sync(browser.execute_script, "sessionStorage.clear()")  # as in a new tab
         await own.open(shows="3 devices")
-        await own.tap("header button")
+        await own.open("#/more", shows="English")
+        await own.tap(".screen button")
         await own.shows("a valid token is needed")
         assert own.problems() == []
 

@@ -43,7 +43,7 @@ globalThis.Date = class extends Date {{
 """
 """The clock of the browser, which stands still as that of homebot does."""
 
-SCREEN, TABLET, PHONE = (1280, 900), (768, 1024), (390, 844)
+SCREEN, WALL, PHONE = (1280, 900), (1280, 800), (390, 844)
 HEAT = "#/device/kitchen_heat"
 HOUR = "button[aria-pressed=false]"
 LOCK = "button[aria-label='show what approving Front lock allows']"
@@ -64,12 +64,20 @@ ROUTINES = [
 ]
 
 VIEWS = (
-    ("house", (1280, 1000), "light", "en", "", "Kitchen lamp", LAMP.format("Hall")),
-    ("house-de", (1280, 1000), "light", "de", "", "Kitchen lamp", ""),
-    ("room", TABLET, "dark", "en", "#/room/living", "Living lamp", LAMP.format("Living")),
-    ("room-de", TABLET, "dark", "de", "#/room/living", "Living lamp", ""),
-    ("phone", PHONE, "dark", "en", "", "Kitchen lamp", ""),
-    ("phone-de", PHONE, "light", "de", "", "Kitchen lamp", ""),
+    ("home", WALL, "light", "en", "", "Kitchen lamp", ""),
+    ("home-dark", WALL, "dark", "en", "", "Kitchen lamp", ""),
+    ("phone", PHONE, "light", "en", "", "Kitchen lamp", ""),
+    ("phone-de", PHONE, "dark", "de", "", "Kitchen lamp", ""),
+    ("room", WALL, "dark", "en", "#/room/living", "Living lamp", ""),
+    ("sheet", WALL, "light", "en", "#/room/living", "Living lamp", LAMP.format("Living")),
+    ("sheet-phone", PHONE, "dark", "en", "#/room/living", "Living lamp", LAMP.format("Living")),
+    ("security", WALL, "light", "en", "#/security", "Doors and windows", ""),
+    ("climate", WALL, "dark", "en", "#/climate", "Kitchen", ""),
+    ("energy", WALL, "light", "en", "#/energy", "Who uses it now", ""),
+    ("", PHONE, "light", "fr", "#/security", "Portes et fenêtres", ""),
+    ("", PHONE, "dark", "nl", "#/climate", "Kitchen", ""),
+    ("", PHONE, "light", "it", "#/energy", "Chi la usa adesso", ""),
+    ("", PHONE, "light", "es", "#/room/kitchen", "Kitchen lamp", ""),
     ("plan-phone", PHONE, "light", "en", "#/plan", "Kitchen lamp", ""),
     ("routines", (1280, 580), "light", "en", "#/routines", "Good night", ""),
     ("device", (1280, 820), "light", "en", HEAT, "Why", HOUR),
@@ -146,8 +154,8 @@ def look(page: Page) -> None:
     for picture, (width, height), scheme, language, view, shows, clicked in VIEWS:
         page.prefer(scheme)
         page.resize(width, height)
-        page.opened("#/leave", "family")
-        page.clicked(f"footer option[value={language}]")
+        page.opened("#/more", "English")
+        page.clicked(f"[name=language] option[value={language}]")
         page.browser.execute_script("document.activeElement.blur()")
         page.opened(view, shows)
         if clicked:

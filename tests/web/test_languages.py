@@ -22,7 +22,6 @@ FEATURES = SOURCE.parents[1] / "features"
 TEXTS = "\n".join(one.read_text() for one in (*SOURCE.rglob("*.js"), *FEATURES.rglob("page/*.js")))
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
 LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
-CAN_WAIT = set(re.findall(r"HB\d+", TEXTS))
 PYTHON = "\n".join(
     one.read_text() for folder in ("control", "gateways") for one in (SOURCE.parents[1] / folder).rglob("*.py")
 )

@@ -1,10 +1,11 @@
 // The controls of a device, one for each value that it takes: words, a slider, a colour, steps, a choice or a field.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { command } from "./acting.js";
+import { command } from "./acts.js";
 import { may } from "./door.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { Stepper } from "./stepper.js";
+import { HoldButton } from "./touch.js";
 import { label, roundedTo, textOf, unitOf, valueText, vocabulary } from "./words.js";
 
 const WORDS = {
@@ -16,16 +17,16 @@ const WORDS = {
   scene: ["press"],
 };
 
-/** Those that may need a code. */
-const CODED = new Set(["alarm", "lock"]);
+/** Words that may let in, flood or burn, where the capability asks first. */
+const OPENING = new Set(["open", "unlock", "press", "on"]);
 
 const QUIET = 300; // ms after the last move of a slider, by keys too
 
-/** All that a device takes, by its short and its full form. */
-export function Controls({ short, device }) {
+/** All that a device takes, by its short and its full form, `without` some capabilities. */
+export function Controls({ short, device, without = [] }) {
   const found = device.parts
     .filter(({ part }) => !part.category)
-    .flatMap(({ id, part }) => part.capabilities.filter((one) => one.settable).map((capability) => ({ id, part, capability })));
+    .flatMap(({ id, part }) => part.capabilities.filter((one) => one.settable && !without.includes(one.name)).map((capability) => ({ id, part, capability })));
   if (!found.length || !may("act")) return null;
   return html`<div class="commands">
     ${found.map(({ id, part, capability }) => {
@@ -43,20 +44,28 @@ function Control({ short, reading, target, name, capability }) {
   const unit = unitOf(capability);
   const [least, most] = capability.bounds.length || unit !== "%" ? capability.bounds : [0, 100];
   const send = (value, code = "") => command(target, "set", [{ key: capability.name, value }], code);
-  if (WORDS[capability.name]) return html`<${Words} target=${target} name=${name} capability=${capability.name} />`;
+  if (WORDS[capability.name]) return html`<${Words} short=${short} target=${target} name=${name} capability=${capability.name} />`;
   if (capability.name === "color") return html`<label><span>${name}</span> <input type="color" value=${hexOf(now)} onChange=${(event) => send(hueOf(event.target.value))} /></label>`;
   if (!capability.options.length && most !== undefined && (unit === "%" || unit === "K"))
     return html`<${Slider} name=${name} now=${now} unit=${unit} least=${least} most=${most} capability=${capability} send=${send} />`;
   if (capability.name.endsWith("_setpoint") && typeof now === "number")
     return html`<div><span>${name}</span> <${Stepper} device=${short} reading=${reading} /></div>`;
-  return html`<${Field} name=${name} now=${now} unit=${unit} least=${least} most=${most} capability=${capability} send=${send} />`;
+  return html`<${Field} short=${short} name=${name} now=${now} unit=${unit} least=${least} most=${most} capability=${capability} send=${send} />`;
 }
 
-function Words({ target, name, capability }) {
+function Words({ short, target, name, capability }) {
+  const [code, setCode] = useState("");
+  const send = (word, isHeld) => {
+    command(target, word, [], code, isHeld);
+    setCode("");
+  };
   return html`<div role="group" aria-label=${name}>
     <span>${name}</span>
-    ${WORDS[capability].map((word) => html`<button key=${word} type="button" onClick=${(event) => command(target, word, [], codeBeside(event.currentTarget))}>${say(`${word}|do`)}</button>`)}
-    ${CODED.has(capability) && html`<${Code} />`}
+    ${WORDS[capability].map((word) => {
+      const text = say(`${word}|do`);
+      return OPENING.has(word) && short.asks_first.includes(capability) ? html`<${HoldButton} key=${word} text=${text} onHeld=${() => send(word, true)} />` : html`<button key=${word} type="button" onClick=${() => send(word, false)}>${text}</button>`;
+    })}
+    ${isCoded(short, capability) && html`<${Code} value=${code} onInput=${setCode} />`}
   </div>`;
 }
 
@@ -82,10 +91,12 @@ function Slider({ name, now, unit, least, most, capability, send }) {
 }
 
 /** A choice, a number or a text, with a button. */
-function Field({ name, now, unit, least, most, capability, send }) {
+function Field({ short, name, now, unit, least, most, capability, send }) {
+  const [code, setCode] = useState("");
   const submit = (event) => {
     event.preventDefault();
-    send(new FormData(event.target).get("value"), codeBeside(event.target));
+    send(new FormData(event.target).get("value"), code);
+    setCode("");
   };
   const settable = capability.options.filter((one) => !vocabulary.value.passing[capability.name]?.includes(one));
   const field = capability.options.length
@@ -97,21 +108,16 @@ function Field({ name, now, unit, least, most, capability, send }) {
       : html`<input name="value" required />`;
   return html`<form onSubmit=${submit}>
     <label><span>${name}</span> ${field}</label>
-    ${CODED.has(capability.name) && html`<${Code} />`}
+    ${isCoded(short, capability.name) && html`<${Code} value=${code} onInput=${setCode} />`}
     <button>${say("set|do")}</button>
     <small>${most === undefined ? unit : say("{least} to {most}", { least, most: `${most} ${unit}` })}</small>
   </form>`;
 }
 
-const Code = () => html`<label>${say("code, if it needs one")} <input name="code" type="password" inputmode="numeric" autocomplete="one-time-code" maxlength="255" /></label>`;
+/** Whether a capability takes a code. */
+const isCoded = (short, capability) => short.codes.some((one) => one.key === capability);
 
-/** The code beside a button or in a form, which is used once. */
-function codeBeside(element) {
-  const field = element.closest("form, [role=group]").querySelector("[name=code]");
-  const code = field?.value ?? "";
-  if (field) field.value = "";
-  return code;
-}
+const Code = ({ value, onInput }) => html`<label>${say("code")} <input name="code" type="password" inputmode="numeric" autocomplete="one-time-code" maxlength="255" value=${value} onInput=${(event) => onInput(event.target.value)} /></label>`;
 
 /** Hue and saturation as a colour of the browser, and back. */
 function hexOf(now) {

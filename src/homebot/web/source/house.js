@@ -31,6 +31,17 @@ export const deviceOf = (id) => devices.get(id);
 export const HIDDEN = "hidden";
 export const isHidden = (id) => devices.get(id)?.peek().tags.includes(HIDDEN);
 
+/** The tag of a device that the owner wants on Home. */
+export const FAVORITE = "favorite";
+
+/** The reading of a device that has a value; undefined without one. */
+export const readingOf = (device, capability) => [...device.states.values()].find((reading) => reading.capability === capability && reading.value !== null);
+export const read = (device, capability) => readingOf(device, capability)?.value;
+export const takes = (device, capability) => device.settable.includes(capability);
+
+/** All devices that are not hidden, in the order of rooms and names. */
+export const shown = computed(() => rooms.value.flatMap(([, found]) => found.filter((id) => !isHidden(id))).map((id) => devices.get(id).value));
+
 export const nameOf = (id) => devices.get(id)?.value.name ?? id;
 
 export function follow() {
@@ -100,7 +111,7 @@ function applyValues(change) {
   if (change.sequence <= device.sequence) return;
   const states = new Map(device.states);
   for (const reading of change.readings) {
-    if (states.has(key(reading))) states.set(key(reading), reading);
+    if (states.has(key(reading))) states.set(key(reading), { ...reading, since: change.told_at });
     else ask(change.device);
   }
   known.value = { ...device, states, sequence: change.sequence, changedAt: Date.now() };

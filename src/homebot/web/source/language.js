@@ -24,7 +24,7 @@ export function choose(name) {
 
 /** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
 export function say(text, values = {}) {
-  const found = table[text]?.[COLUMNS.indexOf(language.value)] ?? text.replace(/\|(do|mode|routine)$/, "");
+  const found = table[text]?.[COLUMNS.indexOf(language.value)] ?? text.replace(/\|\w+$/, "");
   return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
 }
 

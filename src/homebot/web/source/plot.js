@@ -1,15 +1,12 @@
 import uPlot from "uplot";
-import { computed } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { zone } from "./clock.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
-import { clock, day } from "./words.js";
+import { clock, day, hour } from "./words.js";
 
 const HEIGHT = 180;
-const COLOURS = ["--accent", "--bad"];
+const COLOURS = ["--accent", "--alarm"];
 const SOON = 172_800; // seconds that are shown with the time of day
-const hour = computed(() => new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", hour12: false, timeZone: zone.value }));
 
 /**
  * A plot over time, from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a
@@ -25,12 +22,12 @@ export function Plot({ label, times, values, names, from, to, most, isStepped = 
   span.current = [from ?? times[0], Math.max(to ?? times[times.length - 1], (from ?? times[0]) + 1)];
   useEffect(() => {
     const style = getComputedStyle(place.current);
-    const axis = { stroke: style.getPropertyValue("--quiet"), grid: { stroke: style.getPropertyValue("--line"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
+    const axis = { stroke: style.getPropertyValue("--ink-2"), grid: { stroke: style.getPropertyValue("--line"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
     const series = names.map((name, at) => ({
       label: name,
       stroke: style.getPropertyValue(COLOURS[at % COLOURS.length]),
       width: 2,
-      fill: names.length === 1 ? `${style.getPropertyValue(COLOURS[0])}1c` : undefined,
+      fill: names.length === 1 ? `color-mix(in srgb, ${style.getPropertyValue(COLOURS[0])} 11%, transparent)` : undefined,
       paths: isStepped ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
       points: { show: false },
     }));

@@ -1,9 +1,10 @@
 // Questions of programs: what one wants to do is done once a person says yes.
 import { effect, signal } from "@preact/signals";
-import { agreement } from "./acting.js";
+import { agreement } from "./acts.js";
 import { ask, connection, may, missing, subscribe, token } from "./door.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
+import { HoldButton } from "./touch.js";
 
 const questions = signal([]);
 const problem = signal("");
@@ -22,10 +23,10 @@ async function answer({ question }, yes) {
   if (!success && !token.value) missing.value = message;
 }
 
-/** A question with a button for yes and one for no. */
-export const Question = ({ text, problem: reason, onAnswer }) => html`<section class="box" role="alert" aria-label=${say("question")}>
+/** A question with a button for yes, which is held, and one for no. */
+export const Question = ({ text, problem: reason, onAnswer }) => html`<section class="question" role="alert" aria-label=${say("question")}>
   <p><strong>${text}?</strong></p>
-  ${may("act") && html`<p class="buttons"><button type="button" onClick=${() => onAnswer(true)}>${say("yes, do it")}</button> <button type="button" onClick=${() => onAnswer(false)}>${say("no")}</button></p>`}
+  ${may("act") && html`<p class="buttons"><${HoldButton} text=${say("do it")} onHeld=${() => onAnswer(true)} /> <button type="button" onClick=${() => onAnswer(false)}>${say("no")}</button></p>`}
   ${reason && html`<p class="bad">${reason}</p>`}
 </section>`;
 

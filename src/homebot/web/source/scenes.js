@@ -1,13 +1,14 @@
 // The scenes: applied and undone with a button; with the right to it they are saved, edited and removed.
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { agree, tell } from "./acting.js";
+import { agree, tell } from "./acts.js";
 import { ask, call, connection, may, missing } from "./door.js";
 import { deviceOf, rooms } from "./house.js";
 import { html } from "./html.js";
+import { SIGNS, Sign, sceneSign } from "./icons.js";
 import { say } from "./language.js";
 import { Remove } from "./managing.js";
-import { spoken, titled } from "./words.js";
+import { capital, spoken, titled } from "./words.js";
 
 const LONGEST = 300; // seconds until the last part has obeyed
 
@@ -50,13 +51,13 @@ export function Scenes({ room }) {
   };
   const scene = shown.find((one) => one.id === opened);
   return html`
-    <div class="choices" role="group" aria-label=${say("scenes")}>
+    <div class="scenes" role="group" aria-label=${say("scenes")}>
       ${shown.map((one) => html`<span key=${one.id} class="scene">
-        <button type="button" disabled=${!may("act")} onClick=${() => start(one)}><bdi>${one.name}</bdi></button>
-        ${one.can_undo && may("act") && html`<button type="button" aria-label=${say("undo {name}", { name: one.name })} onClick=${() => apply(one, { undo: true })}>↶</button>`}
-        <button type="button" aria-expanded=${one.id === opened} aria-label=${say("more of {name}", { name: one.name })} onClick=${open(one.id)}>⋮</button>
+        <button type="button" disabled=${!may("act")} onClick=${() => start(one)}><${Sign} path=${sceneSign(one.name)} size=${22} /> <bdi>${one.name}</bdi></button>
+        ${one.can_undo && may("act") && html`<button type="button" aria-label=${say("undo {name}", { name: one.name })} onClick=${() => apply(one, { undo: true })}><${Sign} path=${SIGNS.undo} size=${20} /></button>`}
+        <button type="button" aria-expanded=${one.id === opened} aria-label=${say("more of {name}", { name: one.name })} onClick=${open(one.id)}><${Sign} path=${SIGNS.more} size=${20} /></button>
       </span>`)}
-      ${may("manage") && html`<button type="button" class="quiet" aria-expanded=${opened === "new"} onClick=${open("new")}>${say("new scene")}</button>`}
+      ${may("manage") && html`<button type="button" class="new" aria-expanded=${opened === "new"} onClick=${open("new")}><${Sign} path=${SIGNS.plus} size=${20} /> ${capital(say("new scene"))}</button>`}
     </div>
     ${opened === "new" && html`<${NewScene} room=${room} onClose=${close} />`}
     ${scene && html`<${OneScene} key=${scene.id} scene=${scene} onClose=${close} />`}`;
@@ -72,10 +73,10 @@ function NewScene({ room, onClose }) {
   };
   const takes = (id) => deviceOf(id).value.settable.length && deviceOf(id).value.states.size;
   const found = rooms.value.map(([name, ids]) => [name, ids.filter(takes)]).filter(([, ids]) => ids.length);
-  return html`<form class="box fields" aria-label=${say("new scene")} onSubmit=${submit}>
+  return html`<form class="card fields" aria-label=${say("new scene")} onSubmit=${submit}>
     <label><span>${say("Name")}</span> <input name="name" required maxlength="100" /></label>
     <p>${say("It keeps the present values of:")}</p>
-    <div class="rooms">${found.map(([name, ids]) => html`<details key=${name} open=${room !== undefined && name.toLowerCase() === room.toLowerCase()}>
+    <div class="columns">${found.map(([name, ids]) => html`<details key=${name} open=${room !== undefined && name.toLowerCase() === room.toLowerCase()}>
       <summary>${name ? titled(name) : say("Without a room")}</summary>
       ${ids.map((id) => html`<label key=${id}><input type="checkbox" name="device" value=${id} /> <bdi>${deviceOf(id).value.name}</bdi></label>`)}
     </details>`)}</div>
@@ -96,7 +97,7 @@ function OneScene({ scene, onClose }) {
     const target = given.get("name").trim();
     if (target === name || (await change(name, "rename", { target }))) onClose();
   };
-  return html`<form class="box fields" aria-label=${name} onSubmit=${submit}>
+  return html`<form class="card fields" aria-label=${name} onSubmit=${submit}>
     <h3><bdi>${name}</bdi></h3>
     ${mayChange && html`<label><span>${say("Name")}</span> <input name="name" required maxlength="100" defaultValue=${name} /></label>`}
     ${parts.map((one, at) => html`<label key=${keyOf(one)}><span><bdi>${spoken(one.name)}</bdi></span> ${mayChange ? html`<input name=${`value${at}`} defaultValue=${one.text} />` : one.text} ${one.asks && html`<small>${one.asks}</small>`}</label>`)}

@@ -1,8 +1,10 @@
 // A number between a button for less and one for more; the last one of several presses is sent.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { command } from "./acting.js";
+import { command } from "./acts.js";
 import { call } from "./door.js";
+import { read } from "./house.js";
 import { html } from "./html.js";
+import { SIGNS, Sign } from "./icons.js";
 import { say } from "./language.js";
 import { label, unitOf, valueText } from "./words.js";
 
@@ -25,8 +27,16 @@ async function stepsOf(id, part, capability) {
   return steps.get(key);
 }
 
+const SETPOINTS = ["heating_setpoint", "cooling_setpoint", "humidity_setpoint"];
+
+/** The reading that has a button for less and one for more: of several setpoints, that of the present mode. */
+export function stepped(device) {
+  const found = [...device.states.values()].filter((one) => SETPOINTS.includes(one.capability) && typeof one.value === "number" && device.settable.includes(one.capability));
+  return (read(device, "thermostat_mode") === "cool" && found.find((one) => one.capability === "cooling_setpoint")) || found[0];
+}
+
 /** The steps of one reading of a device, which has a number. */
-export function Stepper({ device, reading }) {
+export function Stepper({ device, reading, isLarge }) {
   const { part, capability, value } = reading;
   const [wanted, setWanted] = useState(null);
   const pressed = useRef(null); // the newest number, before it is drawn
@@ -47,9 +57,9 @@ export function Stepper({ device, reading }) {
     pressed.current = null;
     setWanted(null);
   };
-  return html`<span class="stepper" role="group" aria-label=${`${device.name}: ${label(capability)}`}>
-    <button type="button" aria-label=${say("less")} onClick=${() => press(-1)}>−</button>
+  return html`<span class=${isLarge ? "stepper large" : "stepper"} role="group" aria-label=${`${device.name}: ${label(capability)}`}>
+    <button type="button" aria-label=${say("less")} onClick=${() => press(-1)}><${Sign} path=${SIGNS.minus} /></button>
     <output class=${wanted === null ? "" : "wanted"}>${valueText(capability, wanted ?? value, unitOf({ name: capability }))}</output>
-    <button type="button" aria-label=${say("more")} onClick=${() => press(1)}>+</button>
+    <button type="button" aria-label=${say("more")} onClick=${() => press(1)}><${Sign} path=${SIGNS.plus} /></button>
   </span>`;
 }

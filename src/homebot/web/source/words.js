@@ -17,6 +17,9 @@ export const spoken = (name) => (/^[a-z]+(_[a-z0-9]+)+$/.test(name) ? name[0].to
 /** The name of a room as a title. */
 export const titled = (name) => spoken(name).replace(/^./u, (first) => first.toUpperCase());
 
+/** A text with a capital at its begin. */
+export const capital = (text) => text.replace(/^./u, (first) => first.toLocaleUpperCase(locale.value));
+
 /** Capabilities with texts of the vocabulary. */
 const SPOKEN = new Set(["alarm", "direction", "lock", "mower", "movement", "place", "playback", "thermostat_action", "thermostat_mode", "vacuum", "valve"]);
 /** Capabilities whose value needs no name beside it. */
@@ -90,6 +93,15 @@ export const seconds = (time) => time.sec + time.nanosec / 1e9;
 
 export const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false, timeZone: zone.value }));
 export const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric", timeZone: zone.value }));
+
+export const hour = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", hour12: false, timeZone: zone.value }));
+
+/** Since when something is so, for a tile: hours and minutes of today, else the day; empty where it is unknown. */
+export function sinceText(time) {
+  const at = time ? seconds(time) : 0;
+  if (!at) return "";
+  return day.value.format(at * 1000) === day.value.format(now() * 1000) ? hour.value.format(at * 1000) : day.value.format(at * 1000);
+}
 
 /** A moment: the time of today, else day and time; empty for none. */
 export function timeText(time) {

@@ -1,6 +1,6 @@
 // What people do again and again, as routines to accept or to reject, each with its proof.
 import { useState } from "preact/hooks";
-import { tell } from "../../acting.js";
+import { tell } from "../../acts.js";
 import { ask, may } from "../../door.js";
 import { html } from "../../html.js";
 import { language, say } from "../../language.js";
@@ -30,7 +30,7 @@ function Habits({ zone, onChange }) {
     ${message && html`<p class="bad">${message}</p>`}
     ${success && !proposals.length && html`<p class="empty">${say("There is nothing to propose.")}</p>`}
     ${watched.map((name) => html`<p class="quiet" key=${name}>${say("watching: {name}", { name })}</p>`)}
-    <div class="rooms">${proposals.map((one) => html`<${Proposal} key=${one.id} proposal=${one} zone=${zone} decide=${decide} />`)}</div>`;
+    <div class="columns">${proposals.map((one) => html`<${Proposal} key=${one.id} proposal=${one} zone=${zone} decide=${decide} />`)}</div>`;
 }
 
 function Proposal({ proposal, zone, decide }) {

@@ -1,54 +1,46 @@
-// One device: its values, commands, history, what is known of it and from where, and why it is as it is.
-import { signal } from "@preact/signals";
+// All of one device: its values, commands, history, what is known of it and from where, and why it is as it is.
 import { useEffect, useState } from "preact/hooks";
 import { now } from "../clock.js";
 import { Controls } from "../controls.js";
-import { call, connection, may, subscribe } from "../door.js";
+import { call, connection, may } from "../door.js";
 import { deviceOf } from "../house.js";
 import { html } from "../html.js";
+import { SIGNS, Sign } from "../icons.js";
+import { stateOf } from "../kinds.js";
 import { say } from "../language.js";
+import { LastKnown, Marks } from "../marks.js";
 import { Owner } from "../owner.js";
-import { Quick } from "../quick.js";
+import { openSheet } from "../tile.js";
+import { Why } from "../why.js";
 import { durationText, label, seconds, spoken, timeText, valueText } from "../words.js";
 import { History } from "./history.js";
-import { LastKnown, Marks } from "./house.js";
-import { Entry } from "./journal.js";
 
 /** Capabilities that only the name of their part tells. */
 const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
 
-const wanted = signal(0); // grows when the device is to be asked for again
-
 export function Device({ id }) {
   const short = deviceOf(id)?.value;
   const [full, setFull] = useState(null);
-  const [why, setWhy] = useState(null);
   const isOpen = connection.value.state === "open";
   const changedAt = short?.changedAt;
   useEffect(() => {
     if (!isOpen) return undefined;
     let isCurrent = true;
     const timer = setTimeout(async () => {
-      const [devices, explained] = await Promise.all([
-        call("/discovery/find_devices", { ids: [id] }).catch(() => null),
-        call("/control/why", { device: id }).catch(() => null),
-      ]);
-      if (!isCurrent) return;
-      setFull(devices?.devices[0] ?? null);
-      setWhy(explained);
+      const answer = await call("/discovery/find_devices", { ids: [id] }).catch(() => null);
+      if (isCurrent) setFull(answer?.devices[0] ?? null);
     }, 200);
     return () => {
       isCurrent = false;
       clearTimeout(timer);
     };
-  }, [id, isOpen, changedAt, wanted.value]);
-  useEffect(() => subscribe("/control/events", (event) => event.device === id && (wanted.value += 1)), [id]);
-  if (!short) return html`<p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
+  }, [id, isOpen, changedAt]);
+  if (!short) return html`<h1><bdi>${id}</bdi></h1><p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
   return html`
     <div class="title">
-      <h2>${short.name} <small>${label(short.type)}${short.room && `, ${spoken(short.room)}`}</small></h2>
+      <h1>${short.name} <small>${label(short.type)}${short.room && `, ${spoken(short.room)}`}</small></h1>
       <${Marks} device=${short} />
-      <${Quick} device=${short} />
+      <button type="button" class="pill" onClick=${() => openSheet(id)}>${stateOf(short)} <${Sign} path=${SIGNS.right} /></button>
     </div>
     <${LastKnown} device=${short} />
     <div class="pair">
@@ -56,13 +48,13 @@ export function Device({ id }) {
         <${Values} short=${short} full=${full} />
         ${full && html`<${Commands} short=${short} device=${full} />`}
         <section>
-          <h3>${say("Name, room and tags")}</h3>
+          <h2>${say("Name, room and tags")}</h2>
           <${Owner} device=${short} />
         </section>
       </div>
       <div>
         <${History} key=${id} device=${short} />
-        <${Why} id=${id} why=${why} />
+        <${Why} device=${short} />
       </div>
     </div>
     ${full && html`<${Facts} device=${full} />`}
@@ -85,7 +77,7 @@ function Values({ short, full }) {
     </tr>`;
   });
   return html`<section>
-    <h3>${say("Values")}</h3>
+    <h2>${say("Values")}</h2>
     <table class="facts">
       <tbody>
         ${rows}
@@ -97,29 +89,8 @@ function Values({ short, full }) {
 function Commands({ short, device }) {
   if (!may("act") || !device.parts.some(({ part }) => !part.category && part.capabilities.some((one) => one.settable))) return null;
   return html`<section>
-    <h3>${say("Commands")}</h3>
+    <h2>${say("Commands")}</h2>
     <${Controls} short=${short} device=${device} />
-  </section>`;
-}
-
-const FINDINGS = {
-  event: "Its last event, which is no state:",
-  none: "It has reported no change yet.",
-  heard: "It is so since homebot first heard of it.",
-  retained: "A kept message says so, and not since when.",
-  first: "It was so at its first report.",
-};
-
-function Why({ id, why }) {
-  if (!why) return null;
-  const names = new Map(why.names.map((one) => [one.key, one.value]));
-  const entries = why.entries.filter((one) => one.kind !== "judged" || !one.verdicts[0]?.allowed);
-  return html`<section>
-    <h3>${say("Why")}</h3>
-    <p>${why.success ? say(FINDINGS[why.finding] ?? "It changed at {time}.", { time: timeText(why.changed_at) }) : why.message}</p>
-    <ol class="log">
-      ${entries.map((one, index) => html`<${Entry} key=${index} entry=${one} own=${id} names=${names} />`)}
-    </ol>
   </section>`;
 }
 
@@ -127,7 +98,7 @@ function Facts({ device }) {
   const unreadable = device.facts.filter((fact) => fact.name === "unreadable");
   const age = now() - seconds(device.last_seen);
   return html`<section>
-    <h3>${say("What is known, and from where")}</h3>
+    <h2>${say("What is known, and from where")}</h2>
     ${unreadable.map((fact) => html`<p class="bad" key=${fact.key + fact.value}>${say("Not understood at {time}:", { time: timeText(fact.said_at) })} ${fact.value}</p>`)}
     <table class="facts">
       <tbody>

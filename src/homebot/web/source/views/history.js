@@ -30,7 +30,7 @@ export function History({ device }) {
   }, [device.id, reading?.part, reading?.capability, period, isOpen]);
   if (!reading) return null;
   return html`<section>
-    <h3>${say("History")}</h3>
+    <h2>${say("History")}</h2>
     <div class="choices">
       <select aria-label=${say("value")} onChange=${(event) => setChosen(kept[event.target.selectedIndex])}>
         ${kept.map((one) => html`<option key=${`${one.part} ${one.capability}`}>${label(one.capability)}</option>`)}

@@ -1,10 +1,11 @@
 // The journal: what was commanded, by whom, and what it led to; newest first.
 import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribeFrames } from "../door.js";
+import { Entry } from "../entry.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
-import { entryText, hasWords, spoken, timeText, vocabulary } from "../words.js";
+import { entryText, hasWords } from "../words.js";
 
 const KEPT = 1000; // entries that can be searched, as many as homebot answers with
 const MOST = 300; // that are shown
@@ -58,17 +59,3 @@ let number = 0; // of the last entry that came
 
 /** The entries, newest first, each with a number of its own as its key. */
 const numbered = (entries) => entries.map((one) => ({ ...one, number: ++number })).reverse();
-
-/** One entry, with the `outcome` of its command; without the device if that is `own`. */
-export function Entry({ entry, outcome, own = "", names }) {
-  const { device } = entry;
-  return html`<li class=${own ? "own" : ""}>
-    <time>${timeText(entry.at)}</time>
-    ${!own && html`<span>${device && html`<a href=${`#/device/${encodeURIComponent(device)}`}>${nameOf(device)}</a>`}</span>`}
-    <span class=${isBad(entry) ? "bad" : ""}>
-      ${own && device && device !== own && `${spoken(names.get(device) ?? nameOf(device))}: `}${entryText(entry)}${outcome && html`: <span class=${isBad(outcome) ? "bad" : "quiet"}>${entryText(outcome)}</span>`}
-    </span>
-  </li>`;
-}
-
-const isBad = (entry) => vocabulary.value.failures.includes(entry.results[0]?.outcome) || entry.kind === "denied" || (entry.kind === "judged" && !entry.verdicts[0]?.allowed);

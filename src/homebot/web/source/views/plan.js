@@ -5,6 +5,7 @@ import { call, connection, subscribe } from "../door.js";
 import { deviceOf, isHidden, rooms as devicesOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
+import { openSheet } from "../tile.js";
 import { isActive, summary, titled } from "../words.js";
 
 const robots = signal(new Map()); // by name: the pose
@@ -107,7 +108,11 @@ function Doorway({ door, rooms, unit }) {
 function Dot({ device, at: [x, y], unit, most }) {
   const text = summary(device);
   const [state] = text.split(" · ");
-  return html`<a href=${`#/device/${encodeURIComponent(device.id)}`} aria-label=${`${device.name}: ${text}`}>
+  const open = (event) => {
+    event.preventDefault();
+    openSheet(device.id);
+  };
+  return html`<a href=${`#/device/${encodeURIComponent(device.id)}`} onClick=${open} aria-label=${`${device.name}: ${text}`}>
     <circle class=${isActive(device) ? "dot on" : "dot"} cx=${x} cy=${y} r=${unit * (most ? 0.45 : 0.7)}><title>${`${device.name}: ${text}`}</title></circle>
     ${most > 0 && html`<text x=${x + unit} y=${y + unit * 0.35}>${cut(device.name, most)} ${widthOf(device.name + state) < most && html`<tspan class="quiet">${state}</tspan>`}</text>`}
   </a>`;

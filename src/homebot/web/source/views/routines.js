@@ -1,6 +1,6 @@
 // The routines: on or off, what they do, their last runs, and a form that writes their text.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { agree, tell } from "../acting.js";
+import { agree, tell } from "../acts.js";
 import { ask, call, connection, may } from "../door.js";
 import { FEATURES } from "../features.js";
 import { html } from "../html.js";
@@ -40,7 +40,7 @@ export function Routines() {
     ${!found.routines.length && html`<p class="empty">${say("There is no routine yet.")}</p>`}
     <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}<//>
     ${written && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
-    <div class="rooms">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>
+    <div class="columns">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>
     ${FEATURES.map(({ parts }) => parts?.routines && html`<${parts.routines} zone=${found.zone} onChange=${look} />`)}`;
 }
 
@@ -101,7 +101,7 @@ function Form({ routine, change, onClose }) {
     area.current.setSelectionRange(...placeIn(text, message));
   };
   const field = (name, title, example) => html`<label>${title} <textarea name=${name} rows="2" placeholder=${example} required=${name !== "conditions"}></textarea></label>`;
-  return html`<form class="box fields" onSubmit=${submit}>
+  return html`<form class="card fields" onSubmit=${submit}>
     ${isNew && html`<div onInput=${(event) => write({ currentTarget: event.currentTarget.closest("form") })}>
       <label><span>${say("Name")}</span> <input name="name" required maxlength="100" /></label>
       ${field("when", say("when: what starts it, a line each"), "hall motion occupied\n22:30 on weekdays")}

@@ -5,6 +5,7 @@ import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
 import { locale, say } from "../language.js";
 import { Managing } from "../managing.js";
+import { Screen } from "../screen.js";
 import { label, seconds, timeIn, timeText } from "../words.js";
 
 const AGAIN = 5000; // ms
@@ -40,7 +41,7 @@ export function System() {
       ${found.findings.every((one) => !one.is_problem) && html`<p>${say(found.findings.length ? "Nothing is wrong. To note:" : "Nothing is wrong.")}</p>`}
       <ul class="entries">${found.findings.map((one) => html`<${Finding} key=${one.code + one.where} finding=${one} />`)}</ul>
     </section>
-    <div class="rooms">
+    <div class="columns">
       ${found.apps && html`<section>
         <h2>${say("Apps")}</h2>
         ${!found.apps.length && html`<p class="empty">${say("No app runs.")}</p>`}
@@ -56,6 +57,7 @@ export function System() {
         </tbody></table>
       </section>`)}
     </div>
+    <div class="columns"><${Screen} /></div>
     <${Log} />
     <${Connection} />`;
 }

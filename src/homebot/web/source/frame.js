@@ -1,0 +1,67 @@
+// The frame around each view: the rail at the side, or the bar below; the connection, the token, questions and outcomes.
+import { signal } from "@preact/signals";
+import { outcome } from "./acts.js";
+import { urgent } from "./alerts.js";
+import { connection, logIn, logOut, missing, token } from "./door.js";
+import { count, shown } from "./house.js";
+import { html } from "./html.js";
+import { SIGNS, Sign } from "./icons.js";
+import { say } from "./language.js";
+import { Agreement, Questions } from "./questions.js";
+import { Sheet } from "./sheet.js";
+import { openOf } from "./summaries.js";
+import { sheet } from "./tile.js";
+
+/** Whether the form for a token is open. */
+export const isLoggingIn = signal(false);
+
+/** The views of the rail; on a phone the last ones are behind "More". */
+export const FIRST = { home: "Home", security: "Security", climate: "Climate", energy: "Energy" };
+export const LAST = { plan: "Plan", routines: "Routines", journal: "Journal", system: "System" };
+
+const Link = ({ view, text, above, mark, name = "" }) => html`<a href=${`#/${view}`} class=${name} aria-current=${view === above ? "page" : undefined}><${Sign} path=${SIGNS[view]} size=${26} /><span>${say(text)}</span>${mark > 0 && html`<b>${mark}</b>`}</a>`;
+
+export function Frame({ above, children }) {
+  const { state, reason } = connection.value;
+  const mustLogIn = state === "refused";
+  const marks = { home: urgent().length, security: openOf(shown.value).length };
+  const skip = (event) => {
+    event.preventDefault();
+    document.getElementById("content").focus();
+  };
+  return html`<div class="frame" inert=${Boolean(sheet.value)}>
+      <a class="skip" href="#content" onClick=${skip}>${say("to the content")}</a>
+      <nav class="rail" aria-label=${say("views")}>
+        ${Object.entries(FIRST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} mark=${marks[view]} />`)}
+        ${Object.entries(LAST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} name="last" />`)}
+        <${Link} view="more" text="More" above=${above in LAST ? "more" : above} name="others" />
+      </nav>
+      <div class="page">
+        <p role="status" class=${state === "open" ? "hidden" : "notice"}>${state === "open" ? say(count.value === 1 ? "{count} device" : "{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}</p>
+        ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
+        <${Questions} />
+        <main id="content" tabindex="-1" class=${state === "open" ? "" : "old"}>${children}</main>
+      </div>
+    </div>
+    <${Sheet} />
+    <div class="told"><${Agreement} />
+      <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
+        ${outcome.value?.text} ${outcome.value?.override && html`<button type="button" onClick=${outcome.value.override}>${say("Command it all the same?")}</button>`} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
+      </p></div>`;
+}
+
+function LogIn({ reason }) {
+  const submit = (event) => {
+    event.preventDefault();
+    const given = new FormData(event.target);
+    isLoggingIn.value = false;
+    logIn(given.get("token").trim(), given.get("remember") === "on");
+  };
+  return html`<form class="card fields" aria-label=${say("log in")} onSubmit=${submit}>
+    ${reason && html`<p class="bad">${reason}</p>`}
+    <p>${say("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
+    <label><span>${say("Token")}</span> <input type="password" name="token" autocomplete="off" required /></label>
+    <label class="check"><input type="checkbox" name="remember" /> ${say("keep it in this browser")}</label>
+    <p class="buttons"><button class="chief">${say("log in")}</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>${say("go on without a token")}</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>${say("not now")}</button>`}</p>
+  </form>`;
+}

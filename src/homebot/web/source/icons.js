@@ -1,0 +1,173 @@
+// The icons of @mdi/js, Apache-2.0: the build keeps only those named here.
+import * as mdi from "@mdi/js";
+import { html } from "./html.js";
+
+export const SIGNS = {
+  home: mdi.mdiHome,
+  security: mdi.mdiShieldHome,
+  climate: mdi.mdiThermometer,
+  energy: mdi.mdiLightningBolt,
+  plan: mdi.mdiFloorPlan,
+  routines: mdi.mdiPlaylistCheck,
+  journal: mdi.mdiHistory,
+  system: mdi.mdiCog,
+  more: mdi.mdiDotsHorizontal,
+  right: mdi.mdiChevronRight,
+  left: mdi.mdiChevronLeft,
+  up: mdi.mdiChevronUp,
+  down: mdi.mdiChevronDown,
+  stop: mdi.mdiStop,
+  close: mdi.mdiClose,
+  plus: mdi.mdiPlus,
+  minus: mdi.mdiMinus,
+  star: mdi.mdiStar,
+  pencil: mdi.mdiPencil,
+  power: mdi.mdiPower,
+  check: mdi.mdiCheck,
+  undo: mdi.mdiUndoVariant,
+  backspace: mdi.mdiBackspaceOutline,
+  search: mdi.mdiMagnify,
+  lights: mdi.mdiLightbulbGroup,
+  bulb: mdi.mdiLightbulb,
+  bulbOff: mdi.mdiLightbulbOutline,
+  door: mdi.mdiDoorOpen,
+  window: mdi.mdiWindowOpenVariant,
+  lock: mdi.mdiLockOpenVariant,
+  garage: mdi.mdiGarageOpenVariant,
+  gate: mdi.mdiGateOpen,
+  humidity: mdi.mdiWaterPercent,
+  shield: mdi.mdiShieldCheck,
+  disarmed: mdi.mdiShieldOffOutline,
+  armed_home: mdi.mdiShieldHome,
+  armed_night: mdi.mdiShieldMoon,
+  armed_away: mdi.mdiShieldLock,
+  play: mdi.mdiPlay,
+  pause: mdi.mdiPause,
+  quieter: mdi.mdiVolumeMinus,
+  louder: mdi.mdiVolumePlus,
+  muted: mdi.mdiVolumeOff,
+  dock: mdi.mdiHomeImportOutline,
+  locate: mdi.mdiMapMarker,
+  alert: mdi.mdiAlert,
+  fire: mdi.mdiFire,
+  leak: mdi.mdiWaterAlert,
+  off: mdi.mdiWifiOff,
+};
+
+/** Icons of things, first where they are on, open or moved, then where they are not. */
+export const THINGS = {
+  light: [mdi.mdiLightbulb, mdi.mdiLightbulbOutline],
+  ceiling: [mdi.mdiCeilingLight, mdi.mdiCeilingLightOutline],
+  floor: [mdi.mdiFloorLamp, mdi.mdiFloorLampOutline],
+  desk: [mdi.mdiDeskLamp, mdi.mdiDeskLamp],
+  strip: [mdi.mdiLightbulbFluorescentTube, mdi.mdiLightbulbFluorescentTubeOutline],
+  lamp: [mdi.mdiLamp, mdi.mdiLampOutline],
+  plug: [mdi.mdiPowerPlug, mdi.mdiPowerPlugOutline],
+  dishwasher: [mdi.mdiDishwasher, mdi.mdiDishwasher],
+  washer: [mdi.mdiWashingMachine, mdi.mdiWashingMachine],
+  fridge: [mdi.mdiFridge, mdi.mdiFridge],
+  coffee: [mdi.mdiCoffeeMaker, mdi.mdiCoffeeMaker],
+  switch: [mdi.mdiToggleSwitch, mdi.mdiToggleSwitchOffOutline],
+  fan: [mdi.mdiFan, mdi.mdiFanOff],
+  pump: [mdi.mdiPump, mdi.mdiPumpOff],
+  siren: [mdi.mdiBullhorn, mdi.mdiBullhornOutline],
+  x_humidifier: [mdi.mdiAirHumidifier, mdi.mdiAirHumidifierOff],
+  blind: [mdi.mdiBlindsOpen, mdi.mdiBlinds],
+  shutter: [mdi.mdiWindowShutterOpen, mdi.mdiWindowShutter],
+  shade: [mdi.mdiRollerShade, mdi.mdiRollerShadeClosed],
+  curtain: [mdi.mdiCurtains, mdi.mdiCurtainsClosed],
+  awning: [mdi.mdiStorefront, mdi.mdiStorefrontOutline],
+  door: [mdi.mdiDoorOpen, mdi.mdiDoorClosed],
+  window: [mdi.mdiWindowOpenVariant, mdi.mdiWindowClosedVariant],
+  garage_door: [mdi.mdiGarageOpenVariant, mdi.mdiGarageVariant],
+  gate: [mdi.mdiGateOpen, mdi.mdiGate],
+  door_lock: [mdi.mdiLockOpenVariant, mdi.mdiLock],
+  water_valve: [mdi.mdiValveOpen, mdi.mdiValveClosed],
+  thermostat: [mdi.mdiRadiator, mdi.mdiRadiatorDisabled],
+  room_air_conditioner: [mdi.mdiAirConditioner, mdi.mdiAirConditioner],
+  water_heater: [mdi.mdiWaterBoiler, mdi.mdiWaterBoilerOff],
+  occupancy_sensor: [mdi.mdiMotionSensor, mdi.mdiMotionSensorOff],
+  smoke_co_alarm: [mdi.mdiSmokeDetectorVariantAlert, mdi.mdiSmokeDetectorVariant],
+  water_leak_detector: [mdi.mdiWaterAlert, mdi.mdiWaterOutline],
+  rain_sensor: [mdi.mdiWeatherPouring, mdi.mdiWeatherPartlyCloudy],
+  water_freeze_detector: [mdi.mdiSnowflakeAlert, mdi.mdiSnowflake],
+  x_alarm_panel: [mdi.mdiShieldLock, mdi.mdiShieldOffOutline],
+  robotic_vacuum_cleaner: [mdi.mdiRobotVacuum, mdi.mdiRobotVacuum],
+  x_lawn_mower: [mdi.mdiRobotMower, mdi.mdiRobotMowerOutline],
+  camera: [mdi.mdiCctv, mdi.mdiCctv],
+  doorbell: [mdi.mdiDoorbellVideo, mdi.mdiDoorbellVideo],
+  video_player: [mdi.mdiTelevision, mdi.mdiTelevisionOff],
+  speaker: [mdi.mdiSpeaker, mdi.mdiSpeaker],
+  temperature_sensor: [mdi.mdiThermometer, mdi.mdiThermometer],
+  humidity_sensor: [mdi.mdiWaterPercent, mdi.mdiWaterPercent],
+  light_sensor: [mdi.mdiBrightness5, mdi.mdiBrightness5],
+  air_quality_sensor: [mdi.mdiMoleculeCo2, mdi.mdiMoleculeCo2],
+  soil_sensor: [mdi.mdiFlower, mdi.mdiFlower],
+  pressure_sensor: [mdi.mdiGauge, mdi.mdiGauge],
+  flow_sensor: [mdi.mdiWavesArrowRight, mdi.mdiWavesArrowRight],
+  electrical_meter: [mdi.mdiMeterElectric, mdi.mdiMeterElectricOutline],
+  generic_switch: [mdi.mdiGestureTapButton, mdi.mdiGestureTapButton],
+  x_scene: [mdi.mdiPalette, mdi.mdiPalette],
+  x_robot: [mdi.mdiRobot, mdi.mdiRobot],
+  x_person: [mdi.mdiAccount, mdi.mdiAccountOutline],
+  x_household: [mdi.mdiAccountGroup, mdi.mdiAccountGroupOutline],
+  x_tracker: [mdi.mdiAccount, mdi.mdiAccountOutline],
+  x_battery: [mdi.mdiBattery, mdi.mdiBattery],
+  x_setting: [mdi.mdiTune, mdi.mdiTune],
+  x_update: [mdi.mdiPackageUp, mdi.mdiPackage],
+  x_unknown: [mdi.mdiDevices, mdi.mdiDevices],
+};
+
+/** Words of names, in the languages of the page, with what they mean. */
+const LAMPS = [
+  [/ceiling|pendant|deck|plafon|techo|soffitt/i, "ceiling"],
+  [/floor lamp|standing|steh|lampadaire|de pie|vloer|piantana/i, "floor"],
+  [/desk|reading|schreibtisch|lese|bureau|lecture|escritorio|lectura|lees|scrivania|lettura/i, "desk"],
+  [/strip|worktop|counter|streifen|led|arbeitsplatte|bandeau|tira|werkblad|striscia/i, "strip"],
+  [/night|table|nacht|nuit|noche|notte|tisch|mesa|tavol/i, "lamp"],
+];
+const MACHINES = [
+  [/dishwasher|geschirrsp|sp.lmaschine|lave-vaisselle|lavavajillas|vaatwasser|lavastoviglie/i, "dishwasher"],
+  [/wash|dryer|wasch|trockner|lave-linge|lavadora|wasmachine|droger|lavatrice/i, "washer"],
+  [/fridge|freezer|k.hl|gefrier|frigo|nevera|koelkast|vriezer/i, "fridge"],
+  [/coffee|kaffee|caf.|koffie|caff/i, "coffee"],
+];
+const ROOMS = [
+  [/living|lounge|wohn|salon|s.jour|sala|woon|soggiorno/i, mdi.mdiSofa],
+  [/kitchen|k.che|cuisine|cocina|keuken|cucina/i, mdi.mdiSilverwareForkKnife],
+  [/hall|entr|corridor|flur|diele|couloir|pasillo|gang|ingresso/i, mdi.mdiCoatRack],
+  [/kid|child|nursery|kinder|enfant|ni.o|bambin/i, mdi.mdiTeddyBear],
+  [/bath|shower|bad|bain|ba.o|bagno/i, mdi.mdiShower],
+  [/toilet|wc|loo/i, mdi.mdiToilet],
+  [/bed|schlaf|chambre|dormitorio|slaap|camera/i, mdi.mdiBed],
+  [/office|study|work|b.ro|arbeit|bureau|despacho|kantoor|studio|ufficio/i, mdi.mdiDesk],
+  [/garage|carport|garaje/i, mdi.mdiCar],
+  [/garden|terrace|balcon|outside|garten|terrasse|jardin|jard.n|tuin|giardino|außen/i, mdi.mdiTree],
+  [/cellar|basement|keller|cave|s.tano|kelder|cantina/i, mdi.mdiStairsDown],
+  [/dining|ess|manger|comedor|eet|pranzo/i, mdi.mdiTableChair],
+];
+const SCENES = [
+  [/evening|dinner|abend|soir|noche|avond|sera|cena|d.ner/i, mdi.mdiWeatherSunset],
+  [/film|movie|cinema|kino|cine/i, mdi.mdiMovieOpen],
+  [/night|sleep|nacht|nuit|notte|schlaf/i, mdi.mdiWeatherNight],
+  [/read|lese|lire|leer|lezen|legg/i, mdi.mdiBookOpenVariant],
+  [/off|aus|away|leave|weg|absen|apag|uit|spegn/i, mdi.mdiPower],
+  [/morning|morgen|matin|ma.ana|ochtend|mattin/i, mdi.mdiWeatherSunny],
+];
+
+const firstOf = (rows, text) => rows.find(([words]) => words.test(text))?.[1];
+
+export const roomSign = (name) => firstOf(ROOMS, name) ?? mdi.mdiFloorPlan;
+export const sceneSign = (name) => firstOf(SCENES, name) ?? mdi.mdiPalette;
+
+/** What the icon of a device shows, by its kind, else by words of its name, else by its type. */
+export function thingOf(device) {
+  if (device.type === "light") return firstOf(LAMPS, device.name) ?? "light";
+  if (device.type === "plug" || device.type === "switch") return firstOf(MACHINES, device.name) ?? device.type;
+  if (device.type === "camera" && /bell|klingel|sonnette|timbre|bel|campanello/i.test(device.name)) return "doorbell";
+  if (device.type === "thermostat" && device.settable.includes("cooling_setpoint")) return "room_air_conditioner";
+  if (device.type === "door_lock") return device.type;
+  return THINGS[device.kind] ? device.kind : { contact_sensor: "door", closure: "door", window_covering: "shade" }[device.type] ?? (THINGS[device.type] ? device.type : "x_unknown");
+}
+
+export const Sign = ({ path, size = 24 }) => html`<svg class="sign" viewBox="0 0 24 24" width=${size} height=${size} aria-hidden="true"><path d=${path} /></svg>`;

@@ -1,0 +1,49 @@
+// What heats and cools: the measured temperature, and a large one that is set.
+import { act, perform, setting } from "../acts.js";
+import { read, readingOf, takes } from "../house.js";
+import { html } from "../html.js";
+import { say } from "../language.js";
+import { Stepper, stepped } from "../stepper.js";
+import { capital, label, textOf, valueText } from "../words.js";
+
+const WARM = new Set(["heating", "preheating"]);
+const COLD = new Set(["cooling"]);
+const MODES = [["thermostat_mode", "off", "heat", "cool", "auto", "dry", "fan_only"]];
+
+const action = (device) => read(device, "thermostat_action");
+const measured = (device) => readingOf(device, "local_temperature") ?? readingOf(device, "temperature");
+
+function tone(device) {
+  if (WARM.has(action(device))) return "heat";
+  if (COLD.has(action(device))) return "cool";
+  return "rest";
+}
+
+/** Measured, then what is set, which has the buttons of the tile. */
+function state(device) {
+  const now = measured(device);
+  return now ? valueText(now.capability, now.value) : textOf("thermostat_mode", read(device, "thermostat_mode") ?? "unknown");
+}
+
+function Main({ device }) {
+  const reading = stepped(device);
+  const mode = read(device, "thermostat_mode");
+  const [[capability, ...modes]] = MODES;
+  const known = takes(device, capability) ? modes.filter((one) => one === mode || one === "off" || (one === "heat" && takes(device, "heating_setpoint")) || (one === "cool" && takes(device, "cooling_setpoint"))) : [];
+  return html`<div class="setpoint">
+      ${reading ? html`<${Stepper} device=${device} reading=${reading} isLarge />` : html`<output><b>${state(device)}</b></output>`}
+      <p>${[measured(device) && say("now {value}", { value: state(device) }), action(device) && textOf("thermostat_action", action(device))].filter(Boolean).join(" · ")}</p>
+    </div>
+    ${known.length > 1 && html`<div class="modes" role="group" aria-label=${label(capability)}>${known.map((one) => html`<button key=${one} type="button" aria-pressed=${String(one === mode)} onClick=${() => one !== mode && perform(device, setting("", capability, one))}>${capital(textOf(capability, one))}</button>`)}</div>`}
+    ${takes(device, "on_off") && html`<button type="button" class="wide" role="switch" aria-checked=${String(Boolean(read(device, "on_off")))} onClick=${() => perform(device, act("", read(device, "on_off") ? "off" : "on", "on_off", true))}>${say(read(device, "on_off") ? "on" : "off")}</button>`}`;
+}
+
+export const climate = {
+  types: ["thermostat", "room_air_conditioner", "water_heater"],
+  group: "climate",
+  isActive: (device) => tone(device) !== "rest",
+  tone,
+  state,
+  Main,
+  main: ["heating_setpoint", "cooling_setpoint", "humidity_setpoint", "thermostat_mode", "on_off"],
+};

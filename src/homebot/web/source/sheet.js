@@ -1,0 +1,76 @@
+// The sheet of a device: its main control, why it is so, today, and the ways to everything else.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { tell } from "./acts.js";
+import { Controls } from "./controls.js";
+import { ask, call, connection, may } from "./door.js";
+import { FAVORITE, deviceOf } from "./house.js";
+import { html } from "./html.js";
+import { SIGNS, Sign } from "./icons.js";
+import { kindOf, signOf, stateOf, toneOf } from "./kinds.js";
+import { say } from "./language.js";
+import { LastKnown, Marks } from "./marks.js";
+import { Mini } from "./mini.js";
+import { Owner } from "./owner.js";
+import { closeSheet, giveFocusBack, sheet } from "./tile.js";
+import { ActButton } from "./buttons.js";
+import { titled } from "./words.js";
+import { Why } from "./why.js";
+
+const DEAF = 350; // ms in which the touch that opened it may still end
+
+export function Sheet() {
+  return sheet.value && deviceOf(sheet.value) ? html`<${Opened} key=${sheet.value} id=${sheet.value} />` : null;
+}
+
+function Opened({ id }) {
+  const device = deviceOf(id).value;
+  const box = useRef(null);
+  const [isReady, setIsReady] = useState(false);
+  useEffect(() => {
+    box.current.focus();
+    const timer = setTimeout(() => setIsReady(true), DEAF);
+    const onKey = (event) => event.key === "Escape" && closeSheet();
+    addEventListener("keydown", onKey);
+    document.documentElement.classList.add("covered");
+    return () => {
+      clearTimeout(timer);
+      removeEventListener("keydown", onKey);
+      document.documentElement.classList.remove("covered");
+      setTimeout(giveFocusBack); // when the page below takes it again
+    };
+  }, []);
+  const kind = kindOf(device);
+  const isFavorite = device.tags.includes(FAVORITE);
+  const star = async () => {
+    const { success, message } = await ask("/discovery/tag", { device: id, tag: FAVORITE, remove: isFavorite });
+    if (!success) tell(message, false);
+  };
+  return html`<div class="shade" onClick=${() => isReady && closeSheet()}></div>
+    <section ref=${box} class=${isReady ? "sheet" : "sheet new"} role="dialog" aria-modal="true" aria-labelledby="sheetname" tabindex="-1">
+      <header><span class=${`icon ${toneOf(device)}`}><${Sign} path=${signOf(device)} size=${28} /></span>
+        <div><h2 id="sheetname"><bdi>${device.name}</bdi></h2><p>${[device.room && titled(device.room), stateOf(device)].filter(Boolean).join(" · ")} <${Marks} device=${device} /></p></div>
+        ${may("manage") && html`<button type="button" class="round" aria-pressed=${String(isFavorite)} aria-label=${say("favorite")} onClick=${star}><${Sign} path=${SIGNS.star} /></button>`}
+        <button type="button" class="round" aria-label=${say("close|do")} onClick=${closeSheet}><${Sign} path=${SIGNS.close} /></button></header>
+      <div class="body">
+        <${LastKnown} device=${device} />
+        ${device.may_act && (kind.Main ? html`<${kind.Main} device=${device} />` : kind.act?.(device) && html`<div class="solo"><${ActButton} device=${device} act=${kind.act(device)} /></div>`)}
+        <${Why} device=${device} isShort />
+        <${Rest} device=${device} main=${kind.main} />
+        ${may("manage") && html`<details class="part"><summary>${say("Name, room and tags")}</summary><${Owner} device=${device} /></details>`}
+        <p class="links"><a href=${`#/device/${encodeURIComponent(id)}`}>${say("Values, history, facts")} <${Sign} path=${SIGNS.right} /></a></p>
+        <${Mini} device=${device} />
+      </div>
+    </section>`;
+}
+
+/** The controls that the main control has not. */
+function Rest({ device, main }) {
+  const [full, setFull] = useState(null);
+  const isOpen = connection.value.state === "open";
+  const left = device.settable.filter((one) => !main.includes(one));
+  useEffect(() => {
+    if (isOpen && left.length) call("/discovery/find_devices", { ids: [device.id] }).then((answer) => setFull(answer.devices[0]), () => {});
+  }, [device.id, isOpen]);
+  if (!left.length || !device.may_act) return null;
+  return html`<details class="part" open=${main.length === 0}><summary>${say("More controls")}</summary>${full && html`<${Controls} short=${device} device=${full} without=${main} />`}</details>`;
+}

@@ -1,0 +1,43 @@
+// What the house is like, in few words: for chips, rooms, and the views of security, climate and energy.
+import { computed } from "@preact/signals";
+import { read, readingOf, rooms, shown, isHidden, deviceOf } from "./house.js";
+import { thingOf } from "./icons.js";
+import { isPerson, kindOf, toneOf } from "./kinds.js";
+import { say } from "./language.js";
+import { titled, valueText } from "./words.js";
+
+export const OUTSIDE = /outside|outdoor|garden|balcon|terrace|au(ß|ss)en|draußen|garten|extérieur|exterior|jardin|jardín|buiten|tuin|esterno|giardino/i;
+
+export const isOpen = (device) => toneOf(device) === "open";
+export const isLightOn = (device) => device.type === "light" && kindOf(device).isActive(device);
+
+/** The rooms that are shown, each with its devices; that without a name last. */
+export const roomList = computed(() => rooms.value.map(([room, ids]) => [room, ids.filter((id) => !isHidden(id)).map((id) => deviceOf(id)?.value).filter((one) => one && !isPerson(one))]).filter(([, devices]) => devices.length));
+
+export const people = computed(() => shown.value.filter((one) => one.type === "x_person" || one.type === "x_tracker"));
+export const isAtHome = (person) => read(person, "at_home") ?? read(person, "place") === "home";
+
+/** Each capability that tells a temperature of the air, the best first. */
+const TEMPERATURES = ["local_temperature", "temperature"];
+const AIR = new Set(["thermostat", "room_air_conditioner", "temperature_sensor", "air_quality_sensor", "humidity_sensor", "occupancy_sensor"]);
+
+/** The mean of a value of the air of some devices; undefined without one. */
+export function airOf(devices, capabilities = TEMPERATURES) {
+  const found = devices.filter((one) => AIR.has(one.type) && toneOf(one) !== "silent").map((one) => capabilities.map((name) => read(one, name)).find((value) => typeof value === "number")).filter((value) => value !== undefined);
+  return found.length ? found.reduce((sum, value) => sum + value, 0) / found.length : undefined;
+}
+export const temperatureText = (value) => valueText("temperature", Math.round(10 * value) / 10);
+
+/** Whether a device is outside, by words of its name and room. */
+export const isOutside = (device) => OUTSIDE.test(`${device.room} ${device.name}`);
+
+/** What a door or window is called on its own: in a house of many windows with its room. */
+export const placeName = (device) => (device.room && !device.name.toLowerCase().includes(device.room.toLowerCase()) && /^(window|door|fenster|tür|fenêtre|porte|ventana|puerta|raam|deur|finestra|porta)$/i.test(device.name) ? `${titled(device.room)}: ${device.name}` : device.name);
+
+export const openText = (open) => (open.length ? say(open[0].type === "door_lock" ? "{name} unlocked" : "{name} open", { name: placeName(open[0]) }) + (open.length > 1 ? `, +${open.length - 1}` : "") : say("all closed"));
+
+/** What opens, of those that are open: a door before a window. */
+export const openOf = (devices) => devices.filter(isOpen).sort((a, b) => (thingOf(a) === "window") - (thingOf(b) === "window"));
+
+/** Watts that are drawn now: of the meter of most, as that of the house has all others behind it. */
+export const powerOf = (devices) => devices.filter((one) => readingOf(one, "power") && toneOf(one) !== "silent").reduce((sum, one) => sum + Math.max(0, read(one, "power")), 0);

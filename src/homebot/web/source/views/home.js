@@ -1,0 +1,123 @@
+// Home: what is urgent, the time and the people, the house in four chips, favorites, scenes, and rooms.
+import { computed, signal } from "@preact/signals";
+import { useEffect, useState } from "preact/hooks";
+import { Alerts } from "../alerts.js";
+import { perform } from "../acts.js";
+import { now, zone } from "../clock.js";
+import { connection, may } from "../door.js";
+import { FAVORITE, count, isHidden, isLoaded, rooms, shown } from "../house.js";
+import { html } from "../html.js";
+import { SIGNS, Sign, roomSign, thingOf } from "../icons.js";
+import { isAside, kindOf } from "../kinds.js";
+import { capital, label as labelOf, hasWords, hour, titled, valueText } from "../words.js";
+import { locale, say } from "../language.js";
+import { LastKnown } from "../marks.js";
+import { Scenes } from "../scenes.js";
+import { airOf, isAtHome, isLightOn, isOutside, openOf, openText, people, powerOf, roomList, temperatureText } from "../summaries.js";
+import { Tile } from "../tile.js";
+
+const MANY = 30; // devices from which on they can be searched
+const MOST = 8; // favorites that are filled
+const GROUPS = ["lights", "climate", "doors", "covers", "media", "others"];
+
+const sought = signal("");
+const showsHidden = signal(false);
+const hidden = computed(() => rooms.value.flatMap(([, ids]) => ids.filter(isHidden)));
+/** The favorites of the owner; the places up to eight are filled by what is operated most in a house. */
+const favorites = computed(() => {
+  const own = shown.value.filter((one) => one.tags.includes(FAVORITE));
+  const others = shown.value.filter((one) => !own.includes(one) && GROUPS.includes(kindOf(one).group) && !isAside(one) && one.settable.length);
+  const order = others.sort((a, b) => GROUPS.indexOf(kindOf(a).group) - GROUPS.indexOf(kindOf(b).group));
+  const [lamps, rest] = [order.filter((one) => kindOf(one).group === "lights"), order.filter((one) => kindOf(one).group !== "lights")];
+  return [...own, ...lamps.slice(0, 4), ...rest, ...lamps.slice(4)].slice(0, Math.max(MOST, own.length)).map((one) => one.id);
+});
+
+export function Home() {
+  const [ids, setIds] = useState([]); // nothing moves under a finger
+  const isReady = isLoaded.value;
+  useEffect(() => {
+    if (isReady) setIds(favorites.value);
+  }, [isReady, shown.value.length, shown.value.map((one) => one.tags.includes(FAVORITE)).join()]);
+  const isSought = Boolean(sought.value.trim());
+  if (!isReady) return html`<p class="empty">${say("Asking homebot for its devices …")}</p>`;
+  return html`
+    <${Alerts} />
+    <${Top} />
+    <h1 class="hidden">${connection.value.home || say("Home")}</h1>
+    ${!count.value && html`<p class="empty">${say("No device is known yet. They appear here as the gateways find them.")}</p>`}
+    <${Chips} />
+    ${ids.length > 0 && html`<section class="favorites" aria-labelledby="favorites">
+      <div class="head"><h2 id="favorites">${say(isSought ? "Search" : "Favorites")}</h2>${count.value > MANY && html`<label class="search"><${Sign} path=${SIGNS.search} /><span class="hidden">${say("Search")}</span><input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label>`}</div>
+      ${isSought ? html`<${Found} />` : html`<${Tiles} ids=${ids} />`}</section>`}
+    ${!isSought &&
+      html`<${Scenes} />
+        <section aria-labelledby="rooms"><h2 id="rooms">${say("Rooms")}</h2><div class="rooms">${roomList.value.map(([room, devices]) => html`<${RoomCard} key=${room} room=${room} devices=${devices} />`)}</div></section>`}
+    <${LastKnown} />
+    ${hidden.value.length > 0 && html`<p class="choices"><button type="button" aria-pressed=${showsHidden.value} onClick=${() => (showsHidden.value = !showsHidden.value)}>${say("show {count} hidden", { count: hidden.value.length })}</button></p>`}
+    ${showsHidden.value && html`<${Tiles} ids=${hidden.value} />`}`;
+}
+
+const Tiles = ({ ids }) => html`<div class="tiles">${ids.map((id) => html`<${Tile} key=${id} id=${id} room=${shown.value.find((one) => one.id === id)?.room ?? ""} />`)}</div>`;
+
+function Found() {
+  const found = shown.value.filter((one) => hasWords(`${one.name} ${one.given} ${labelOf(one.type)} ${one.room}`, sought.value)).map((one) => one.id);
+  return found.length ? html`<${Tiles} ids=${found} />` : html`<p class="empty">${say("No device has these words in its name, type or room.")}</p>`;
+}
+
+/** The time at home, the temperature outside, and who is there. */
+function Top() {
+  const [, setMinute] = useState(0);
+  useEffect(() => {
+    const timer = setInterval(() => setMinute(Math.floor(now() / 60)), 1000);
+    return () => clearInterval(timer);
+  }, []);
+  const outside = airOf(shown.value.filter(isOutside), ["temperature"]);
+  const date = new Intl.DateTimeFormat(locale.value, { weekday: "long", day: "numeric", month: "long", timeZone: zone.value });
+  return html`<header class="top">
+    <p class="clock"><time>${hour.value.format(now() * 1000)}</time> <span>${date.format(now() * 1000)}</span></p>
+    ${outside !== undefined && html`<p class="outside"><${Sign} path=${SIGNS.climate} /> ${temperatureText(outside)}<span class="far"> ${say("outside")}</span></p>`}
+    ${people.value.length > 0 && html`<p class="people">${people.value.map((one) => html`<span key=${one.id} class=${isAtHome(one) ? "person" : "person away"}><span aria-hidden="true">${one.name[0]}</span><span class="hidden">${say(isAtHome(one) ? "{name} is at home" : "{name} is away", { name: one.name })}</span></span>`)}</p>`}
+  </header>`;
+}
+
+function Chip({ view, sign, text, tone = "rest" }) {
+  return html`<a class=${`chip ${tone}`} href=${`#/${view}`}><span class="icon"><${Sign} path=${sign} /></span><span class="name">${say(capitalOf(view))}</span><span class="state">${capital(text)}</span></a>`;
+}
+const capitalOf = (view) => view[0].toUpperCase() + view.slice(1);
+
+function Chips() {
+  const devices = shown.value;
+  const open = openOf(devices);
+  const lights = devices.filter((one) => one.type === "light");
+  const on = lights.filter(isLightOn).length;
+  const warm = airOf(devices.filter((one) => !isOutside(one)));
+  const heats = devices.some((one) => kindOf(one).group === "climate" && kindOf(one).tone(one) === "heat");
+  const guards = devices.some((one) => kindOf(one).group === "doors");
+  const meters = devices.some((one) => [...one.states.values()].some((reading) => reading.capability === "power"));
+  return html`<nav class="chips" aria-label=${say("summary")}>
+    ${guards && html`<${Chip} view="security" sign=${open.length ? (SIGNS[thingOf(open[0])] ?? SIGNS.lock) : SIGNS.shield} text=${openText(open)} tone=${open.length ? "open" : "secure"} />`}
+    ${lights.length > 0 && html`<${Chip} view="lights" sign=${SIGNS.lights} text=${on ? say("{count} on", { count: on }) : say("all off")} tone=${on ? "lit" : "rest"} />`}
+    ${warm !== undefined && html`<${Chip} view="climate" sign=${SIGNS.climate} text=${temperatureText(warm)} tone=${heats ? "heat" : "rest"} />`}
+    ${meters && html`<${Chip} view="energy" sign=${SIGNS.energy} text=${valueText("power", Math.round(powerOf(devices)))} tone="on" />`}
+  </nav>`;
+}
+
+/** Turn the lights of a room off, or on. */
+export function toggleLights(lights) {
+  const on = lights.some(isLightOn);
+  for (const device of lights) if (isLightOn(device) === on) perform(device, { word: on ? "off" : "on", values: [] });
+}
+
+function RoomCard({ room, devices }) {
+  const lights = devices.filter((one) => one.type === "light");
+  const on = lights.filter(isLightOn).length;
+  const warm = airOf(devices.filter((one) => !isOutside(one) || devices.every(isOutside)));
+  const marks = [...new Set(openOf(devices).map(thingOf))];
+  const text = [warm !== undefined && temperatureText(warm), on > 0 && say(on === 1 ? "1 light" : "{count} lights", { count: on }), !on && warm === undefined && say(devices.length === 1 ? "{count} device" : "{count} devices", { count: devices.length })].filter(Boolean).join(" · ");
+  return html`<div class="roomcard">
+    <a href=${`#/room/${encodeURIComponent(room)}`}><span class="icon"><${Sign} path=${roomSign(room)} size=${26} /></span>
+      <span class="name"><bdi>${room ? titled(room) : say("Without a room")}</bdi>${marks.map((thing) => html`<span key=${thing} class="mark open"><${Sign} path=${SIGNS[thing] ?? SIGNS[thing.replace("_door", "")] ?? SIGNS.lock} size=${20} /><span class="hidden">${say("{name} open", { name: labelOf(thing) })}</span></span>`)}</span>
+      <span class="state">${text}</span></a>
+    ${lights.length > 0 && may("act") && html`<button type="button" class=${on ? "bulb lit" : "bulb"} aria-pressed=${String(on > 0)} aria-label=${say("lights of {room}", { room: room ? titled(room) : say("Without a room") })} onClick=${() => toggleLights(lights)}><${Sign} path=${on ? SIGNS.bulb : SIGNS.bulbOff} size=${26} /></button>`}
+  </div>`;
+}

@@ -1,0 +1,191 @@
+"""The page under real fingers: a tap, a slide, a scroll, a hold; and no way on which one touch lets somebody in."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from anyio import to_thread
+from tests.peers.chromium import SMALLEST_TARGET, Page, axe_program, chromium, opened_page
+
+from homebot.house import World
+from homebot.house.description import load_world
+
+HOUSE = """
+[house]
+dialect = "zigbee2mqtt"
+[rooms.hall]
+[devices.front_lock]
+kind = "lock"
+room = "hall"
+[devices.lamp]
+kind = "lamp"
+room = "hall"
+[devices.heating]
+kind = "thermostat"
+room = "hall"
+[devices.blind]
+kind = "cover"
+room = "hall"
+[devices.door]
+kind = "contact"
+room = "hall"
+door = "outside"
+"""
+SCENES = [{"name": "Guests", "values": {"front_lock": "unlock"}}]
+ROUTINES = [{"name": "Let in", "when": ["7:00"], "do": ["front_lock unlock"], "act": "all"}]
+OWNER = "hunter2-and-some-more"
+TILE = ".tile:has([aria-label*='{}'])"
+LAMP, LOCK = TILE.format("lamp"), TILE.format("Front lock")
+LAMP_MAIN, LOCK_MAIN = f"{LAMP} .main", f"{LOCK} .main"
+
+ROADS: dict[str, tuple[str, ...]] = {
+    "#/home": (LOCK_MAIN, f"{LOCK} .hold"),
+    "#/home/": (f"{LOCK} .more", ".sheet .hold"),
+    "#/home//": (".scene button", "[aria-label=question] .hold"),
+    "#/room/hall": (LOCK_MAIN, f"{LOCK} .hold"),
+    "#/security": (".guard .hold",),
+    "#/device/front_lock": ("[aria-label=lock] .hold",),
+    "#/routines": ("section > .choices button", ".agreement .hold"),
+}
+"""By view: what is touched on the way to unlock the door; the last is what must be held."""
+
+VIEWS = {
+    "#/home": "Favorites",
+    "#/room/hall": "Lights",
+    "#/security": "Doors and windows",
+    "#/climate": "Hall",
+    "#/energy": "Energy",
+    "#/lights": "lamp",
+    "#/plan": "Plan",
+    "#/routines": "Let in",
+    "#/journal": "Journal",
+    "#/system": "Doctor",
+    "#/more": "This screen",
+    "#/device/lamp": "What is known",
+}
+WIDTHS = (320, 390, 768, 1280, 1920)
+
+SMALL = """
+return [...document.querySelectorAll("button, a, select, input:not(.range, [type=checkbox])")]
+  .filter((one) => !one.closest("p, svg, .log, .skip, td, th, .facts, .entries"))
+  .map((one) => [one, one.getBoundingClientRect()])
+  .filter(([, box]) => box.width && (box.width < arguments[0] || box.height < arguments[0]))
+  .map(([one, box]) => `${one.ariaLabel || one.textContent} ${Math.round(box.width)}x${Math.round(box.height)}`);
+"""
+"""Targets that are too small for a finger; a link in a text is as its line."""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as driver:
+        yield driver
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> World:
+    (tmp_path / "house.toml").write_text(HOUSE)
+    return load_world(tmp_path / "house.toml")
+
+
+async def do(work: Callable[..., Any], *given: Any) -> Any:
+    return await to_thread.run_sync(work, *given)
+
+
+def drag(page: Page, selector: str, *ways: tuple[float, float], start: float = 0.5) -> None:
+    """Touch what *selector* finds, at *start* of its width, and move the finger along *ways*."""
+    x, y, width, _ = page.place_of(page.browser.find_element("css selector", selector))
+    x += width * (start - 0.5)
+    page.finger("touchStart", (x, y))
+    for step in range(1, 11):
+        page.finger("touchMove", *((x + dx * step / 10, y + dy * step / 10) for dx, dy in ways))
+    page.finger("touchEnd")
+
+
+async def test_a_tap_acts_a_slide_sets_a_level_a_scroll_does_nothing_and_a_hold_opens_the_sheet(
+    browser: Any, world: World
+) -> None:
+    async with opened_page(browser, world, {"scenes": SCENES}) as own:
+        own.become_phone()
+        try:
+            await own.open(shows="lamp")
+            await own.tap(LAMP_MAIN)
+            await own.shows("%", f"{LAMP}.lit")
+            _, _, width, _ = await do(lambda: own.place_of(browser.find_element("css selector", LAMP_MAIN)))
+            await do(lambda: drag(own, LAMP_MAIN, (width * 0.5, 0), start=0.25))
+            await own.shows("75 %", LAMP)
+            for ways in ([(4, -150)], [(0, 3), (30, 3)]):  # a scroll; two fingers
+                await do(lambda ways=ways: drag(own, LAMP_MAIN, *ways))
+                await do(own.settled)
+                await own.shows("75 %", LAMP)
+            await own.hold(LAMP_MAIN, 0.7)
+            await own.shows("Why", ".sheet")
+            await do(own.settled)
+            await own.tap(".sheet header button:last-child")
+            await own.hides("Why")
+            await own.shows("75 %", LAMP)
+        finally:
+            own.become_computer()
+        assert own.problems() == []
+
+
+@pytest.mark.parametrize("view", ROADS)
+async def test_no_way_lets_somebody_in_by_one_touch(browser: Any, world: World, view: str) -> None:
+    """One touch unlocked the front door."""
+    async with opened_page(browser, world, {"scenes": SCENES, "routines": ROUTINES}, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="lamp")
+        await own.open(view, shows="ront" if "routines" not in view else "Let in")
+        *before, last = ROADS[view]
+        for seconds in (0.1, 0.5, 1.3):
+            assert world.devices["front_lock"].device.state() == "locked"
+            await do(browser.refresh)
+            await own.shows("ront" if "routines" not in view else "Let in")
+            await do(own.settled)
+            for selector in before:
+                await own.tap(selector)
+                await do(own.settled)
+            await own.hold(last, seconds)
+            await do(own.settled)
+        await own.open("#/home", shows="Unlocked")
+
+
+async def test_a_key_that_stays_down_lets_nobody_in_and_two_presses_do(browser: Any, world: World) -> None:
+    """As a screen reader presses, too."""
+    async with opened_page(browser, world) as own:
+        await own.open(shows="Front lock")
+        press = "const [one] = arguments; one.focus(); one.click()"
+        await do(lambda: browser.execute_script(press, browser.find_element("css selector", LOCK_MAIN)))
+        await own.shows("Press again to unlock", LOCK)
+        repeated = {"type": "keyDown", "key": "Enter", "windowsVirtualKeyCode": 13, "text": "\r", "autoRepeat": True}
+        for _ in range(5):
+            await do(lambda: browser.execute_cdp_cmd("Input.dispatchKeyEvent", repeated))
+        await own.shows("Locked", LOCK)
+        await do(lambda: browser.execute_script(press, browser.find_element("css selector", f"{LOCK} .hold")))
+        await own.shows("Unlocked", ".tile.open")
+
+
+async def test_every_view_fits_each_width_with_targets_for_a_finger_in_the_longest_language(
+    browser: Any, world: World
+) -> None:
+    axe = await to_thread.run_sync(axe_program)
+    async with opened_page(browser, world, {"scenes": SCENES, "routines": ROUTINES}, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="lamp")
+        found = []
+        for scheme, language in (("light", "en"), ("dark", "de")):
+            own.prefer(scheme)
+            await do(browser.execute_script, f"localStorage.setItem('homebot.language', '{language}')")
+            for width in WIDTHS:
+                own.resize(width, 800)
+                for view, text in VIEWS.items():
+                    await own.open(f"?{language}{width}{view}", shows=text if language == "en" else "Sicherheit")
+                    await do(own.settled)
+                    found += [
+                        f"{view} at {width}: {one}" for one in await do(browser.execute_script, SMALL, SMALLEST_TARGET)
+                    ]
+                    if await do(own.overflow):
+                        found.append(f"{view} at {width}: too wide")
+                    if width in {390, 1280}:
+                        found += await do(own.complaints, axe)
+        await do(browser.execute_script, "localStorage.clear()")
+        own.become_computer()
+        assert found == [], "\n".join(found)
