@@ -52,6 +52,7 @@ PRINTED: Mapping[str, tuple[int, str]] = {
     "curl -s 'localhost:9090/api/devices?q=light&limit=50'": (0, '{"devices":[{"id":"hall_lamp","type":"light"'),
     "curl -s localhost:9090/api/devices/hall_lamp": (0, '{"id":"hall_lamp","type":"light","room":"hall"'),
     "curl -s localhost:9090/api/scenes": (0, '{"scenes":[]}'),
+    "curl -s localhost:9090/api/routines": (0, '{"routines":['),
     "curl -s localhost:9090/api/habits": (0, "{"),
     "curl -s localhost:9090/api/why/hall_lamp": (0, '{"id":"hall_lamp","state":"o'),
     "curl -s 'localhost:9090/api/history?device=hall_lamp&since=24h&points=50'": (0, "{"),

@@ -45,7 +45,7 @@ def test_an_app_of_a_script_runs_until_ctrl_c_and_the_script_goes_on(tmp_path: P
 
 def test_the_configuration_in_the_folder_counts(tmp_path: Path) -> None:
     """As for ``homebot run``; what is wrong in it is an error that the script may catch."""
-    (tmp_path / "homebot.toml").write_text("[apps.nonsense]\n")
+    (tmp_path / "homebot.toml").write_text("[nonsense]\n")
     text = """
 from homebot import ConfigError
 try:
@@ -54,7 +54,7 @@ except ConfigError as exc:
     print(exc.source, exc.key)
 """
     done = script(tmp_path, text)
-    assert (done.stdout, done.stderr) == ("homebot.toml and command line apps.nonsense\n", "")
+    assert (done.stdout, done.stderr) == ("homebot.toml nonsense\n", "")
 
 
 def test_a_log_that_the_script_has_set_up_is_left_alone(tmp_path: Path) -> None:

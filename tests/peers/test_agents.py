@@ -102,7 +102,7 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
         assert found["message"] == "lamp2 is in view", found
         assert [one["device"] for one in found["candidates"]] == [f"lights/lamp{number}" for number in range(1, 5)]
         assert heard[-1].startswith("lamp2 99%") or heard[-1].startswith("lamp2 100%")
-        assert (await called("agent", devices="lamp1"))["message"] == "lamp1 is not in view"
+        assert (await called("agent", devices="lamp1"))["message"].startswith("lamp1 is not in view")
         reader = await called("reader", devices="light")
         assert (reader["outcome"], "the right act is missing" in reader["reason"]) == ("refused", True), reader
         assert (await api.get("/api/devices")).values == before

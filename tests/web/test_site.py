@@ -7,6 +7,7 @@ from http import HTTPStatus
 
 import anyio
 import pytest
+from anyio import to_thread
 from tests.patience import PATIENCE
 
 from homebot.config import parse_config
@@ -68,7 +69,7 @@ def test_a_file_that_the_browser_has_is_not_sent_again() -> None:
 
 async def test_a_worker_keeps_the_files_of_the_build_that_homebot_says_it_has() -> None:
     """A page whose build differs from that of homebot reloads."""
-    first = body("/worker.js").partition("\n")[0]
+    first = (await to_thread.run_sync(body, "/worker.js")).partition("\n")[0]
     named = re.fullmatch(r'const BUILD = "(\w{16})", FILES = (\[.*\]);', first)
     assert named
     assert {"/" if name == "index.html" else f"/{name}" for name in json.loads(named[2])} == {
