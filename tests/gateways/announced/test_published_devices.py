@@ -230,7 +230,7 @@ async def test_an_unknown_sender_that_breaks_rules_is_dropped_whatever_it_calls_
         assert gateway.devices.admits("another one")
 
 
-async def test_the_newest_message_of_a_source_waits_and_is_read_when_there_is_work_to_spare() -> None:
+async def test_messages_that_are_sent_once_wait_in_order_and_are_read_when_there_is_work_to_spare() -> None:
     """For a gateway that asks the quarantine itself."""
     read: list[bytes] = []
 
@@ -246,13 +246,13 @@ async def test_the_newest_message_of_a_source_waits_and_is_read_when_there_is_wo
         gateway.devices.put(LAMP, "new")
         while gateway.devices.admits("hall"):
             gateway.devices.reject("hall", b"?" * 100_000, "noise")
-        assert quarantine.must_wait(b"1", "hall", 1)
-        assert quarantine.must_wait(b"2", "hall", 1)
-        assert not quarantine.must_wait(b"3", "stranger", 1)
+        assert quarantine.must_wait(b"1", "hall", b"1")
+        assert quarantine.must_wait(b"2", "hall", b"2")
+        assert not quarantine.must_wait(b"3", "stranger", b"3")
         await anyio.sleep(0.01)
         assert read == []
         await anyio.sleep(5.0)
-        assert read == [b"2"]
+        assert read == [b"1", b"2"]
         tasks.cancel_scope.cancel()
 
 

@@ -18,7 +18,7 @@ def spend(offenders: WorkBudgets, topic: str, now: float) -> int:
 def accepted(*topics: str, room: int = 1000) -> WorkBudgets:
     offenders = WorkBudgets(prefix_of(FILTERS), room)
     for topic in topics:
-        offenders.accept(topic)
+        offenders.accept(topic, b"{}", 0.0, is_valid=True)
     return offenders
 
 
@@ -57,6 +57,15 @@ def test_a_budget_that_is_used_up_is_filled_again_within_a_second_whatever_it_wa
         assert offenders.admits("hello/lamp", LONGEST_WAIT + 0.001)
 
 
+def test_a_valid_announcement_clears_the_charge_of_its_topic_once_in_a_second() -> None:
+    offenders = accepted("hello/lamp")
+    assert spend(offenders, "hello/lamp", 0.0) == BURST // MESSAGE_WORK
+    offenders.accept("hello/lamp", b"{}", 0.0, is_valid=True)
+    assert spend(offenders, "hello/lamp", 0.0) == BURST // MESSAGE_WORK
+    offenders.accept("hello/lamp", b"{}", 0.1, is_valid=True)
+    assert spend(offenders, "hello/lamp", 0.1) < BURST // MESSAGE_WORK / 2
+
+
 def test_the_topics_of_many_devices_share_one_budget_as_well() -> None:
     topics = [f"hello/{number}" for number in range(3000)]
     offenders = accepted(*topics, room=100)
@@ -75,6 +84,15 @@ def test_a_device_that_never_broke_a_rule_does_not_wait_for_those_that_do() -> N
     assert offenders.admits("hello/honest", 0.0)
 
 
+def test_payloads_like_the_accepted_announcement_are_recognized() -> None:
+    offenders = WorkBudgets(prefix_of(FILTERS))
+    offenders.accept("hello/list", b'[{"ieee_address": "0x1", "type": "Router"}]', 0.0, is_valid=True)
+    assert offenders.resembles("hello/list", b'[{"ieee_address": "0x1"}, {"ieee_address": "0x2"}]')
+    assert not offenders.resembles("hello/list", b'[{"ieee_address": "0x1"')
+    assert not offenders.resembles("hello/list", b"garbage")
+    assert not offenders.resembles("hello/other", b"[]")
+
+
 def test_the_work_is_bounded_in_any_order_of_messages() -> None:
     """Over random floods: what one topic and one prefix cost in a second, valid announcements among it or not."""
     for seed in range(30):
@@ -87,7 +105,7 @@ def test_the_work_is_bounded_in_any_order_of_messages() -> None:
             if not offenders.admits(offenders.account_for(topic), now):
                 continue
             if random.random() < 0.1:
-                offenders.accept("hello/lamp")
+                offenders.accept("hello/lamp", b"{}", now, is_valid=True)
                 continue
             length = random.choice((0, 100, 10_000, 300_000))
             longest = max(longest, length)

@@ -142,7 +142,7 @@ class PublishedDevices:
                 self.engine.quarantine.log_limited(TOO_MANY, str(exc), source="")
                 return
             is_news = is_news or before is None or not stored.publishes_the_same(before)
-        self.engine.quarantine.budgets.accept(device.key)
+        self.engine.quarantine.budgets.accept(device.key, b"", self._reporter.now, is_valid=True)
         if is_news or self._reporter.now >= stored.refresh_at:
             kind: SightingKind = "appeared" if before is None else "updated"
             self._reporter.publish_sighting(stored, kind, why, confirmed=confirmed)

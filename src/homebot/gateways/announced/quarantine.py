@@ -1,7 +1,8 @@
 """Quarantine for peers that break the rules of a gateway: they are reported, counted and read slowly."""
 
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterator
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Generic, TypeVar
 
@@ -12,7 +13,7 @@ from homebot.devices.health import Quarantine
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
-from homebot.gateways.announced.work_budget import CALM, WorkBudget, WorkBudgets
+from homebot.gateways.announced.work_budget import CALM, MESSAGE_WORK, WorkBudget, WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.log import LogLimit, more_like_this
@@ -38,69 +39,106 @@ _LONGEST = 300
 MAX_BYTES = 16 * 1024 * 1024
 """Bytes of all waiting messages, including the overhead of each."""
 
+MAX_WORK_EACH = 512 * 1024
+"""Work that may wait per source: half a second of its budget."""
+
 _OVERHEAD = 1024
 
 
-class DeferredMessages(Generic[MessageT]):
-    """The messages that wait for a budget: the newest of each source.
+@dataclass(slots=True)
+class _Source(Generic[MessageT]):
+    payer: str
+    messages: list[tuple[MessageT, int, bool]] = field(default_factory=list)
+    work: int = 0
 
-    If there are too many in total, the budget with the most loses that of its least recently active source.
+
+@dataclass(slots=True)
+class _Payer(Generic[MessageT]):
+    sources: OrderedDict[str, _Source[MessageT]] = field(default_factory=OrderedDict)
+    bytes: int = 0
+
+
+class DeferredMessages(Generic[MessageT]):
+    """The messages that wait for a budget: the newest of each source, in order.
+
+    A source with too many loses first those that do not resemble its accepted messages, oldest first, so that an honest
+    sender is heard among strangers that flood its topic. If there are too many in total, the budget with the most
+    loses those of its least recently active source.
 
     Attributes:
-        dropped: Messages for which newer ones of their source, or too many others, have left no room.
-        sources: The budget of each source with a waiting message.
+        sources: The sources with waiting messages.
         account: Bytes of all waiting messages.
     """
 
     def __init__(self, max_bytes: int = MAX_BYTES) -> None:
         self.dropped = 0
-        self.sources: dict[str, str] = {}
-        self._payers: dict[str, OrderedDict[str, tuple[MessageT, int]]] = {}
-        self._bytes: Counter[str] = Counter()
-        self.account = ByteAccount[str](
-            max_bytes, lambda: tuple(self._payers), self._bytes.__getitem__, self._drop_oldest
-        )
+        self.sources: dict[str, _Source[MessageT]] = {}
+        self._payers: dict[str, _Payer[MessageT]] = {}
+        self.account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
 
-    def add(self, message: MessageT, source: str, length: int, payer: str) -> None:
-        """Queue *message* of *length* bytes, in place of an older one, until the budget of *payer* has room."""
-        if source in self.sources:
+    def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
+        """Queue *message* of *length* bytes until the budget of *payer* has room.
+
+        Args:
+            is_like: Whether it resembles the accepted messages of its source.
+        """
+        known = self.sources.get(source)
+        if known is None:
+            known = self.sources[source] = _Source(payer)
+        budget = self._payers.setdefault(known.payer, _Payer())
+        budget.sources[source] = known
+        budget.sources.move_to_end(source)
+        known.messages.append((message, length, is_like))
+        self._count(source, known, length, 1)
+        while known.work > MAX_WORK_EACH and len(known.messages) > 1:
+            unlike = next((index for index, one in enumerate(known.messages) if not one[2]), 0)
+            self._pop(source, unlike)
             self.dropped += 1
-            self._pop(source)
-        self.sources[source] = payer
-        size = _OVERHEAD + len(source) + length
-        self._payers.setdefault(payer, OrderedDict())[source] = (message, size)
-        self._bytes[payer] += size
-        self.account.add(size)
 
     def drop(self, source: str) -> None:
-        """Drop the message of *source*."""
-        if source in self.sources:
+        """Drop all messages of *source*."""
+        while source in self.sources:
             self._pop(source)
 
     def release(self, admits: Callable[[str], bool]) -> Iterator[MessageT]:
         """Yield the messages that need not wait any longer, one per budget in turn, while *admits* allows.
 
-        Among sources that share a budget the newest goes first, so that a new source is not stuck behind a flood.
+        Messages of one source keep their order; among sources that share a budget the newest goes first, so that
+        a new source is not stuck behind a flood.
         """
         is_done = False
         while not is_done:
             is_done = True
             for payer in tuple(self._payers):
-                if payer in self._payers and admits(payer):
+                budget = self._payers.get(payer)
+                if budget is not None and admits(payer):
                     is_done = False
-                    yield self._pop(next(reversed(self._payers[payer])))
+                    yield self._pop(next(reversed(budget.sources)))
 
-    def _pop(self, source: str) -> MessageT:
-        payer = self.sources.pop(source)
-        message, size = self._payers[payer].pop(source)
-        self._bytes[payer] -= size
-        if not self._payers[payer]:
-            del self._payers[payer], self._bytes[payer]
-        self.account.add(-size)
+    def _pop(self, name: str, index: int = 0) -> MessageT:
+        source = self.sources[name]
+        message, length, _ = source.messages.pop(index)
+        self._count(name, source, length, -1)
+        if not source.messages:
+            del self.sources[name]
+            sources = self._payers[source.payer].sources
+            del sources[name]
+            if not sources:
+                del self._payers[source.payer]
         return message
 
+    def _count(self, name: str, source: _Source[MessageT], length: int, sign: int) -> None:
+        size = sign * (_OVERHEAD + len(name) + length)
+        source.work += sign * (MESSAGE_WORK + length)
+        self._payers[source.payer].bytes += size
+        self.account.add(size)
+
+    def _bytes_of(self, payer: str) -> int:
+        found = self._payers.get(payer)
+        return 0 if found is None else found.bytes
+
     def _drop_oldest(self, payer: str) -> None:
-        self._pop(next(iter(self._payers[payer])))
+        self._pop(next(iter(self._payers[payer].sources)))
         self.dropped += 1
 
 
@@ -132,8 +170,8 @@ class PeerQuarantine(Generic[MessageT]):
         self._limit = LogLimit(gateway.node.graph.clock)
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
-    def must_wait(self, message: MessageT, source: str, length: int) -> bool:
-        """Queue *message* of *length* bytes if its source is over budget or has one waiting; return whether it was."""
+    def must_wait(self, message: MessageT, source: str, payload: bytes) -> bool:
+        """Queue *message* if its source is over budget or has messages waiting; return whether it was queued."""
         now = self._reporter.now
         if now >= self.budgets.clean_at and not self.waiting.sources:
             return False
@@ -141,7 +179,7 @@ class PeerQuarantine(Generic[MessageT]):
         if source not in self.waiting.sources and self.budgets.admits(payer, now):
             return False
         self._counters.announcements_deferred += 1
-        self.waiting.add(message, source, length, payer)
+        self.waiting.add(message, source, len(payload), payer, is_like=self.budgets.resembles(source, payload))
         self._work_available.set()
         self._defer(payer)
         return True

@@ -36,11 +36,15 @@ LONGEST_WAIT = 1.0
 CALM = 10.0
 """Seconds without an offence after which a source counts as clean."""
 
+CLEAR_EVERY = 1.0
+"""Seconds before a valid announcement may clear the charge of a source again: it may be a copy of the last one."""
+
 UNKNOWN_SENDER = "unknown sender"
 """The only group of a gateway that defines none."""
 
 MAX_BUDGETS = 1000
 MAX_ACCEPTED = 50_000
+_HEAD = 32
 
 
 @dataclass(slots=True)
@@ -50,6 +54,7 @@ class WorkBudget:
     Attributes:
         offences: Their number since the last quiet time.
         offended_at: When a rule was broken last.
+        cleared_at: When a valid announcement cleared the charge last.
         is_quarantined: Whether its messages wait.
         since: When the quarantine began.
         deferred_at: When a message was last made to wait.
@@ -61,6 +66,7 @@ class WorkBudget:
     why: str = ""
     offences: int = 0
     offended_at: float = 0.0
+    cleared_at: float = float("-inf")
     is_quarantined: bool = False
     since: float = 0.0
     deferred_at: float = 0.0
@@ -105,7 +111,7 @@ class WorkBudgets:
         self.work = 0
         self._group = group
         self._max_offenders = max_offenders
-        self._accepted: BoundedMap[str, None] = BoundedMap(MAX_ACCEPTED)
+        self._accepted: BoundedMap[str, tuple[bytes, bytes]] = BoundedMap(MAX_ACCEPTED)
         self._own: OrderedDict[str, WorkBudget] = OrderedDict()
         self._shared: dict[str, WorkBudget] = {}
         self._total = _limit(TOTAL_RATE, TOTAL_BURST)
@@ -146,13 +152,26 @@ class WorkBudgets:
         budget.offences += 1
         budget.charge(work, now)
 
-    def accept(self, source: str) -> None:
-        """Record that a message of *source* registered a device."""
-        self._accepted[source] = None
+    def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
+        """Record that *payload* from *source* registered a device; clear its charge if all of it *is_valid*."""
+        # JSON up to the first key, which rarely changes.
+        head, colon, _ = payload[:_HEAD].partition(b":")
+        self._accepted[source] = (
+            head if colon else head[:4],
+            payload[-1:],
+        )
+        budget = self._own.get(source)
+        if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
+            budget.limit, budget.cleared_at = _limit(RATE, BURST), now
 
     def forget(self, source: str) -> None:
         """Record that *source* no longer has a registered device."""
         self._accepted.pop(source, None)
+
+    def resembles(self, source: str, payload: bytes) -> bool:
+        """Return whether *payload* begins and ends like the last accepted payload of *source*."""
+        known = self._accepted.get(source)
+        return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
     def budget_of(self, payer: str) -> WorkBudget | None:
         """Return the budget of *payer*; None if it never broke a rule."""

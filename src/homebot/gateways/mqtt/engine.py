@@ -202,7 +202,7 @@ class AnnouncedDevices:
         async with self._taking:  # our own announcement waits for the end of a long one
             if not message.payload:  # a withdrawal never waits
                 self.quarantine.waiting.drop(message.topic)
-            elif self.quarantine.must_wait(message, message.topic, len(message.payload)):
+            elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
             missed = await self._announcements.handle(message, route.conventions)
         if missed:

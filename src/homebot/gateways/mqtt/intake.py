@@ -59,7 +59,7 @@ class AnnouncementHandler:
         self._subscriber = subscriber
         self._reporter, self._scheduler, self._states = engine.reporter, engine.scheduler, engine.states
         self._quarantine, self._counters = engine.quarantine, engine.counters
-        self._accepted = False
+        self._accepted = self._offended = False
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         self._groups: dict[str, Mapping[str, tuple[str, ...]]] = {}
 
@@ -69,14 +69,15 @@ class AnnouncementHandler:
         Returns:
             The readers, by topic, that may have missed a message.
         """
-        self._accepted = False
+        self._accepted = self._offended = False
         self._missed = []
         self._counters.announcements += 1
         with DuplicateKeys() as repeated:
             for convention in conventions:
                 await self._read(convention, message)
         if self._accepted:
-            self._quarantine.budgets.accept(message.topic)
+            budgets, is_valid = self._quarantine.budgets, not self._offended
+            budgets.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
@@ -170,6 +171,7 @@ class AnnouncementHandler:
         self._record_offence(message, f"the convention {convention.name} failed")
 
     def _record_offence(self, message: MqttMessage, why: str) -> None:
+        self._offended = True
         self._quarantine.record_offence(message.topic, len(message.payload), REJECTED, why)
 
     def _describe(self, described: DeviceAnnounced, message: MqttMessage, length: int) -> None:
