@@ -4,8 +4,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import anyio
 import pytest
 from anyio import to_thread
+from tests.patience import PATIENCE
 from tests.peers.chromium import SMALLEST_TARGET, Page, axe_program, chromium, opened_page
 
 from homebot.house import World
@@ -136,14 +138,16 @@ async def test_no_way_lets_somebody_in_by_one_touch(browser: Any, world: World, 
         await own.open(f"#token={OWNER}", shows="lamp")
         await own.open(view, shows="ront" if "routines" not in view else "Let in")
         *before, last = ROADS[view]
-        for seconds in (0.1, 0.5, 1.3):
+        for seconds in (0.1, 0.5, 3.0):
             assert world.devices["front_lock"].device.state() == "locked"
             await do(browser.refresh)
             await own.shows("ront" if "routines" not in view else "Let in")
             await do(own.settled)
-            for selector in before:
-                await own.tap(selector)
-                await do(own.settled)
+            with anyio.fail_after(PATIENCE):
+                while not await do(browser.find_elements, "css selector", last):  # on a slow machine it gives up first
+                    for selector in before:
+                        await own.tap(selector)
+                        await do(own.settled)
             await own.hold(last, seconds)
             await do(own.settled)
         await own.open("#/home", shows="Unlocked")
