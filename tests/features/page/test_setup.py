@@ -87,7 +87,10 @@ async def test_a_step_writes_its_lines_and_an_undo_takes_them_back(tmp_path: Pat
     ("table", "values", "why"),
     [
         (("gateways", "mqtt"), {"url": "mqtt://x"}, "is no value of TOML"),
-        (("gateways", "mqtt"), {"class": '"os:system"'}, "loads programs"),
+        (("gateways", "mqtt"), {"class": '"os:system"'}, "class loads a program or a file"),
+        (("gateways",), {"spy": '{class = "os:system"}'}, "class loads a program or a file"),
+        (("notify",), {"x": '[{deep = {class = "os:system"}}]'}, "class loads a program or a file"),
+        (("gateways", "mqtt"), {"password_file": '"/etc/shadow"'}, "password_file loads a program or a file"),
         (("apps", "spy"), {"x": "1"}, "not among those that a page may change"),
         (("door",), {"token": '"x"'}, "not among those that a page may change"),
         ((), {"x": "1"}, "not among those"),

@@ -6,7 +6,7 @@ Changes come one after the other. One that homebot refuses leaves the file as it
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -34,9 +34,6 @@ from homebot.support.toml_edit import REMOVED, edit_toml
 
 _TABLES: Final = frozenset({"alerts", "discovery", "gateways", "home", "notify", "people", "places"})
 """The first names of tables that may be changed: none that runs programs, or has rights and policies."""
-
-_CODE: Final = frozenset({"class"})
-"""Keys by which a table loads code."""
 
 _MAX_SHOWN: Final = 200
 _PATIENCE_S: Final = 60.0
@@ -164,9 +161,18 @@ def _values(request: ChangeSetupRequest) -> Mapping[str, object]:
         except ValueError:  # also for several values
             raise UsageError(f"{pair.key} = {pair.value[:100]} is no value of TOML; texts need quotes") from None
         values[pair.key] = value
-    if code := _CODE & values.keys():
-        raise UsageError(f"the key {min(code)} loads programs; only a person writes it into the file")
+    for key in _keys_in(values):
+        if key == "class" or key.endswith("_file"):
+            raise UsageError(f"the key {key} loads a program or a file; only a person writes it into the file")
     return values
+
+
+def _keys_in(value: object) -> Iterator[str]:
+    """Yield the keys of tables in *value*, at any depth."""
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        yield from _keys_in(inner)
+    if isinstance(value, dict):
+        yield from value
 
 
 def _check_rights(request: MakeTokenRequest) -> None:
