@@ -78,8 +78,9 @@ return [...document.querySelectorAll("button, a, select, input:not(.range, [type
 """Targets that are too small for a finger; a link in a text is as its line."""
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def browser() -> Iterator[Any]:
+    """A new browser: after the emulation of a phone, touches reach no page as such any more."""
     with chromium() as driver:
         yield driver
 
