@@ -48,6 +48,7 @@ test-peers: $(VENV)/.peers
 page:
 	@mkdir -p $(PAGE) && cp -r src/homebot/web/source/. $(PAGE)
 	@cd $(PAGE) && npm install --silent --no-audit --no-fund --no-package-lock
+	@rm -f src/homebot/web/page/*.js
 	@cd $(PAGE) && FEATURES=$(CURDIR)/src/homebot/features npm run --silent build -- --outdir=$(CURDIR)/src/homebot/web/page
 
 # 100,000 cases for each target; `make fuzz SEED=...` repeats a run.

@@ -626,7 +626,7 @@ async def test_the_reason_of_a_refusal_is_said_in_the_language_of_the_page() -> 
     }
     script = f"""
         const {{ choose }} = await import("./language.js"), {{ outcomeText }} = await import("./words.js");
-        choose("de");
+        await choose("de");
         console.log(outcomeText({json.dumps(held)}));"""
     said = "abgelehnt (Belegung): das Mitglied a lehnt ab: noch 3 s auf 5 % gehalten von b"
     assert await printed_by(script) == said
@@ -636,9 +636,11 @@ async def printed_by(script: str) -> str:
     """Return what a *script* prints that imports modules of the page."""
     home = node_folder(SOURCE)
     shutil.copytree(SOURCE, home, dirs_exist_ok=True)
+    own = os.environ | {"FEATURES": str(SOURCE.parents[1] / "features")}
+    run = partial(subprocess.run, cwd=home, env=own, check=True, capture_output=True, text=True)
+    await to_thread.run_sync(run, ("node", "collect.js"))
     command = ("node", "--input-type=module", "--eval", BARE_BROWSER + script)
-    run = partial(subprocess.run, command, cwd=home, check=True, capture_output=True, text=True)
-    return (await to_thread.run_sync(run)).stdout.strip()
+    return (await to_thread.run_sync(run, command)).stdout.strip()
 
 
 async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> None:
@@ -651,7 +653,8 @@ async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> N
         partial(subprocess.run, command, cwd=home, env=own, check=False, capture_output=True)
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    for name in ("page.js", "page.css"):
+    built = {path.name for folder in (tmp_path, BUILT) for path in folder.glob("*.[jc]s*")}
+    for name in sorted(built):
         assert (tmp_path / name).read_bytes() == (BUILT / name).read_bytes(), f"{name}: run make page"
 
 

@@ -4,12 +4,14 @@ import gzip
 import json
 import re
 from http import HTTPStatus
+from pathlib import Path
 
 import anyio
 import pytest
 from anyio import to_thread
 from tests.patience import PATIENCE
 
+import homebot.web
 from homebot.config import parse_config
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.health import GetHealth
@@ -18,7 +20,8 @@ from homebot.graph import Node
 from homebot.runtime import Runtime
 from homebot.web.site import answer
 
-EVERY_FILE = ["/", "/page.js", "/page.css", "/icon.svg", "/icon.png", "/licences.txt", "/vocabulary.json", "/worker.js"]
+SCRIPTS = [f"/{path.name}" for path in (Path(homebot.web.__file__).parent / "page").glob("*.js")]
+EVERY_FILE = ["/", "/page.css", "/icon.svg", "/icon.png", "/licences.txt", "/vocabulary.json", *sorted(SCRIPTS)]
 MANIFEST = "/manifest.webmanifest"
 
 
@@ -96,7 +99,7 @@ def test_the_page_names_no_other_server() -> None:
     """A phone in a house without internet shows it."""
     for path in ("/", "/page.css"):
         assert not re.search(r"(?:https?:)?//[a-z]", body(path))
-    assert set(re.findall(r"https?://[\w./]+", body("/page.js"))) <= {
+    assert set(re.findall(r"https?://[\w./]+", "".join(map(body, SCRIPTS)))) <= {
         "http://www.w3.org/1998/Math/MathML",
         "http://www.w3.org/1999/xhtml",
         "http://www.w3.org/2000/svg",

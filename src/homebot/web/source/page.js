@@ -1,6 +1,7 @@
 // The page: the view that the address names, in its frame.
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
+import { useEffect, useState } from "preact/hooks";
 import { agreement, outcome } from "./acts.js";
 import { connect, connection } from "./door.js";
 import { Frame } from "./frame.js";
@@ -9,20 +10,33 @@ import { html } from "./html.js";
 import { say } from "./language.js";
 import { sheet } from "./tile.js";
 import { Climate } from "./views/climate.js";
-import { Device } from "./views/device.js";
 import { Energy } from "./views/energy.js";
-import { Graph } from "./views/graph.js";
 import { Home } from "./views/home.js";
-import { Journal } from "./views/journal.js";
 import { Lights } from "./views/lights.js";
 import { More } from "./views/more.js";
-import { Plan } from "./views/plan.js";
-import { Rates } from "./views/rates.js";
 import { Room } from "./views/room.js";
-import { Routines } from "./views/routines.js";
 import { Security } from "./views/security.js";
-import { System } from "./views/system.js";
 import { loadVocabulary, titled } from "./words.js";
+
+/** Whether a view could not be loaded: homebot is away, or was updated, so that its files have other names. */
+const isOutdated = signal(false);
+const YOUNG = 5000; // ms in which a new load of the page would not help
+
+effect(() => {
+  if (isOutdated.value && connection.value.state === "open" && performance.now() > YOUNG) location.reload();
+});
+
+/** A view that is loaded when it is first shown. */
+function later(load) {
+  let View = null;
+  return function Later(props) {
+    const [, setLoaded] = useState(View !== null);
+    useEffect(() => {
+      if (!View) load().then((loaded) => setLoaded((View = loaded) !== null), () => (isOutdated.value = true));
+    }, []);
+    return View && html`<${View} ...${props} />`;
+  };
+}
 
 /** Each view: its title, its component, and the view of the rail that it is below; without a title, of one thing that the address names. */
 const VIEWS = {
@@ -31,15 +45,15 @@ const VIEWS = {
   climate: ["Climate", Climate],
   energy: ["Energy", Energy],
   lights: ["Lights", Lights, "home"],
-  plan: ["Plan", Plan],
-  routines: ["Routines", Routines],
-  journal: ["Journal", Journal],
-  system: ["System", System],
+  plan: ["Plan", later(async () => (await import("./views/plan.js")).Plan)],
+  routines: ["Routines", later(async () => (await import("./views/routines.js")).Routines)],
+  journal: ["Journal", later(async () => (await import("./views/journal.js")).Journal)],
+  system: ["System", later(async () => (await import("./views/system.js")).System)],
   more: ["More", More],
-  device: ["", Device, "home"],
+  device: ["", later(async () => (await import("./views/device.js")).Device), "home"],
   room: ["", Room, "home"],
-  graph: ["Graph", Graph, "system"],
-  rates: ["Rates", Rates, "system"],
+  graph: ["Graph", later(async () => (await import("./views/graph.js")).Graph), "system"],
+  rates: ["Rates", later(async () => (await import("./views/rates.js")).Rates), "system"],
 };
 /** Views with a heading of their own. */
 const OWN_HEADS = new Set(["home", "security", "climate", "energy", "lights", "more", "device", "room"]);

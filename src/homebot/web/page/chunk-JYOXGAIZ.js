@@ -1,0 +1,60 @@
+import{a as ye,b as ke,c as xe,d as we,e as Oe}from"./chunk-5FPYQOVA.js";import{a as v,d as Y,e as f,f as $e,i as de,j as B,k as fe,m as L,n as he,o as ge,p as x,q as ve,r as be,s as D}from"./chunk-6QDWLWN2.js";import{a as g,b as G,k as q}from"./chunk-X2I52QRM.js";import{a as Z,c as ce,d as k,f as me,g as X,h as ue,i as T,k as N,l as pe}from"./chunk-GC6RR7YT.js";import{d as F,g as M,h as W,r as J}from"./chunk-47U4KU4F.js";import{A as le,B as s,E as n,c as C,d as I,e as se,g as d,h as V,i as w,k as ae,l as $,m as b,n as y,o as O,p as re,q as _,s as R,t as S,u as j,x as ie,y as H}from"./chunk-QQFSK3TL.js";var U=d([]),Se=d(!1);j("/alerts/findings",e=>{U.value=e.findings,Se.value=e.repeats});w(()=>{$.value.state==="connecting"&&(U.value=[])});var ee=()=>U.value.filter(e=>e.urgency!=="later");async function Fe(){let{success:e,message:t}=await S("/alerts/seen");q(e?s("Nobody is told of it again."):t,e)}function rt(){let e=U.value.filter(o=>o.urgency==="later"),t=ee();return n`
+    ${t.map((o,a)=>n`<section key=${o.code} class="banner alarm" role="alert"><${f} path=${v.alert} size=${48} />
+        <div>
+          <h2>${s(o.title||"problem")}</h2>
+          ${o.rows.map(r=>n`<p key=${r.what+r.why}>${k(r.what)&&n`<button type="button" class="link" onClick=${()=>be(r.what)}>${pe(r.what)}</button>`} ${(H.value==="en"||!r.what)&&r.why}</p>`)}
+          ${o.next&&n`<p><strong>${s(o.next)}</strong></p>`}
+        </div>
+        ${a===t.length-1&&Se.value&&y("act")&&n`<button type="button" class="seen" onClick=${Fe}><${f} path=${v.check} /> ${s("I have seen it")}</button>`}
+      </section>`)}
+    ${e.length>0&&n`<p class="notes"><a href="#/system">${e.map(o=>`${s(o.title)}: ${o.total}`).join(" \xB7 ")}</a></p>`}`}var te=d([]),oe=d("");j("/control/questions",e=>{te.value=e.questions,oe.value=""});w(()=>{$.value.state==="connecting"&&(te.value=[])});async function Ge({question:e},t){let{success:o,message:a}=await S("/control/answer",{question:e,yes:t});oe.value=a,!o&&!O.value&&(b.value=a)}var Le=({text:e,problem:t,onAnswer:o})=>n`<section class="question" role="alert" aria-label=${s("question")}>
+  <p><strong>${e}?</strong></p>
+  ${y("act")&&n`<p class="buttons"><${$e} text=${s("do it")} onHeld=${()=>o(!0)} /> <button type="button" onClick=${()=>o(!1)}>${s("no")}</button></p>`}
+  ${t&&n`<p class="bad">${t}</p>`}
+</section>`;function Ee(){let{text:e,act:t}=G.value??{},o=a=>{G.value=null,a&&t()};return G.value&&n`<div class="agreement"><${Le} text=${e} onAnswer=${o} /></div>`}var Ce=()=>te.value.map(e=>n`<${Le} key=${e.question} text=${e.text} problem=${oe.value} onAnswer=${t=>Ge(e,t)} />`);var Ie=24,[z,A]=[480,64],qe=["power","local_temperature","temperature","humidity","on_off","contact","occupancy","level","position","illuminance","battery"];function Me({device:e,capability:t}){let o=t??qe.find(p=>[...e.states.values()].some(({capability:h,value:K})=>h===p&&K!==null)),[a,r]=C(null),c=$.value.state==="open";I(()=>{if(!o||!c)return;let p=ae(),h=p-Ie*3600;R("/history/read",{device:e.id,capability:o,points:120,since:{sec:Math.floor(h),nanosec:0}}).then(K=>r({since:h,to:p,series:K.series.find(He=>He.times.length)}),()=>{})},[e.id,o,c]);let{series:i,since:l,to:m}=a??{};if(!i)return null;let u=p=>Math.max(0,z*(p-l)/(m-l)),Q=`${W(o)}, ${J.value.format(l*1e3)} \u2013 ${s("now")}`,je=[0,1,2,3,4].map(p=>J.value.format((l+p*Ie*3600/4)*1e3));return n`<section class="mini"><h3>${s("the last 24 hours")} <small>${W(o)}</small></h3>
+    <svg viewBox=${`0 0 ${z} ${A}`} preserveAspectRatio="none" role="img" aria-label=${Q}>${i.values.length?n`<${Ne} series=${i} x=${u} to=${m} />`:n`<rect class="base" y="20" width=${z} height="24" />${i.words.map((p,h)=>p==="true"&&n`<rect key=${h} class="on" y="20" height="24" x=${u(i.times[h])} width=${Math.max(2,u(i.ends[h])-u(i.times[h]))} />`)}`}</svg>
+    ${i.values.length>0&&n`<p class="span"><span>${M(o,Math.min(...i.values))}</span><span>${M(o,Math.max(...i.values))}</span></p>`}
+    <p class="axis" aria-hidden="true">${je.map(p=>n`<span key=${p}>${p}</span>`)}</p></section>`}function Ne({series:{times:e,values:t},x:o,to:a}){let[r,c]=[Math.min(...t),Math.max(...t)],i=m=>c===r?A/2:4+(A-8)*(c-m)/(c-r),l=[...e.map((m,u)=>[o(m),i(t[u])]),[o(a),i(t.at(-1))]].map(m=>m.map(u=>u.toFixed(1)).join(","));return n`<path class="under" d=${`M${l[0].split(",")[0]},${A} L${l.join(" L")} L${z},${A}Z`} /><path class="line" d=${`M${l.join(" L")}`} />`}var Be=350;function Te(){return x.value&&k(x.value)?n`<${De} key=${x.value} id=${x.value} />`:null}function De({id:e}){let t=k(e).value,o=se(null),[a,r]=C(!1);I(()=>{o.current.focus();let m=setTimeout(()=>r(!0),Be),u=Q=>Q.key==="Escape"&&D();return addEventListener("keydown",u),document.documentElement.classList.add("covered"),()=>{clearTimeout(m),removeEventListener("keydown",u),document.documentElement.classList.remove("covered"),setTimeout(ve)}},[]);let c=B(t),i=t.tags.includes(X),l=async()=>{let{success:m,message:u}=await S("/discovery/tag",{device:e,tag:X,remove:i});m||q(u,!1)};return n`<div class="shade" onClick=${()=>a&&D()}></div>
+    <section ref=${o} class=${a?"sheet":"sheet new"} role="dialog" aria-modal="true" aria-labelledby="sheetname" tabindex="-1">
+      <header><span class=${`icon ${L(t)}`}><${f} path=${he(t)} size=${28} /></span>
+        <div><h2 id="sheetname"><bdi>${t.name}</bdi></h2><p>${[t.room&&F(t.room),ge(t)].filter(Boolean).join(" \xB7 ")} <${xe} device=${t} /></p></div>
+        ${y("manage")&&n`<button type="button" class="round" aria-pressed=${String(i)} aria-label=${s("favorite")} onClick=${l}><${f} path=${v.star} /></button>`}
+        <button type="button" class="round" aria-label=${s("close|do")} onClick=${D}><${f} path=${v.close} /></button></header>
+      <div class="body">
+        <${ke} device=${t} />
+        ${t.may_act&&(c.Main?n`<${c.Main} device=${t} />`:c.act?.(t)&&n`<div class="solo"><${de} device=${t} act=${c.act(t)} /></div>`)}
+        <${Oe} device=${t} isShort />
+        <${Ue} device=${t} main=${c.main} />
+        ${y("manage")&&n`<details class="part"><summary>${s("Name, room and tags")}</summary><${we} device=${t} /></details>`}
+        <p class="links"><a href=${`#/device/${encodeURIComponent(e)}`}>${s("Values, history, facts")} <${f} path=${v.right} /></a></p>
+        <${Me} device=${t} />
+      </div>
+    </section>`}function Ue({device:e,main:t}){let[o,a]=C(null),r=$.value.state==="open",c=e.settable.filter(i=>!t.includes(i));return I(()=>{r&&c.length&&R("/discovery/find_devices",{ids:[e.id]}).then(i=>a(i.devices[0]),()=>{})},[e.id,r]),!c.length||!e.may_act?null:n`<details class="part" open=${t.length===0}><summary>${s("More controls")}</summary>${o&&n`<${ye} short=${e} device=${o} without=${t} />`}</details>`}var ze=/outside|outdoor|garden|balcon|terrace|au(ß|ss)en|draußen|garten|extérieur|exterior|jardin|jardín|buiten|tuin|esterno|giardino/i,Pe=e=>L(e)==="open",Pt=e=>e.type==="light"&&B(e).isActive(e),Qt=V(()=>ce.value.map(([e,t])=>[e,t.filter(o=>!me(o)).map(o=>k(o)?.value).filter(o=>o&&!fe(o))]).filter(([,e])=>e.length)),Kt=V(()=>N.value.filter(e=>e.type==="x_person"||e.type==="x_tracker")),Vt=e=>T(e,"at_home")??T(e,"place")==="home",Qe=["local_temperature","temperature"],Ke=new Set(["thermostat","room_air_conditioner","temperature_sensor","air_quality_sensor","humidity_sensor","occupancy_sensor"]);function Wt(e,t=Qe){let o=e.filter(a=>Ke.has(a.type)&&L(a)!=="silent").map(a=>t.map(r=>T(a,r)).find(r=>typeof r=="number")).filter(a=>a!==void 0);return o.length?o.reduce((a,r)=>a+r,0)/o.length:void 0}var Jt=e=>M("temperature",Math.round(10*e)/10),Zt=e=>ze.test(`${e.room} ${e.name}`),Ve=e=>e.room&&!e.name.toLowerCase().includes(e.room.toLowerCase())&&/^(window|door|fenster|tür|fenêtre|porte|ventana|puerta|raam|deur|finestra|porta)$/i.test(e.name)?`${F(e.room)}: ${e.name}`:e.name,Xt=e=>e.length?s(e[0].type==="door_lock"?"{name} unlocked":"{name} open",{name:Ve(e[0])})+(e.length>1?`, +${e.length-1}`:""):s("all closed"),Ae=e=>e.filter(Pe).sort((t,o)=>(Y(t)==="window")-(Y(o)==="window")),Yt=e=>e.filter(t=>ue(t,"power")&&L(t)!=="silent").reduce((t,o)=>t+Math.max(0,T(o,"power")),0);var E=d(!1),We={home:"Home",security:"Security",climate:"Climate",energy:"Energy"},_e={plan:"Plan",routines:"Routines",journal:"Journal",system:"System"},ne=({view:e,text:t,above:o,mark:a,name:r=""})=>n`<a href=${`#/${e}`} class=${r} aria-current=${e===o?"page":void 0}><${f} path=${v[e]} size=${26} /><span>${s(t)}</span>${a>0&&n`<b>${a}</b>`}</a>`;function $o({above:e,children:t}){let{state:o,reason:a}=$.value,r=o==="refused",c={home:ee().length,security:Ae(N.value).length},i=l=>{l.preventDefault(),document.getElementById("content").focus()};return n`<div class="frame" inert=${!!x.value}>
+      <a class="skip" href="#content" onClick=${i}>${s("to the content")}</a>
+      <nav class="rail" aria-label=${s("views")}>
+        ${Object.entries(We).map(([l,m])=>n`<${ne} key=${l} view=${l} text=${m} above=${e} mark=${c[l]} />`)}
+        ${Object.entries(_e).map(([l,m])=>n`<${ne} key=${l} view=${l} text=${m} above=${e} name="last" />`)}
+        <${ne} view="more" text="More" above=${e in _e?"more":e} name="others" />
+      </nav>
+      <div class="page">
+        <p role="status" class=${o==="open"?"hidden":"notice"}>${o==="open"?s(Z.value===1?"{count} device":"{count} devices",{count:Z.value}):s(r?"not logged in":a||"connecting \u2026")}</p>
+        ${(r||E.value||b.value)&&n`<${Je} reason=${r?a:b.value} />`}
+        <${Ce} />
+        <main id="content" tabindex="-1" class=${o==="open"?"":"old"}>${t}</main>
+      </div>
+    </div>
+    <${Te} />
+    <div class="told"><${Ee} />
+      <p role="alert" class=${g.value?`outcome ${g.value.isGood?"good":"bad"}`:"hidden"}>
+        ${g.value?.text} ${g.value?.override&&n`<button type="button" onClick=${g.value.override}>${s("Command it all the same?")}</button>`} ${g.value&&!g.value.isGood&&n`<button type="button" onClick=${()=>g.value=null}>${s("close|do")}</button>`}
+      </p></div>`}function Je({reason:e}){let t=o=>{o.preventDefault();let a=new FormData(o.target);E.value=!1,re(a.get("token").trim(),a.get("remember")==="on")};return n`<form class="card fields" aria-label=${s("log in")} onSubmit=${t}>
+    ${e&&n`<p class="bad">${e}</p>`}
+    <p>${s("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
+    <label><span>${s("Token")}</span> <input type="password" name="token" autocomplete="off" required /></label>
+    <label class="check"><input type="checkbox" name="remember" /> ${s("keep it in this browser")}</label>
+    <p class="buttons"><button class="chief">${s("log in")}</button> ${e&&O.value&&n`<button type="button" onClick=${_}>${s("go on without a token")}</button>`} ${b.value&&n`<button type="button" onClick=${()=>b.value=""}>${s("not now")}</button>`}</p>
+  </form>`}var Re="homebot.theme",Ze={"":"as the system",light:"light|theme",dark:"dark|theme"},P=d(localStorage.getItem(Re)??"");w(()=>{localStorage.setItem(Re,P.value),document.documentElement.dataset.theme=P.value});function ko(){let e=O.value&&$.value.state!=="refused";return n`<section class="card screen" aria-labelledby="screen"><h2 id="screen">${s("This screen")}</h2>
+    <label><span>${s("Language")}</span> <select name="language" onChange=${t=>le(t.target.value)}>${Object.entries(ie).map(([t,o])=>n`<option key=${t} value=${t} lang=${t} selected=${t===H.value}>${o}</option>`)}</select></label>
+    <label><span>${s("Colors")}</span> <select name="theme" onChange=${t=>P.value=t.target.value}>${Object.entries(Ze).map(([t,o])=>n`<option key=${t} value=${t} selected=${t===P.value}>${s(o)}</option>`)}</select></label>
+    <p class="choices">${e?n`<button type="button" onClick=${_}>${s("log out")}</button>`:n`<button type="button" aria-expanded=${E.value} onClick=${()=>E.value=!E.value}>${s("log in")}</button>`}</p>
+  </section>`}export{rt as a,Me as b,Pe as c,Pt as d,Qt as e,Kt as f,Vt as g,Wt as h,Jt as i,Zt as j,Ve as k,Xt as l,Ae as m,Yt as n,_e as o,$o as p,ko as q};
