@@ -19,7 +19,7 @@ from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.robots.settings import RobotSettings
 from homebot.runtime.door_table import DoorTable
-from homebot.units import DURATION, LONGEST_WAIT, Seconds, parse_duration
+from homebot.units import DURATION, MAX_WAIT, Seconds, parse_duration
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_number_that_is_no_time_is_refused(number: float) -> None:
 def test_what_is_longer_than_a_life_is_refused_with_the_most_that_is_possible(text: str | float) -> None:
     shown = repr(text) if isinstance(text, str) else text
     with pytest.raises(UsageError, match=re.escape(f"{shown} is more than 100 years, the most that is possible")):
-        parse_duration(text, most=LONGEST_WAIT)
+        parse_duration(text, most=MAX_WAIT)
 
 
 class Table(BaseModel):

@@ -58,8 +58,8 @@ Table: TypeAlias = dict[str, object]
 
 _HERE = Path()
 _FOLDER = "folder"
-_LONGEST_SHOWN = 200
-_MOST_ERRORS = 100
+_MAX_SHOWN = 200
+_MAX_ERRORS = 100
 
 _NO_KEYS: Final = frozenset({"features", "folder", "source"})
 """The fields of a configuration that are no tables of the file."""
@@ -321,7 +321,7 @@ def parse_settings(model: type[ModelT], table: object, source: str, key: str, fo
             strict.model_validate_json(text, strict=True, context=in_folder(folder))
         return model.model_validate_json(text, strict=True, context=in_folder(folder))
     except ValidationError as exc:
-        found = exc.errors(include_url=False, include_context=False)[:_MOST_ERRORS]
+        found = exc.errors(include_url=False, include_context=False)[:_MAX_ERRORS]
         wrong = [one["loc"][:-1] for one in found]  # what is left of an array with a wrong element may be too short
         found = [one for one in found if one["type"] != "too_short" or one["loc"] not in wrong]
         # The cause is left out: it would show the value of a secret.
@@ -372,7 +372,7 @@ _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
 
 def _shortened(value: object) -> str:
     text = repr(value).lower() if isinstance(value, bool) else repr(value)
-    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
+    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
 
 
 def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key: str) -> ConfigError:

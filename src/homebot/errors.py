@@ -282,7 +282,7 @@ class ServiceTimeoutError(ServiceError, TimeoutError):
         self.timeout = timeout
 
 
-_LONGEST_REASON = 500
+_MAX_REASON = 500
 
 
 class GoalError(ServiceError):
@@ -295,7 +295,7 @@ class GoalError(ServiceError):
     """
 
     def __init__(self, action: str, problem: str, result: object = None) -> None:
-        reason = str(getattr(result, "error_msg", "") or getattr(result, "message", ""))[:_LONGEST_REASON]
+        reason = str(getattr(result, "error_msg", "") or getattr(result, "message", ""))[:_MAX_REASON]
         problem = f"{problem}: {reason}" if reason else problem
         super().__init__(action, problem)
         self.args = (f"action {action} {problem}",)

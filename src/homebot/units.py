@@ -21,7 +21,7 @@ def _from_text(value: object) -> object:
     return int(seconds) if seconds.is_integer() else seconds
 
 
-LONGEST_WAIT: Final = 100 * 366 * 86_400.0
+MAX_WAIT: Final = 100 * 366 * 86_400.0
 """100 years, in seconds; a look back may be longer, as it means all that is there."""
 
 DURATION: Final = BeforeValidator(_from_text)
@@ -40,7 +40,7 @@ def parse_duration(text: str | float | timedelta, key: str = "", *, most: float 
         text: A number and a unit, or several with the larger unit first: ``90s``, ``1h30m``, ``1.5d``, ``500ms``,
             ``2 hours``, ``half an hour``. A plain number is seconds.
         key: The name of the setting or argument, for the error.
-        most: :data:`LONGEST_WAIT` for what is waited for.
+        most: :data:`MAX_WAIT` for what is waited for.
 
     Raises:
         UsageError: It cannot be parsed, is negative or infinite, or is more than *most*.

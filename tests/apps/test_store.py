@@ -19,7 +19,7 @@ from tests.patience import PATIENCE
 from tests.sizes import size
 
 from homebot.apps import App, NoSettings
-from homebot.apps.store import MOST_BYTES, MOST_KEYS, MOST_VALUE_BYTES, Store
+from homebot.apps.store import MAX_BYTES, MAX_KEYS, MAX_VALUE_BYTES, Store
 from homebot.apps.stores import WRITE_AFTER, AppStores
 from homebot.clock import ManualClock
 from homebot.config import parse_config
@@ -157,7 +157,7 @@ def test_a_change_that_cannot_be_stored_is_an_error_and_undone() -> None:
     with pytest.raises(UsageError, match=r"store\['log'\] takes text, numbers"):
         store["log"].append({1, 2})
     with pytest.raises(UsageError, match="a value takes at most"):
-        store["log"].append("x" * MOST_VALUE_BYTES)
+        store["log"].append("x" * MAX_VALUE_BYTES)
     assert store["log"] == [1]
 
 
@@ -180,7 +180,7 @@ def test_keys_of_homebot_are_not_listed() -> None:
         (7, 1, "a key of the store is a printable text of 1 to 200 characters, got 7"),
         ("lamp", {1, 2}, r"hall: store\['lamp'\] takes text, numbers, .* got {1, 2}: Object of type set"),
         ("lamp", float("nan"), "Out of range float"),
-        ("lamp", "x" * MOST_VALUE_BYTES, "a value takes at most 65,536 bytes as JSON, got 65,538"),
+        ("lamp", "x" * MAX_VALUE_BYTES, "a value takes at most 65,536 bytes as JSON, got 65,538"),
     ],
 )
 def test_what_is_no_json_or_too_large_is_an_error_that_names_it(key: Any, value: object, problem: str) -> None:
@@ -192,16 +192,16 @@ def test_what_is_no_json_or_too_large_is_an_error_that_names_it(key: Any, value:
 
 def test_an_app_keeps_no_more_than_its_share() -> None:
     store = Store("hall")
-    for number in range(MOST_KEYS):
+    for number in range(MAX_KEYS):
         store[f"key {number}"] = "x"
     with pytest.raises(UsageError, match=r"hall: store\['more'\]: an app has at most 1,000 keys; remove some first"):
         store["more"] = 1
-    for number in range(MOST_BYTES // MOST_VALUE_BYTES - 1):
-        store[f"key {number}"] = "x" * (MOST_VALUE_BYTES - 2)
+    for number in range(MAX_BYTES // MAX_VALUE_BYTES - 1):
+        store[f"key {number}"] = "x" * (MAX_VALUE_BYTES - 2)
     with pytest.raises(UsageError, match="the values of an app take at most 1,048,576 bytes, and the others take"):
-        store["key 999"] = "x" * (MOST_VALUE_BYTES - 2)
+        store["key 999"] = "x" * (MAX_VALUE_BYTES - 2)
     del store["key 0"]
-    store["key 999"] = "x" * (MOST_VALUE_BYTES - 2)
+    store["key 999"] = "x" * (MAX_VALUE_BYTES - 2)
 
 
 async def test_changes_are_written_together_five_seconds_later(

@@ -25,7 +25,7 @@ from homebot.features.history.history_file import HistoryFile
 from homebot.features.history.settings import KeepSettings
 from homebot.graph import Graph, Node
 from homebot.journal.journal_file import JournalFile
-from homebot.runtime.kept_files import serve_copies
+from homebot.runtime.saved_files import serve_copies
 from homebot.support.owner_token import OWNER_FILE, make_owner_token
 from homebot.support.sqlite_file import SqliteFile
 

@@ -18,7 +18,7 @@ from homebot.features.history.history_file import HistoryFile
 from homebot.features.history.settings import KeepSettings
 from homebot.journal.journal_file import JournalFile
 from homebot.recording.recording import load_recording
-from homebot.runtime.kept_files import KEPT_FILES
+from homebot.runtime.saved_files import KEPT_FILES
 from homebot.support.sqlite_file import SqliteFile
 
 VERSIONS = sorted((Path(__file__).parents[1] / "data").iterdir())

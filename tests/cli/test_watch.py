@@ -13,7 +13,7 @@ from tests.cli.test_guides import HOUSE
 from tests.shell import homebot_in
 from tests.whole_house import WHOLE_HOUSE
 
-from homebot.cli.commands.watch import MOST_LINES, _LinePrinter
+from homebot.cli.commands.watch import MAX_LINES, _LinePrinter
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.messages import Time
@@ -121,12 +121,12 @@ def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
 
 def test_a_flood_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
     printer = _LinePrinter({}, as_json=False)
-    for number in range(MOST_LINES + 130):
+    for number in range(MAX_LINES + 130):
         printer.print(WatchLine(Time(sec=0, nanosec=0), "change", "lamp", "", {}, str(number)), 10.0)
     printer.end_second(10.9)
     printer.end_second(11.0)
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == MOST_LINES + 1
+    assert len(lines) == MAX_LINES + 1
     assert lines[-1] == "… 130 more"
 
 

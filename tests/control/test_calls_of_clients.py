@@ -10,7 +10,7 @@ from tests.control.conftest import Home, OpenHome, hold_request
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
 from homebot.devices.handles import Light
 from homebot.devices.robot_owners import RobotOwners

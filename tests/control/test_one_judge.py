@@ -14,7 +14,7 @@ import pytest
 from tests.control.conftest import Home, OpenHome, hold_request, obey_after, report
 from tests.control.test_explanations import explain
 
-from homebot.command_words.earlier_values import EarlierValues, known_states
+from homebot.command_words.undo_record import UndoRecord, known_states
 from homebot.devices import Device
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.device_lookup import DeviceLookup
@@ -284,7 +284,7 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         before, now = changes[-1].before[play.of], newest.value.plain()
         assert part.value(play.of) == now != before
         lamp = (await home.handle(Handle, "lamp")).device
-        undo = EarlierValues({f"{lamp.id} {play.of}": [before, [newest.command or "another"], now]})
+        undo = UndoRecord({f"{lamp.id} {play.of}": [before, [newest.command or "another"], now]})
         is_undone = bool(undo.due(await known_states(home.app, [lamp])))
         assert is_undone == (bool(newest.command) and not newest.may_be_person)
         assert await _leaves_as_it_is(home, lamp, play.of, before) == (play.cause <= PERSON)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from homebot.devices.obedience import fits, value_text
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import fits, value_text
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from zeroconf.asyncio import AsyncZeroconf
 from homebot.conventions.dns_sd import facts_of, identifiers_of, read_txt
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.network import ServiceNews
-from homebot.gateways.mdns.zeroconf_network import LONGEST_TTL, MdnsNetwork
+from homebot.gateways.mdns.zeroconf_network import MAX_TTL, MdnsNetwork
 
 LAMP = "_lamp._tcp.local."
 NAMES = ("Hall", "Häll ✨", "", "a.b", "_sub", "x" * 63, "\x00", "A8032ABE54DC@Hall", "hall\x1b[2J")
@@ -54,7 +54,7 @@ def check(network: MdnsNetwork, news: ServiceNews) -> None:
     found = network.resolve_cached(news.service_type, news.name)
     if found is None:
         return
-    assert 0 <= found.left <= LONGEST_TTL
+    assert 0 <= found.left <= MAX_TTL
     assert 0 <= found.service.port <= 65535
     assert found.service.name.isprintable()
     assert all(value.isprintable() for value in facts_of(found.service).values())

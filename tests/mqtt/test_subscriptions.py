@@ -2,7 +2,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.subscriptions import MOST, MOST_CHARACTERS, batches
+from homebot.mqtt.subscriptions import MAX_CHARACTERS, MAX_SUBSCRIPTIONS, batches
 
 
 def test_plain_topics_are_asked_for_together_and_the_others_alone() -> None:
@@ -32,5 +32,5 @@ def test_every_subscription_is_in_one_batch_of_bounded_size(lengths: list[int], 
     made = list(batches(wanted, is_paced=is_paced))
     assert [one for batch in made for one in batch] == wanted
     for batch in made:
-        assert len(batch) <= MOST
-        assert len(batch) == 1 or sum(len(one.filter) for one in batch) <= MOST_CHARACTERS
+        assert len(batch) <= MAX_SUBSCRIPTIONS
+        assert len(batch) == 1 or sum(len(one.filter) for one in batch) <= MAX_CHARACTERS

@@ -13,7 +13,7 @@ from homebot.cli.commands.replay import difference_text
 from homebot.config import parse_config
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.device import part_names
-from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
+from homebot.devices.history_messages import MAX_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import READ_HISTORY, READ_RECORDING, START_RECORDER
 from homebot.devices.services import FindDevicesRequest
@@ -50,7 +50,7 @@ async def history_of(
         history = node.create_client(ReadHistory, READ_HISTORY)
         series: list[HistorySeries] = []
         for device in filter(is_wanted, devices):
-            asked = ReadHistoryRequest(device=device.id, points=MOST_POINTS, since=begin, until=end)
+            asked = ReadHistoryRequest(device=device.id, points=MAX_POINTS, since=begin, until=end)
             answer = await history.call(asked)
             assert answer.success, answer.message
             series += answer.series

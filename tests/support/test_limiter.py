@@ -10,12 +10,12 @@ class Limited:
 
     def __init__(self) -> None:
         self.over: list[tuple[str, str | None, int]] = []
-        self.kinds = Limiter[str, str](10.0, 2, self._on_over)
+        self.kinds = Limiter[str, str](10.0, 2, self._on_interval_end)
 
     def admit(self, kind: str, item: str, now: float = 0.0) -> bool:
         return self.kinds.of(kind, now).admit(2, item)
 
-    def _on_over(self, kind: str, interval: LimitInterval[str]) -> None:
+    def _on_interval_end(self, kind: str, interval: LimitInterval[str]) -> None:
         self.over.append((kind, *interval.release()))
 
 

@@ -17,7 +17,7 @@ from homebot.words.steps import Do, Wait, WaitUntil, read_step
 from homebot.words.times import DaysAndTime, SunMoment, read_days
 from homebot.words.triggers import Becomes, PersonMoves, read_trigger
 from homebot.words.vocabulary import ADJECTIVES, CONDITIONS, HOUSEHOLD_FACTS
-from homebot.words.wishes import KnownNames, StateWish, read_wishes
+from homebot.words.wishes import KnownNames, StateCondition, read_wishes
 
 TABLE: Mapping[str, tuple[str, ...]] = {
     "state": tuple(state for state, (first, *_) in ADJECTIVES.items() if first.capability != "at_home"),
@@ -45,7 +45,7 @@ def meant(value: object) -> frozenset[tuple[str, PlainValue]]:
             return states(state.query)
         case PersonMoves():
             return frozenset({(value.fact, value.is_home)})
-        case (StateWish(states=terms),):
+        case (StateCondition(states=terms),):
             return frozenset((term.capability, term.value) for term in terms)
     return states(value)  # type: ignore[arg-type]
 
@@ -99,7 +99,7 @@ def test_a_unit_is_the_same_in_all_grammars(quantity: str) -> None:
         assert meant(read_pattern(f"use {capability} < {text}").query) == value, unit
         assert read_step(f"thing {text}") == Do(f"thing {text}", "thing", text)
         assert read_step(f"thing to {text}") == Do(f"thing to {text}", "thing", text)
-        assert wishes(f"thing is at {text}") == (StateWish(f"thing is at {text}", "thing", text),)
+        assert wishes(f"thing is at {text}") == (StateCondition(f"thing is at {text}", "thing", text),)
         for command in (text, f"{capability} {text}", f"set {capability} to {text}"):
             assert parse_command_words(command, (), part, "thing") == dict(value), command
 
@@ -110,7 +110,7 @@ def test_a_color_is_the_same_in_all_grammars(color: str) -> None:
     part = Part(id="part", service_type="light", capabilities=able)
     assert read_step(f"thing {color}") == Do(f"thing {color}", "thing", color)
     assert read_step(f"thing color {color}").command == f"color {color}"  # type: ignore[union-attr]
-    assert wishes(f"thing is {color}") == (StateWish(f"thing is {color}", "thing", color),)
+    assert wishes(f"thing is {color}") == (StateCondition(f"thing is {color}", "thing", color),)
     expected = {"color_temperature": WHITES[color]} if color in WHITES else {"color": COLORS[color]}
     for command in (color, f"color {color}"):
         assert parse_command_words(command, (), part, "thing") == expected

@@ -8,7 +8,15 @@ import pytest
 from tests.call_counts import calls
 
 from homebot.errors import UsageError
-from homebot.words.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
+from homebot.words.wishes import (
+    DOCK,
+    KnownNames,
+    RobotCondition,
+    RoomCondition,
+    SceneCondition,
+    StateCondition,
+    read_wishes,
+)
 
 ROOMS = ("Hall", "Living", "Kitchen", "Office 2")
 HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night"))
@@ -29,7 +37,7 @@ HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night
 )
 def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
     (wish,) = read_wishes(text, HOUSE)
-    assert isinstance(wish, RoomWish)
+    assert isinstance(wish, RoomCondition)
     assert (wish.area, wish.is_lit) == (area, is_lit)
 
 
@@ -52,7 +60,7 @@ def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
 )
 def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -> None:
     (wish,) = read_wishes(text, HOUSE)
-    assert isinstance(wish, RobotWish)
+    assert isinstance(wish, RobotCondition)
     assert (wish.robot, wish.room, wish.is_not) == (robot, room, is_not)
 
 
@@ -83,17 +91,19 @@ def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -
 )
 def test_a_wish_for_devices(text: str, target: str, command: str) -> None:
     (wish,) = read_wishes(text, HOUSE)
-    assert isinstance(wish, StateWish)
+    assert isinstance(wish, StateCondition)
     assert (wish.target, wish.command, wish.area) == (target, command, False)
 
 
 def test_a_wish_for_a_room_means_what_takes_it() -> None:
-    assert read_wishes("kitchen at 19 °C", HOUSE) == (StateWish("kitchen at 19 °C", "Kitchen", "19 °C", area=True),)
+    assert read_wishes("kitchen at 19 °C", HOUSE) == (
+        StateCondition("kitchen at 19 °C", "Kitchen", "19 °C", area=True),
+    )
 
 
 @pytest.mark.parametrize("text", ["film", "scene film", "the film scene", "Film.", "start the film scene"])
 def test_a_scene_is_a_wish(text: str) -> None:
-    assert read_wishes(text, HOUSE) == (SceneWish("scene Film", "Film"),)
+    assert read_wishes(text, HOUSE) == (SceneCondition("scene Film", "Film"),)
 
 
 def test_wishes_are_joined_and_the_last_subject_counts_on() -> None:

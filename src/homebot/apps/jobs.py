@@ -15,7 +15,7 @@ from homebot.clock import Clock
 
 EARLIEST: Final = 1_735_689_600.0
 """2025-01-01: an earlier clock is not set yet, as on a Raspberry Pi without network."""
-LONGEST_NAP: Final = 60.0
+MAX_NAP: Final = 60.0
 """Seconds within which a clock change or a sleep of the computer is noticed; no run is later than that."""
 _STEP_BACK: Final = 1.0
 _SHORTEST: Final = 0.001
@@ -118,7 +118,7 @@ class Interval(Job):
 
     def nap(self) -> float:
         """See above."""
-        return min(LONGEST_NAP, max(_SHORTEST, self.due - self.facts.elapsed()))
+        return min(MAX_NAP, max(_SHORTEST, self.due - self.facts.elapsed()))
 
 
 class Times(Protocol):
@@ -171,8 +171,8 @@ class WallJob(Job):
 
     def nap(self) -> float:
         """See above."""
-        left = LONGEST_NAP if self._next is None else self._next[1] - self.clock.now()
-        return min(LONGEST_NAP, max(_SHORTEST, left))
+        left = MAX_NAP if self._next is None else self._next[1] - self.clock.now()
+        return min(MAX_NAP, max(_SHORTEST, left))
 
     def look(self) -> Due | None:
         """See above; of several missed calls the last one may be due."""
@@ -193,7 +193,7 @@ class WallJob(Job):
             self.write_day(self.name, handled)
         elif last is not None and last[0] > handled:
             late = now - last[1]
-            due = Due(late, is_missed=late > max(self.catch_up, LONGEST_NAP))
+            due = Due(late, is_missed=late > max(self.catch_up, MAX_NAP))
             self._skipped = (last[1], handled) if due.is_missed else None
             handled = last[0]
             self.write_day(self.name, handled)

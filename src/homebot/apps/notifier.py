@@ -32,12 +32,12 @@ DROPPED: Final = "app.notification_dropped"
 _TOPIC: Final = "homebot/notifications"
 _AT_ONCE: Final = 10
 _PER_SECOND: Final = 0.1
-_MOST_APPS: Final = 1000
+_MAX_APPS: Final = 1000
 _LOG_ALONE: Final = "only in the log; the table [notify] of the configuration sends notifications to people"
-_LONGEST: Final = 4000
-_LONGEST_TITLE: Final = 200
+_MAX_CHARACTERS: Final = 4000
+_MAX_TITLE: Final = 200
 _APPRISE_LIMIT: Final = 30.0
-_MOST_THREADS: Final = 4
+_MAX_THREADS: Final = 4
 
 
 _Urls: TypeAlias = Annotated[tuple[SecretStr, ...], Field(max_length=50)]
@@ -116,10 +116,10 @@ class Notifier:
         self._node = node
         self._clock = node.graph.clock
         self._settings = settings
-        self._limits: BoundedMap[str, RateLimit] = BoundedMap(_MOST_APPS)
+        self._limits: BoundedMap[str, RateLimit] = BoundedMap(_MAX_APPS)
         self._lines = LogLimit(self._clock)
         self._output = GatewayOutput(node, settings.gateway) if settings and settings.address else None
-        self._threads = anyio.CapacityLimiter(_MOST_THREADS)
+        self._threads = anyio.CapacityLimiter(_MAX_THREADS)
         self.recent: deque[Notification] = deque(maxlen=100)
         self.dropped = self.failed = 0
         self.trouble = ""
@@ -129,13 +129,13 @@ class Notifier:
     ) -> bool:
         """Send a message of *app*, truncated to 4,000 characters; return whether a service accepted it."""
         time = datetime.fromtimestamp(self._clock.now(), zone)
-        notification = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time, urgency, kind)
+        notification = Notification(str(message)[:_MAX_CHARACTERS], str(title)[:_MAX_TITLE], app, time, urgency, kind)
         limit = self._limits[app] = self._limits.get(app) or RateLimit(_PER_SECOND, _AT_ONCE)
         if not limit.admits(self._clock.monotonic()):
             self.dropped += 1
             if (held_back := self._lines.allows(app)) is not None:
                 text = f"{app} notifies too often, at most once in 10 s: dropped{more_like_this(held_back)}"
-                self._node.log.warning(DROPPED, message=f"{text}: {notification.text[:_LONGEST_TITLE]}", app=app)
+                self._node.log.warning(DROPPED, message=f"{text}: {notification.text[:_MAX_TITLE]}", app=app)
             return False
         hint = "" if self._settings or self.recent else f" ({_LOG_ALONE})"
         self.recent.append(notification)

@@ -16,7 +16,7 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 ItemT = TypeVar("ItemT")
 ItemHandler: TypeAlias = Callable[[ItemT], Awaitable[object] | None]
 
-_MOST_KEYS: Final = 1000
+_MAX_KEYS: Final = 1000
 
 
 @final
@@ -86,7 +86,7 @@ class Reaction(Generic[ItemT]):
         async for item in query:
             key = None if self._key is None else self._key(item)
             if key not in self._runs:
-                key = key if len(self._runs) < _MOST_KEYS else None
+                key = key if len(self._runs) < _MAX_KEYS else None
                 self._runs.setdefault(key, self._new_runs(f"handler {self.name} for {getattr(key, 'name', key)!r:.60}"))
             self._runs[key].start(partial(self._call, item), CURRENT_CAUSE.get())
 

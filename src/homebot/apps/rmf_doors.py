@@ -31,7 +31,7 @@ _MODES: Final = {
     **dict.fromkeys(("open", "unlocked"), _OPEN),
 }
 _TAGS: Final = {"door", "garage_door", "garage", "gate"}
-_MOST_HOLDERS: Final = 100
+_MAX_HOLDERS: Final = 100
 
 
 class RmfDoorsSettings(AppSettings):
@@ -136,7 +136,7 @@ class RmfDoors(App[RmfDoorsSettings]):
         deadline = anyio.current_time() + self._held_for
         if key in self._holds:
             self._holds[key][0].deadline = deadline
-        elif len(self._holds) < _MOST_HOLDERS:
+        elif len(self._holds) < _MAX_HOLDERS:
             scope = anyio.CancelScope(deadline=deadline)
             self._holds[key] = (scope, time)
             tasks.start_soon(partial(self._hold, key, part, scope))

@@ -18,7 +18,7 @@ from homebot.support.similar import did_you_mean
 CALL_DROPPED: Final = "app.call_dropped"
 FAILURES_IN_A_ROW: Final = 5
 """Consecutive failures after which a handler is not called any more."""
-MOST_RUNS: Final = 10
+MAX_RUNS: Final = 10
 _QUIET: Final = 600.0  # seconds between two lines about dropped calls of a handler
 
 RunMode: TypeAlias = Literal["single", "restart", "queued", "parallel"]
@@ -71,7 +71,7 @@ class HandlerRuns:
         start_task: StartTask,
         title: str,
         mode: RunMode = "single",
-        most: int = MOST_RUNS,
+        most: int = MAX_RUNS,
         *,
         is_quiet: bool = False,
     ) -> None:

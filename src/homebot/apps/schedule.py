@@ -17,7 +17,7 @@ from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handl
 from homebot.apps.wall_time import TimeOfDay
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
-from homebot.units import LONGEST_WAIT, parse_duration
+from homebot.units import MAX_WAIT, parse_duration
 from homebot.words.times import MAX_OFFSET_S, read_days, read_time
 
 if TYPE_CHECKING:
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 __all__ = ["Length", "Schedule"]
 
 JOB_SKIPPED: Final = "app.job_skipped"
-MOST_JOBS: Final = 1000
-LONGEST_CATCH_UP: Final = 31 * 86_400.0
+MAX_JOBS: Final = 1000
+MAX_CATCH_UP: Final = 31 * 86_400.0
 _TIMERS, _DAYS = "_timers", "_days"
 _GRACE: Final = 60.0  # seconds by which any durable timer may be late
 _OWN: Final = "homebot.apps."
@@ -99,7 +99,7 @@ class Schedule:
 
     def after(self, delay: Length, handler: RunHandler, name: str | None, *, durable: bool, catch_up: Length) -> Job:
         """See :meth:`homebot.App.after`."""
-        seconds, late = parse_duration(delay, "delay", most=LONGEST_WAIT), _catch_up(catch_up)
+        seconds, late = parse_duration(delay, "delay", most=MAX_WAIT), _catch_up(catch_up)
         text = f"after {delay if isinstance(delay, str) else f'{seconds:g} s'}"
         method = getattr(handler, "__name__", "")
         if durable:
@@ -126,11 +126,11 @@ class Schedule:
 
     def every(self, period: Length, handler: RunHandler, name: str | None, offset: Length, mode: RunMode) -> Job:
         """See :meth:`homebot.App.every`."""
-        seconds = parse_duration(period, "period", most=LONGEST_WAIT)
+        seconds = parse_duration(period, "period", most=MAX_WAIT)
         if not seconds:
             raise UsageError("period: must be above 0")
         text = f"every {period if isinstance(period, str) else f'{seconds:g} s'}"
-        begin = seconds + parse_duration(offset, "offset", most=LONGEST_WAIT)
+        begin = seconds + parse_duration(offset, "offset", most=MAX_WAIT)
         job = self._interval(self._name(name, handler, text), text, handler, begin, seconds, mode)
         return self._add(job)
 
@@ -214,8 +214,8 @@ class Schedule:
         return name
 
     def _add(self, job: Job) -> Job:
-        if len(self._jobs) >= MOST_JOBS:
-            raise UsageError(f"an app has at most {MOST_JOBS:,} jobs; is {job.name} created again and again?")
+        if len(self._jobs) >= MAX_JOBS:
+            raise UsageError(f"an app has at most {MAX_JOBS:,} jobs; is {job.name} created again and again?")
         self._jobs[job.name] = job
         self._changed.set()
         if not self._is_working:
@@ -285,7 +285,7 @@ _MODULES: Final = frozenset({f"{_OWN}schedule", f"{_OWN}base"})
 
 def _numbered(base: str) -> Iterable[str]:
     yield base
-    yield from (f"{base} ({number})" for number in range(2, MOST_JOBS + 2))
+    yield from (f"{base} ({number})" for number in range(2, MAX_JOBS + 2))
 
 
 def _signed(key: str, length: Length) -> float:
@@ -307,7 +307,7 @@ def _seconds(key: str, length: Length, most: float, most_text: str) -> float:
 
 
 def _catch_up(length: Length) -> float:
-    return _seconds("catch_up", length, LONGEST_CATCH_UP, "31 days")
+    return _seconds("catch_up", length, MAX_CATCH_UP, "31 days")
 
 
 def _duration(seconds: float) -> str:

@@ -10,16 +10,16 @@ from typing import Any, Final, final
 
 from homebot.errors import UsageError
 
-MOST_VALUE_BYTES: Final = 65_536
+MAX_VALUE_BYTES: Final = 65_536
 """The limit of bytes of a value, as JSON."""
 
-MOST_KEYS: Final = 1000
+MAX_KEYS: Final = 1000
 """The limit of keys of an app."""
 
-MOST_BYTES: Final = 1_048_576
+MAX_BYTES: Final = 1_048_576
 """The limit of bytes of all values of an app."""
 
-_MOST_KEY: Final = 200
+_MAX_KEY: Final = 200
 
 
 def _storing(kind: Any, *names: str) -> Any:
@@ -140,9 +140,9 @@ class Store(MutableMapping[str, Any]):  # any JSON value
         return f"<store of {self._app}: {', '.join(self) or 'empty'}>"
 
     def _checked(self, key: object, value: object) -> str:
-        if not isinstance(key, str) or not 0 < len(key) <= _MOST_KEY or not key.isprintable():
+        if not isinstance(key, str) or not 0 < len(key) <= _MAX_KEY or not key.isprintable():
             raise UsageError(
-                f"{self._app}: a key of the store is a printable text of 1 to {_MOST_KEY} characters, got {key!r:.60}"
+                f"{self._app}: a key of the store is a printable text of 1 to {_MAX_KEY} characters, got {key!r:.60}"
             )
         place = f"{self._app}: store[{key!r:.60}]"
         try:
@@ -152,12 +152,12 @@ class Store(MutableMapping[str, Any]):  # any JSON value
                 f"{place} takes text, numbers, booleans, None, and lists and dicts of these, got {value!r:.60}: {exc}"
             ) from exc
         others = self._bytes - len(self._texts.get(key, ""))
-        if len(text) > MOST_VALUE_BYTES:
-            problem = f"a value takes at most {MOST_VALUE_BYTES:,} bytes as JSON, got {len(text):,}"
-        elif others + len(text) > MOST_BYTES:
-            problem = f"the values of an app take at most {MOST_BYTES:,} bytes, and the others take {others:,}"
-        elif key not in self._texts and len(self._texts) >= MOST_KEYS:
-            problem = f"an app has at most {MOST_KEYS:,} keys; remove some first"
+        if len(text) > MAX_VALUE_BYTES:
+            problem = f"a value takes at most {MAX_VALUE_BYTES:,} bytes as JSON, got {len(text):,}"
+        elif others + len(text) > MAX_BYTES:
+            problem = f"the values of an app take at most {MAX_BYTES:,} bytes, and the others take {others:,}"
+        elif key not in self._texts and len(self._texts) >= MAX_KEYS:
+            problem = f"an app has at most {MAX_KEYS:,} keys; remove some first"
         else:
             return text
         raise UsageError(f"{place}: {problem}")

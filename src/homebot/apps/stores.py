@@ -14,8 +14,8 @@ from homebot.apps.store import Store
 from homebot.clock import Clock
 from homebot.errors import LinkError
 from homebot.log import LogLimit
-from homebot.support.kept_file import KeptFile
 from homebot.support.logger import get_logger
+from homebot.support.managed_file import ManagedFile
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
 WRITE_AFTER: Final = 5.0
@@ -48,9 +48,9 @@ class AppStores:
     """
 
     def __init__(self, path: Path | None, clock: Clock) -> None:
-        self._kept: KeptFile[StoreFile] | None = None
+        self._kept: ManagedFile[StoreFile] | None = None
         if path is not None:
-            self._kept = KeptFile(
+            self._kept = ManagedFile(
                 StoreFile(path),
                 "the file of the apps",
                 "the values of apps are in memory only",

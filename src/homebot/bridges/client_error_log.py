@@ -9,7 +9,7 @@ from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
 
 _LINES = 20  # per kind in ten seconds
-_LONGEST = 300  # a client may send a text of a megabyte
+_MAX_CHARACTERS = 300  # a client may send a text of a megabyte
 
 
 class ClientErrorLog:
@@ -49,7 +49,7 @@ class ClientErrorLog:
         return held_back
 
 
-def short_text(text: str, longest: int = _LONGEST) -> str:
+def short_text(text: str, longest: int = _MAX_CHARACTERS) -> str:
     """Return *text*, cut to the *longest* length."""
     return text if len(text) <= longest else f"{text[: longest - 1]}…"
 

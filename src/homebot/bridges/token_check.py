@@ -26,10 +26,10 @@ _FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
 _DECAY_INTERVAL = 10.0
 """Seconds after which one wrong token is forgotten."""
 
-_MOST_WRONG = 20
-_MOST_WAITING = 4
-_MOST_ADDRESSES = 1000
-_MOST_PROVEN = 1000
+_MAX_WRONG = 20
+_MAX_WAITING = 4
+_MAX_ADDRESSES = 1000
+_MAX_PROVEN = 1000
 _LONG = 16
 """Characters of a token too long to guess."""
 
@@ -55,8 +55,8 @@ class TokenCheck:
         self.wrong = 0
         self._tokens = tokens
         self._clock = clock
-        self._attempts: BoundedMap[str, _Attempts] = BoundedMap(_MOST_ADDRESSES)
-        self._proven: BoundedMap[tuple[str, str], None] = BoundedMap(_MOST_PROVEN)
+        self._attempts: BoundedMap[str, _Attempts] = BoundedMap(_MAX_ADDRESSES)
+        self._proven: BoundedMap[tuple[str, str], None] = BoundedMap(_MAX_PROVEN)
 
     async def check(self, address: str, token: str) -> str | None:
         """Return the name of the *token* of a client at *address*; empty if it is wrong.
@@ -68,7 +68,7 @@ class TokenCheck:
             return name
         attempts, wait = self._attempts_of(network), 0.0
         if attempts.wrong >= _FREE_ATTEMPTS:
-            if attempts.waiting >= _MOST_WAITING:
+            if attempts.waiting >= _MAX_WAITING:
                 return None
             attempts.waiting += 1
             wait = min(_LONGEST_DELAY, _FIRST_DELAY * 2 ** (attempts.wrong - _FREE_ATTEMPTS))
@@ -81,7 +81,7 @@ class TokenCheck:
             self._proven[network, name] = None
         else:
             self.wrong += 1
-            attempts.wrong = min(_MOST_WRONG, attempts.wrong + 1)
+            attempts.wrong = min(_MAX_WRONG, attempts.wrong + 1)
             self._attempts[network] = attempts
         return name
 

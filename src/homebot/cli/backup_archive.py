@@ -16,8 +16,8 @@ from homebot.errors import UsageError
 from homebot.support.new_file import create_file
 
 _MANIFEST: Final = "manifest.json"
-_LONGEST_MANIFEST: Final = 1_000_000
-_MOST_BYTES: Final = 16 * 2**30
+_MAX_MANIFEST: Final = 1_000_000
+_MAX_BYTES: Final = 16 * 2**30
 _BLOCK: Final = 1_048_576
 
 _Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
@@ -88,7 +88,7 @@ def extract_archive(source: Path, into: Path) -> Manifest:
     with _readable(source) as tar:
         manifest = _read_manifest(source, tar)
         missing = set(manifest.files)
-        room = min(_MOST_BYTES, shutil.disk_usage(into).free)
+        room = min(_MAX_BYTES, shutil.disk_usage(into).free)
         if sum(one.size for one in manifest.files.values()) > room:
             raise UsageError(f"{source} is too large: there is only room for {room // 2**20:,} MB in {into.parent}")
         for member in iter(tar.next, None):
@@ -117,7 +117,7 @@ def _readable(source: Path) -> Iterator[tarfile.TarFile]:
 
 def _read_manifest(source: Path, tar: tarfile.TarFile) -> Manifest:
     member = tar.next()
-    if member is None or member.name != _MANIFEST or not member.isreg() or member.size > _LONGEST_MANIFEST:
+    if member is None or member.name != _MANIFEST or not member.isreg() or member.size > _MAX_MANIFEST:
         raise UsageError(f"{source} is not a backup of homebot: it does not begin with {_MANIFEST}")
     content = tar.extractfile(member)
     try:

@@ -17,7 +17,7 @@ COMPLETE_DEVICES: Final = "--complete-devices"
 _LIMIT: Final = 0.3
 """Seconds that a person waits after pressing Tab."""
 
-_MOST: Final = 2000
+_MAX_NAMES: Final = 2000
 _BASH: Final = f"""\
 _homebot_devices() {{
   local name
@@ -71,7 +71,7 @@ def _names(words: Sequence[str]) -> list[str]:
     with open_door(address) as door:
         while page := cast("list[dict[str, Any]]", door.call(LIST_DEVICES, {"offset": len(devices)})["devices"]):
             devices += page
-            if len(devices) >= _MOST:
+            if len(devices) >= _MAX_NAMES:
                 break
     names = [*dict.fromkeys(device["name"] for device in devices if str(device["name"]).isprintable())]
     fits = (

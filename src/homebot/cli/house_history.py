@@ -7,7 +7,7 @@ from typing import Final
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient
 from homebot.devices import Device, FindDevices
-from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory
+from homebot.devices.history_messages import MAX_POINTS, HistorySeries, ReadHistory
 from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
 from homebot.devices.names import FIND_DEVICES, READ_HISTORY, READ_JOURNAL
 from homebot.errors import PeerError
@@ -17,8 +17,8 @@ from homebot.recording.recording import Recording
 from homebot.replay.history_recording import history_recording
 from homebot.support.printable import printable
 
-_LONGEST: Final = 60.0
-_MOST_PAGES: Final = 100
+_MAX_WAIT_S: Final = 60.0
+_MAX_PAGES: Final = 100
 
 
 def read_house_history(door: DoorClient, seconds: float, is_wanted: Callable[[Device], bool]) -> Recording:
@@ -31,16 +31,16 @@ def read_house_history(door: DoorClient, seconds: float, is_wanted: Callable[[De
     since = until - seconds
     span = {"since": _json(since), "until": _json(until)}
     devices = message_from_json(
-        FindDevices.Response, door.call(FIND_DEVICES, {}, _LONGEST), ignore_unknown=True
+        FindDevices.Response, door.call(FIND_DEVICES, {}, _MAX_WAIT_S), ignore_unknown=True
     ).devices
     series: list[HistorySeries] = []
     for one in filter(is_wanted, devices):
-        answer = door.call(READ_HISTORY, {"device": one.id, "points": MOST_POINTS, **span}, _LONGEST)
+        answer = door.call(READ_HISTORY, {"device": one.id, "points": MAX_POINTS, **span}, _MAX_WAIT_S)
         if not answer["success"]:
             raise PeerError(str(answer["message"]))
         found_series = message_from_json(ReadHistory.Response, answer, ignore_unknown=True).series
         if not all(each.complete for each in found_series):
-            print(f"of {printable(one.name)} only the newest {MOST_POINTS:,} values are tried", file=sys.stderr)
+            print(f"of {printable(one.name)} only the newest {MAX_POINTS:,} values are tried", file=sys.stderr)
         series += found_series
     return history_recording(door.home, devices, series, _commands(door, span["since"]), since, until)
 
@@ -49,8 +49,8 @@ def _commands(door: DoorClient, since: dict[str, int]) -> Collection[JournalEntr
     """Return the commands, of at most a hundred thousand entries of the journal."""
     found: dict[str, JournalEntry] = {}
     until = Time(sec=0, nanosec=0)
-    for _ in range(_MOST_PAGES):
-        answer = door.call(READ_JOURNAL, {"since": since, "until": until.model_dump()}, _LONGEST)
+    for _ in range(_MAX_PAGES):
+        answer = door.call(READ_JOURNAL, {"since": since, "until": until.model_dump()}, _MAX_WAIT_S)
         page = message_from_json(ReadJournalResponse, answer, ignore_unknown=True)
         found |= {entry.command: entry for entry in page.entries if entry.kind == "requested"}
         if page.complete or not page.entries or page.entries[0].at == until:

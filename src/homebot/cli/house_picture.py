@@ -39,8 +39,8 @@ _Segment: TypeAlias = tuple[str, str]
 Line: TypeAlias = Sequence[_Segment]
 """One line, as segments."""
 
-LEAST_LINES: Final = 5
-_MOST_LINES: Final = 9
+MIN_LINES: Final = 5
+_MAX_LINES: Final = 9
 _ASPECT: Final = 2.0
 """The height of a character in character widths."""
 
@@ -216,7 +216,7 @@ class PlanPicture(NamedTuple):
         Args:
             signs: A character for each person or robot, by room.
         """
-        if not self.rooms or height < LEAST_LINES:
+        if not self.rooms or height < MIN_LINES:
             return []
         scale = self._scale(width, height)
         boxes = {name: scale.box(*walls) for name, walls in self.rooms.items()}
@@ -232,7 +232,7 @@ class PlanPicture(NamedTuple):
         west, north = min(wests), max(norths)
         metres_across, metres_down = max(easts) - west, north - min(souths)
         wanted = round(metres_down / metres_across * width / _ASPECT)
-        lines = min(height, _MOST_LINES, max(LEAST_LINES, wanted))
+        lines = min(height, _MAX_LINES, max(MIN_LINES, wanted))
         return _Scale(west, north, (width - 1) / metres_across, (lines - 1) / metres_down, lines)
 
     def _walls_with_doors(self, boxes: Collection[_Box], scale: _Scale) -> dict[tuple[int, int], tuple[str, str]]:

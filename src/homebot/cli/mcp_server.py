@@ -18,12 +18,12 @@ from homebot.bridges.home_api.agent_server import AgentMistakeError, DoorPlace, 
 from homebot.cli.door_address import DoorAddress, client_context
 from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds; homebot answers sooner, after the usual response time of the slowest device."""
 
-_MOST: Final = 4 * 1024 * 1024
+_MAX_BYTES: Final = 4 * 1024 * 1024
 
-_MOST_AT_ONCE: Final = 32
+_MAX_AT_ONCE: Final = 32
 """Requests that homebot is sent at the same time; it takes 64 clients."""
 
 
@@ -40,8 +40,8 @@ class ApiClient(HouseApi):
             base_url=httpx2.URL(scheme=scheme, host=address.host, port=address.port),
             verify=self._tls or True,
             headers={"Content-Type": "application/json", **self._headers},
-            timeout=_LONGEST,
-            limits=httpx2.Limits(max_connections=_MOST_AT_ONCE, max_keepalive_connections=0),
+            timeout=_MAX_WAIT_S,
+            limits=httpx2.Limits(max_connections=_MAX_AT_ONCE, max_keepalive_connections=0),
             trust_env=False,
         )
 
@@ -51,7 +51,7 @@ class ApiClient(HouseApi):
         try:
             async with self._http.stream(method, target, content=body or None) as response:
                 async for piece in response.aiter_bytes():
-                    found = (found + piece)[:_MOST]
+                    found = (found + piece)[:_MAX_BYTES]
         except httpx2.HTTPError as exc:
             raise self._no_answer(exc) from exc
         self._check_home(response.headers)
@@ -64,7 +64,7 @@ class ApiClient(HouseApi):
         where = f"{'ws' if self._tls is None else 'wss'}://{self._address.where}"
         try:
             async with connect(
-                where, ssl=self._tls, additional_headers=self._headers, proxy=None, max_size=_MOST
+                where, ssl=self._tls, additional_headers=self._headers, proxy=None, max_size=_MAX_BYTES
             ) as door:
                 self._check_home({} if door.response is None else door.response.headers)
                 await door.send(json.dumps({**frame, "action_type": "homebot/action/IdentifyDevice"}))

@@ -33,9 +33,9 @@ UNKNOWN: Final = 255
 
 _OCCUPIED: Final = 100
 _FREE: Final = re.compile(b"\0+")
-_MOST_ROOMS: Final = 150
-_MOST_RUNS: Final = 300_000
-_MOST_PIXELS: Final = 16_000_000
+_MAX_ROOMS: Final = 150
+_MAX_RUNS: Final = 300_000
+_MAX_PIXELS: Final = 16_000_000
 _UNKNOWN_GREY: Final = 205
 _BESIDE: Final = 0.2
 """Metres by which a stated door may end before the map's wall."""
@@ -117,8 +117,8 @@ class RobotMap(NamedTuple):
             UsageError: A point is not free, two are in one area, or an area is not a room.
         """
         names = list(points)
-        if len(names) > _MOST_ROOMS:
-            raise UsageError(f"{len(names):,} rooms are too many; {_MOST_ROOMS} is the limit")
+        if len(names) > _MAX_ROOMS:
+            raise UsageError(f"{len(names):,} rooms are too many; {_MAX_ROOMS} is the limit")
         rows = self._closed_rows(doors)
         for number, (name, point) in enumerate(points.items(), _OCCUPIED + 1):
             column, row = self._pixel(point)
@@ -170,8 +170,8 @@ def read_map(file: str) -> tuple[RobotMap, str]:
     path = Path(file).parent / settings.image
     try:
         with Image.open(path, formats=("PPM", "PNG", "BMP")) as image:
-            if image.width * image.height > _MOST_PIXELS:
-                raise UsageError(f"{path} has {image.width:,} x {image.height:,} pixels; {_MOST_PIXELS:,} is the limit")
+            if image.width * image.height > _MAX_PIXELS:
+                raise UsageError(f"{path} has {image.width:,} x {image.height:,} pixels; {_MAX_PIXELS:,} is the limit")
             return RobotMap(_cells(image, settings), settings.resolution, MapPose(*settings.origin)), settings.warning
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as exc:
         raise UsageError(f"{path} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
@@ -225,8 +225,8 @@ def _filled(rows: list[bytearray], row: int, column: int, value: int) -> dict[in
             cells[begin:left] = bytes((value,)) * (left - begin)
             ends.setdefault(row, []).extend((begin, left))
             runs += 1
-            if runs > _MOST_RUNS:
-                raise UsageError(f"a free area of the map has over {_MOST_RUNS:,} strips; filter its noise first")
+            if runs > _MAX_RUNS:
+                raise UsageError(f"a free area of the map has over {_MAX_RUNS:,} strips; filter its noise first")
             waiting += [(one, begin, left) for one in (row - 1, row + 1) if 0 <= one < len(rows)]
     return {row: sorted(found) for row, found in ends.items()}
 

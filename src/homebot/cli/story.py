@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 DARK: Final = 50.0
 """Lux below which a room is dark, as for the app `follow_me`."""
 
-_MOST_LINES: Final = 50
-_MOST_COMMANDS: Final = 500
+_MAX_LINES: Final = 50
+_MAX_COMMANDS: Final = 500
 _ONE_MOMENT: Final = 1.0
 """Seconds within which the same event of two devices is one line."""
 
@@ -68,10 +68,10 @@ class Story:
     """
 
     def __init__(self, names: Mapping[str, str], time: Callable[[], str]) -> None:
-        self.lines: deque[StoryLine] = deque(maxlen=_MOST_LINES)
+        self.lines: deque[StoryLine] = deque(maxlen=_MAX_LINES)
         self._names = names
         self._time = time
-        self._commands: BoundedMap[str, JournalEntry] = BoundedMap(_MOST_COMMANDS)
+        self._commands: BoundedMap[str, JournalEntry] = BoundedMap(_MAX_COMMANDS)
         self._is_dark: dict[str, bool] = {}
         self._robots: dict[str, str] = {}
 

@@ -28,7 +28,7 @@ _VALUE: Final = 16
 _WHY: Final = 32
 """Columns of a line; longer texts push the following ones to the right."""
 
-_MOST: Final = 10_000
+_MAX_VALUES: Final = 10_000
 """The limit of known values, and of commands; the oldest are dropped."""
 
 _CAUSES: Final = {
@@ -89,9 +89,9 @@ class HouseLines:
 
     def __init__(self, names: Mapping[str, str]) -> None:
         self._names = names
-        self._values: BoundedMap[_Place, str] = BoundedMap(_MOST)
-        self._commands: BoundedMap[str, _Command] = BoundedMap(_MOST)
-        self._explained: BoundedMap[_Value, tuple[str, str]] = BoundedMap(_MOST)
+        self._values: BoundedMap[_Place, str] = BoundedMap(_MAX_VALUES)
+        self._commands: BoundedMap[str, _Command] = BoundedMap(_MAX_VALUES)
+        self._explained: BoundedMap[_Value, tuple[str, str]] = BoundedMap(_MAX_VALUES)
         self._waiting: deque[_WaitingLine] = deque()
 
     def learn(self, device: str, readings: Iterable[Reading | State]) -> None:

@@ -15,7 +15,7 @@ from homebot.support.located import Located
 
 T = TypeVar("T")
 
-MOST_READ: Final = 1_000_000
+MAX_READ: Final = 1_000_000
 """Characters of a document, and values with their lines; so many take seconds."""
 
 
@@ -34,8 +34,8 @@ def load_located(text: str) -> Located:
     Raises:
         WireError: As for :func:`load_yaml`, or it is too long.
     """
-    if len(text) > MOST_READ:
-        raise WireError(f"it has {len(text):,} characters; divide it, as {MOST_READ:,} are read at once")
+    if len(text) > MAX_READ:
+        raise WireError(f"it has {len(text):,} characters; divide it, as {MAX_READ:,} are read at once")
     loader = _LocatedLoader(text)
     count = count_from(1)
 
@@ -44,7 +44,7 @@ def load_located(text: str) -> Located:
 
     def located(node: yaml.Node | None) -> Located:
         line = 1 if node is None else node.start_mark.line + 1
-        if next(count) > MOST_READ:
+        if next(count) > MAX_READ:
             raise WireError("its aliases (*NAME) repeat too much; write the values themselves there")
         match node:
             case yaml.MappingNode():

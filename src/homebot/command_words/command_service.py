@@ -41,7 +41,7 @@ _SCENE_WORDS: Final[Mapping[str, bool]] = {
 }
 """Commands to scenes, and whether each is an undo."""
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
 
@@ -133,7 +133,7 @@ class CommandService:
             trigger=request.trigger,
         )
         with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
-            return await client.call(asked, timeout=_LONGEST)
+            return await client.call(asked, timeout=_MAX_WAIT_S)
 
     async def _found(self, request: CommandDevicesRequest) -> tuple[list[Target], CommandDevicesRequest]:
         """Return the targets, and *request* with ``off`` or ``on`` for ``toggle``: off if any of them is on."""

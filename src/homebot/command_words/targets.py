@@ -25,7 +25,7 @@ from homebot.words.readings import Readings, readings_of
 from homebot.words.suitable_parts import controls, part_name, settings_by_part, takes
 from homebot.words.tokens import split_at
 
-MOST_DEVICES: Final = 1000
+MAX_DEVICES: Final = 1000
 """Devices that one command may be for."""
 
 _TYPO: Final = 0.8
@@ -199,7 +199,7 @@ class CommandTargets:
         near, _ = split_near(phrase.query)
         if near is None or not math.isinf(near.within):
             return _Matches([])
-        answer = await self._ask(phrase.text, _MOST_NEAR)
+        answer = await self._ask(phrase.text, _MAX_NEAR)
         rest = split_near(read_terms(answer.query))[1]
         refused = [f"{one.key}: {one.value}" for one in answer.left_out]
         for device in [one.device for one in answer.results if is_spelled(rest, facets_of(one.device).words)]:
@@ -214,10 +214,10 @@ class CommandTargets:
     async def _fitting(self, phrase: _TargetPhrase) -> _Matches:
         """Find the devices that fit the query, and their parts that do; words alone mean one device."""
         text = phrase.text
-        answer = await self._ask(text, MOST_DEVICES)
-        if answer.total > MOST_DEVICES:
-            raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        if not answer.total and (near := (await self._ask(text, _MOST_SIMILAR, is_spelled=False)).results):
+        answer = await self._ask(text, MAX_DEVICES)
+        if answer.total > MAX_DEVICES:
+            raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MAX_DEVICES:,} may be commanded")
+        if not answer.total and (near := (await self._ask(text, _MAX_SIMILAR, is_spelled=False)).results):
             similar = " or ".join(one.device.name or one.device.id for one in near)
             raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
         query, devices = read_terms(answer.query), [one.device for one in answer.results]
@@ -236,10 +236,10 @@ class CommandTargets:
         return answer
 
 
-_MOST_NAMES = 8
-_MOST_SIMILAR = 3
+_MAX_NAMES = 8
+_MAX_SIMILAR = 3
 
-_MOST_NEAR = 10
+_MAX_NEAR = 10
 """The number of nearest devices that are tried."""
 
 
@@ -277,8 +277,8 @@ def _places(targets: list[Target]) -> frozenset[tuple[str, str]]:
 
 def _names(targets: list[Target]) -> str:
     names = sorted(part_name(device, part) for device, parts in targets for part in parts)
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return f"{', '.join(names[:_MOST_NAMES])}{more}" or "nothing"
+    more = f" and {len(names) - _MAX_NAMES} more" if len(names) > _MAX_NAMES else ""
+    return f"{', '.join(names[:_MAX_NAMES])}{more}" or "nothing"
 
 
 def _is_called(device: Device, part: DevicePart, name: str) -> bool:
@@ -310,7 +310,7 @@ def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> 
         if fold(name) != fold(device.name) or names.issuperset(fold(one.part.name) for one in able):
             parts = tuple(named)
         elif named[0] in able and len(able) > 1:
-            ids = ", ".join(f"{device.id}#{one.id}" for one in able[:_MOST_NAMES])
+            ids = ", ".join(f"{device.id}#{one.id}" for one in able[:_MAX_NAMES])
             question = f"{name!r} could be {_names([(device, tuple(able))])}; give the id of one: {ids}"
     return _Matches([(device, parts)], question)
 

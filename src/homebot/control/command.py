@@ -18,11 +18,11 @@ from homebot.devices.capabilities import EVENTS, LIGHTS_UP, MOMENTARY, is_told_o
 from homebot.devices.client_rights import CLIENT
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
-from homebot.devices.obedience import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
 from homebot.devices.part import Part
 from homebot.devices.text.commands import decode_command, part_at
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
 from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import RefusedError
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
-    from homebot.control.open_command import Rehearsal
+    from homebot.control.open_command import SimulatedExecution
     from homebot.control.settings import ControlSettings
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
@@ -151,7 +151,7 @@ class Control:
         approves_all: bool = False,
         journal_file: Path | None = None,
         store: JournalStore | None = None,
-        rehearsal: Rehearsal | None = None,
+        rehearsal: SimulatedExecution | None = None,
         detected: Iterable[str] = (),
         scopes: Callable[[], Mapping[str, Iterable[str]]] = dict,
         tables: Mapping[str, str] = MappingProxyType({}),

@@ -15,7 +15,7 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
-from homebot.control.open_command import Rehearsal
+from homebot.control.open_command import SimulatedExecution
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.sending import Sending
 from homebot.control.settings import ControlSettings
@@ -53,7 +53,7 @@ class ControlLayer:
         detected: Iterable[str],
         journal_file: Path | None,
         store: JournalStore | None,
-        rehearsal: Rehearsal | None,
+        rehearsal: SimulatedExecution | None,
         tables: Mapping[str, str],
     ) -> None:
         settings = _with_approvals(settings, approves_all=approves_all)

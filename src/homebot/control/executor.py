@@ -9,6 +9,7 @@ from typing import Final, NamedTuple, TypeVar, final
 from homebot.control import durations
 from homebot.control.code_guesses import CodeGuesses
 from homebot.control.command import IssuedCommand, commanded_part, device_settings, order_of, read_text, rounding_text
+from homebot.control.group_batcher import GroupBatcher
 from homebot.control.journal.given_codes import UNREAD, without_codes
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
@@ -18,7 +19,6 @@ from homebot.control.questions import Questions
 from homebot.control.sending import Sending, not_sent
 from homebot.control.timeline.facts import Order
 from homebot.control.timelines import Timelines
-from homebot.control.together import Together
 from homebot.devices import Device, DevicePart, RawCommand
 from homebot.devices.always_ask import why_device_asks
 from homebot.devices.client_rights import CLIENT_RIGHTS
@@ -71,7 +71,7 @@ class CommandExecutor:
         self.timelines = timelines
         self._sending = sending
         self._texts = TextSender(node)
-        self._together = Together(node, lookup, policies, leases, timelines)
+        self._together = GroupBatcher(node, lookup, policies, leases, timelines)
         self.codes = CodeGuesses(self._clock)
         self.questions = Questions(node, lookup, policies, journal)
 

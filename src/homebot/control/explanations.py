@@ -20,11 +20,11 @@ from homebot.devices.journal_messages import (
     ReadJournalRequest,
     ReadJournalResponse,
 )
-from homebot.devices.obedience import value_text
 from homebot.devices.outcomes import OUTCOMES, Confirmed
 from homebot.devices.part import Capability, accepted_values
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import value_text
 from homebot.errors import PeerError, ServiceError
 from homebot.messages import Time
 

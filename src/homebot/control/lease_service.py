@@ -29,11 +29,11 @@ from homebot.devices.lease_messages import (
     LeasesResponse,
     LeaseState,
 )
-from homebot.devices.obedience import STOPPED, value_text
 from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused, no_such_part
 from homebot.devices.part import check_setting
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import STOPPED, value_text
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.messages import Time

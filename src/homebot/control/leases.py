@@ -11,10 +11,10 @@ from homebot.control.command import IssuedCommand
 from homebot.control.timeline.cause import HeldValue
 from homebot.control.timeline.facts import PartRef
 from homebot.devices.command_messages import Setting
-from homebot.devices.obedience import STOPPED, changes
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import STOPPED, changes
 from homebot.devices.wording.journal_words import issuer_text, trigger_text
 from homebot.devices.wording.values import value_text
 

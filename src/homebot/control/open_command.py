@@ -19,10 +19,10 @@ _T = TypeVar("_T")
 _MAX_RECORDED: Final = 20
 """The limit of reports of one command in the journal."""
 
-_ON_THE_WAY: Final = (ReportRole.STEP, ReportRole.ASTRAY)
+_ON_THE_WAY: Final = (ReportRole.STEP, ReportRole.DEVIATES)
 
 
-class Rehearsal(Protocol):
+class SimulatedExecution(Protocol):
     """Answers commands instead of sending them.
 
     Attributes:

@@ -12,7 +12,7 @@ from homebot.control.command import IssuedCommand, certain_values, order_of
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.journal.report_log import ReportLog
 from homebot.control.leases import Leases
-from homebot.control.open_command import OpenCommand, Rehearsal
+from homebot.control.open_command import OpenCommand, SimulatedExecution
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.shared_sending import SharedSending
@@ -74,7 +74,7 @@ class Sending:
         journal: CommandJournal,
         leases: Leases,
         timelines: Timelines,
-        rehearsal: Rehearsal | None,
+        rehearsal: SimulatedExecution | None,
     ) -> None:
         self.rehearsal = rehearsal
         self._log = node.log

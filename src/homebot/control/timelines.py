@@ -19,8 +19,8 @@ from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import MOMENTARY, SETTABLE
 from homebot.devices.device import ChangedSetting, target_of
 from homebot.devices.journal_messages import KnownCause
-from homebot.devices.obedience import related
 from homebot.devices.value import PlainValue, SetBy, Value
+from homebot.devices.value_comparison import related
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits

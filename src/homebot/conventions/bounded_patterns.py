@@ -16,8 +16,8 @@ from typing import Final, NamedTuple
 from homebot.conventions.unreadable import shown
 from homebot.errors import RefusedError, WireError
 
-_LONGEST: Final = 200
-_MOST_WORK: Final = 10_000
+_MAX_CHARACTERS: Final = 200
+_MAX_WORK: Final = 10_000
 _COMPILING: Final = 200
 _COMPILING_RANGE: Final = 5000
 _PLACES_PER_STEP: Final = 100
@@ -55,7 +55,7 @@ def require_match(value: str, pattern: object) -> None:
     with suppress(PatternError):
         compiling = compiling_work(pattern)
         bounded = compile_bounded(pattern)
-        if compiling + bounded.work(value) <= _MOST_WORK and bounded.pattern.match(value) is None:
+        if compiling + bounded.work(value) <= _MAX_WORK and bounded.pattern.match(value) is None:
             raise RefusedError("text", f"it takes a text that matches {shown(pattern)}")
 
 
@@ -65,8 +65,8 @@ def compiling_work(expression: str) -> int:
     Raises:
         PatternError: It is too long.
     """
-    if len(expression) > _LONGEST:
-        raise PatternError(f"a regular expression has more than {_LONGEST} characters")
+    if len(expression) > _MAX_CHARACTERS:
+        raise PatternError(f"a regular expression has more than {_MAX_CHARACTERS} characters")
     return _COMPILING + _COMPILING_RANGE * len(_WIDE_RANGE.findall(expression))
 
 

@@ -31,8 +31,8 @@ __all__ = [
 Writer: TypeAlias = Callable[[PlainValue, float], Publications]
 """Writes a value with a transition in seconds. Like all checks here, raises RefusedError with the accepted values."""
 
-_MOST_NAMED = 20
-_LONGEST_MOMENT = 64
+_MAX_NAMED = 20
+_MAX_MOMENT = 64
 _MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
     "date": date.fromisoformat,
     "datetime": datetime.fromisoformat,
@@ -72,7 +72,7 @@ def require_color(value: PlainValue) -> tuple[float, float]:
 def moment_text(kind: str, value: PlainValue) -> str | None:
     """Return *value* in the usual form of ISO 8601 if it is a *kind*: a ``date``, a ``time`` or a ``datetime``."""
     try:
-        return _MOMENTS[kind](value.strip()[:_LONGEST_MOMENT] if isinstance(value, str) else "").isoformat()
+        return _MOMENTS[kind](value.strip()[:_MAX_MOMENT] if isinstance(value, str) else "").isoformat()
     except ValueError:
         return None
 
@@ -100,7 +100,7 @@ def require_option(capability: str, value: PlainValue, options: Iterable[str]) -
     known = tuple(options)
     if isinstance(value, str) and value in known:
         return value
-    named = ", ".join(known[:_MOST_NAMED]) + (", …" if len(known) > _MOST_NAMED else "")
+    named = ", ".join(known[:_MAX_NAMED]) + (", …" if len(known) > _MAX_NAMED else "")
     raise RefusedError(f"{capability} {shown(value)}", f"it takes {named}" if known else "it takes none")
 
 

@@ -277,14 +277,14 @@ AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest
 """What a message has; an error names a part of it that is invalid and left out."""
 
 
-MOST_WORK: Final = 30_000
+MAX_WORK: Final = 30_000
 """Steps of all readers of a message, beside those that each has for itself; a step is about a microsecond."""
 
 work_left: Final = ContextVar[int | None]("work_left", default=None)
 """The steps that are left for the message that this task reads; None if it reads none."""
 
-begin_message: Final[Callable[[], object]] = partial(work_left.set, MOST_WORK)
-"""Let the readers of the next message, in this task, have :data:`MOST_WORK` to share."""
+begin_message: Final[Callable[[], object]] = partial(work_left.set, MAX_WORK)
+"""Let the readers of the next message, in this task, have :data:`MAX_WORK` to share."""
 
 
 def as_group(described: DescribedPart, members: tuple[str, ...]) -> DescribedPart:

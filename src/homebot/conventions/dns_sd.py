@@ -110,7 +110,7 @@ _ADDRESS_BEHIND = re.compile(r"\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
 _PADDED = re.compile(r"^([0-9A-Fa-f]{12})0000$")
 """The host of a node on matter.js, such as Matterbridge: its hardware address and four zeros."""
 
-_MOST_ADDRESSES = 8
+_MAX_ADDRESSES = 8
 
 _FACTS = {
     "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg", "mfg", "brand"),
@@ -178,7 +178,7 @@ def identifiers_of(service: FoundService, declared: Iterable[str] | None = None)
     if declared is None:
         known = [said.get(key, "") for key in _DECLARED]
         declared = [one for one in known if len(one) >= _SHORTEST and may_be_unique(one)]
-    hardware = [in_pairs(one) for key in _HARDWARE for one in _SEPARATORS.split(said.get(key, ""))[:_MOST_ADDRESSES]]
+    hardware = [in_pairs(one) for key in _HARDWARE for one in _SEPARATORS.split(said.get(key, ""))[:_MAX_ADDRESSES]]
     return identifiers([*hardware, *named, *declared])
 
 

@@ -44,7 +44,7 @@ def nearest_mired_bounds(least: float, most: float) -> tuple[float, float]:
 
 def white_kelvin(value: float | None, *, in_kelvin: bool) -> float | None:
     """Return the kelvin of a reported white in kelvin or in mired; None if it is out of range."""
-    if value is None or not 1 <= value <= _MOST_KELVIN:
+    if value is None or not 1 <= value <= _MAX_KELVIN:
         return None
     return float(value) if in_kelvin else float(kelvin_mired(value))
 
@@ -65,8 +65,8 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
 
 
 MIRED = 1_000_000
-_MOST_KELVIN = 1_000_000
-_LEAST_Y = 1e-11
+_MAX_KELVIN = 1_000_000
+_MIN_Y = 1e-11
 """Smallest divisor; no lamp has a smaller one, and its quotient could be infinite."""
 
 
@@ -86,7 +86,7 @@ def _rgb_to_xy(rgb: Channels, _white: KelvinRange) -> Channels:
 
 
 def _xy_to_rgb(xy: Channels, _white: KelvinRange) -> Channels:
-    x, y = xy[0], max(xy[1], _LEAST_Y)
+    x, y = xy[0], max(xy[1], _MIN_Y)
     big_x, big_z = x / y, (1 - x - y) / y
     linear = (
         big_x * 1.656492 - 0.354851 - big_z * 0.255038,

@@ -209,7 +209,7 @@ _DECODER = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant
 
 
 _recorded: ContextVar[list[str] | None] = ContextVar("_recorded", default=None)
-_MOST_RECORDED = 10
+_MAX_RECORDED = 10
 
 
 class DuplicateKeys:
@@ -231,7 +231,7 @@ class DuplicateKeys:
 def record_duplicate(key: str) -> None:
     """Record a duplicate key of an object in a context of :class:`DuplicateKeys`."""
     keys = _recorded.get()
-    if keys is not None and len(keys) < _MOST_RECORDED:
+    if keys is not None and len(keys) < _MAX_RECORDED:
         keys.append(key)
 
 

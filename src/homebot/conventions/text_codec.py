@@ -8,7 +8,7 @@ from homebot.devices.text.states import decoder_for
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-_LONGEST = 1000
+_MAX_BYTES = 1000
 """Most bytes of a decoded payload."""
 
 
@@ -42,8 +42,8 @@ class TextCodec:
         is_repeated = payload == self._last
         if is_repeated and (retained or not (self._was_retained or self._is_asked)):
             return NO_READINGS
-        if len(payload) > _LONGEST:
-            return unreadable(payload, f"at most {_LONGEST} bytes")
+        if len(payload) > _MAX_BYTES:
+            return unreadable(payload, f"at most {_MAX_BYTES} bytes")
         self._last, self._was_retained, self._is_asked = payload, retained, self._is_asked and retained
         readings = self._decoder.decode(payload)
         if not readings and self._decoder.expects:
@@ -69,7 +69,7 @@ class TextCodec:
 
     def expect(self, command: bytes) -> None:
         """Record that *command* was sent, so that its answer may be the same text."""
-        self._awaited = command if len(command) <= _LONGEST else b""
+        self._awaited = command if len(command) <= _MAX_BYTES else b""
 
     def _as_answer(self, readings: Readings) -> Readings:
         try:

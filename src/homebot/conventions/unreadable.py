@@ -18,10 +18,10 @@ NO_READINGS: Readings = MappingProxyType({})
 _MAX_SHOWN = 60
 _DIGITS: Final = re.compile("[0-9]")
 _new = tuple.__new__
-_MOST_DIGITS = 10**20
-_MOST_WORDS = 6
-_MOST_FOUND = 3
-_MOST_CHECKED = 1000
+_MAX_DIGITS = 10**20
+_MAX_WORDS = 6
+_MAX_FOUND = 3
+_MAX_CHECKED = 1000
 _NO_VALUES: Final = frozenset({"", "-", "--", "n/a", "na", "nil", "undefined"})
 """Words of devices without a value, besides those of :func:`means_unknown`."""
 
@@ -62,9 +62,9 @@ def unreadable(value: object, expects: str | Collection[str | bytes], *, is_temp
     Args:
         expects: What it expects in words, or the texts that it knows; of a failing template, why it fails.
     """
-    if len(FOUND) >= _MOST_FOUND or isinstance(value, WholePayload):
+    if len(FOUND) >= _MAX_FOUND or isinstance(value, WholePayload):
         return NO_READINGS
-    begin = value[:_MOST_CHECKED] if isinstance(value, (str, bytes)) else value
+    begin = value[:_MAX_CHECKED] if isinstance(value, (str, bytes)) else value
     text = begin.decode(errors="replace") if isinstance(begin, bytes) else begin
     if is_template or not _is_no_value(text):
         FOUND.append(_new(Unreadable, (text, expects, is_template)))
@@ -82,10 +82,10 @@ def _is_no_value(value: object) -> bool:
 
 
 def _choice(words: Collection[str | bytes]) -> str:
-    texts = [word.decode() if isinstance(word, bytes) else word for word in islice(words, _MOST_WORDS + 3)]
+    texts = [word.decode() if isinstance(word, bytes) else word for word in islice(words, _MAX_WORDS + 3)]
     known = [text[:_MAX_SHOWN] for text in texts if text and text != "None"]
-    if len(known) > _MOST_WORDS + 1:
-        return f"{', '.join(known[:_MOST_WORDS])} or {len(words) - _MOST_WORDS} others"
+    if len(known) > _MAX_WORDS + 1:
+        return f"{', '.join(known[:_MAX_WORDS])} or {len(words) - _MAX_WORDS} others"
     return " or ".join(filter(None, (", ".join(known[:-1]), *known[-1:])))
 
 
@@ -98,6 +98,6 @@ def shown(value: object) -> str:
         text = f"{type(value).__name__} of {len(value)}"
     else:
         text = f"{value:.6g}" if isinstance(value, float) else type(value).__name__
-        if value is None or isinstance(value, bool) or (isinstance(value, int) and abs(value) < _MOST_DIGITS):
+        if value is None or isinstance(value, bool) or (isinstance(value, int) and abs(value) < _MAX_DIGITS):
             text = str(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"

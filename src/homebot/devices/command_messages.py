@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
 __all__ = [
+    "MAX_SETTINGS",
     "MAX_TRANSITION_S",
-    "MOST_SETTINGS",
     "CommandDevices",
     "CommandDevicesRequest",
     "CommandDevicesResponse",
@@ -61,12 +61,12 @@ _WorstKind: TypeAlias = Annotated[
     Field(json_schema_extra=lambda schema: _add_words(schema, "")),
 ]
 
-MOST_SETTINGS = 20
+MAX_SETTINGS = 20
 """Settings of one command."""
 
 MAX_TRANSITION_S = 86_400.0
 
-_MOST_SCOPES = 100
+_MAX_SCOPES = 100
 
 
 class Setting(Message):
@@ -111,11 +111,11 @@ class CommandRequest(Message):
 
     device: ShortText
     part: ShortText = ""
-    settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=MOST_SETTINGS)]
+    settings: Annotated[tuple[Setting, ...], Field(min_length=1, max_length=MAX_SETTINGS)]
     transition: float = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str
-    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    scope: Annotated[tuple[str, ...], Field(max_length=_MAX_SCOPES)] = ()
     ask_first: bool = False
     override: bool = False
     batch: ShortText = ""
@@ -229,11 +229,11 @@ class CommandDevicesRequest(Message):
 
     target: str
     command: str = "set"
-    values: Annotated[tuple[KeyValue, ...], Field(max_length=MOST_SETTINGS)] = ()
+    values: Annotated[tuple[KeyValue, ...], Field(max_length=MAX_SETTINGS)] = ()
     transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S)] = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str = ""
-    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    scope: Annotated[tuple[str, ...], Field(max_length=_MAX_SCOPES)] = ()
     ask_first: bool = False
     override: bool = False
     unless_asks: bool = False
@@ -299,7 +299,7 @@ class SendTextRequest(Message):
     device: ShortText
     payload: str
     issuer: str
-    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    scope: Annotated[tuple[str, ...], Field(max_length=_MAX_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER
 
 

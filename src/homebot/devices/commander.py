@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.devices.batch import CURRENT_BATCH, in_batch
 from homebot.devices.command_messages import (
-    MOST_SETTINGS,
+    MAX_SETTINGS,
     CommandRequest,
     PerformCommand,
     SendText,
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from homebot.devices.hold import Hold
 
 COMMAND_FAILED: Final = "app.command_failed"
-_LONGEST_CODE: Final = 255
-_LONGEST: Final = 900.0
+_MAX_CODE: Final = 255
+_MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
 
@@ -120,7 +120,7 @@ class Commander:
         if CURRENT_BATCH.get() is not None:
             request = await in_batch(request)
         try:
-            outcome = await self._control.call(request, timeout=_LONGEST)
+            outcome = await self._control.call(request, timeout=_MAX_WAIT_S)
         except ServiceUnavailableError:
             if self._control.service_is_ready() or self._node.graph.get_node(RUNTIME_NODE) is not None:
                 return NoAnswer(0.0, NO_CONTROL)
@@ -137,7 +137,7 @@ class Commander:
             device=device.id, payload=payload, issuer=self._node.full_name, trigger=current_trigger()
         )
         try:
-            response = await self._texts.call(request, timeout=_LONGEST)
+            response = await self._texts.call(request, timeout=_MAX_WAIT_S)
         except ServiceError as exc:
             if isinstance(exc, ServiceUnavailableError) and not self._texts.service_is_ready():
                 return await self._send_past_control(device, request)
@@ -201,10 +201,10 @@ def _checked(
     target = f"{device.id}#{part.id}" if part.id else device.id
     if type(transition) not in (int, float) or not (0 <= transition < math.inf):
         raise RefusedError(f"a transition of {transition!r} s", "it must be a finite number of seconds, 0 or more")
-    if not 0 < len(values) <= MOST_SETTINGS:
-        raise RefusedError(f"{len(values)} settings of {target}", f"a command has 1 to {MOST_SETTINGS}")
-    if type(code) is not str or len(code) > _LONGEST_CODE:
-        raise RefusedError(f"a code for {target}", f"it must be a text of {_LONGEST_CODE} characters at most")
+    if not 0 < len(values) <= MAX_SETTINGS:
+        raise RefusedError(f"{len(values)} settings of {target}", f"a command has 1 to {MAX_SETTINGS}")
+    if type(code) is not str or len(code) > _MAX_CODE:
+        raise RefusedError(f"a code for {target}", f"it must be a text of {_MAX_CODE} characters at most")
     settings = []
     for capability, value in values.items():
         check_setting(target, part.part, capability, value)

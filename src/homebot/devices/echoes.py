@@ -9,7 +9,7 @@ from homebot.support.bounded_map import BoundedMap
 WINDOW = 2.0
 """Seconds within which other routes report the same event."""
 
-_MOST = 64
+_MAX_EVENTS = 64
 """Most events remembered; the oldest is forgotten."""
 
 
@@ -30,7 +30,7 @@ class Echoes:
     __slots__ = ("_lately",)
 
     def __init__(self) -> None:
-        self._lately: BoundedMap[Hashable, _RecentEvent] = BoundedMap(_MOST)
+        self._lately: BoundedMap[Hashable, _RecentEvent] = BoundedMap(_MAX_EVENTS)
 
     def is_new(self, event: Hashable, route: Hashable, now: float) -> bool:
         """Return whether no other route has reported the event."""

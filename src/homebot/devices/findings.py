@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from homebot.devices.device import Device
     from homebot.devices.query.terms import Query
 
-MOST_SHOWN: Final = 20
+MAX_SHOWN: Final = 20
 """The limit of rows of a finding."""
 
 ShownUrgency: TypeAlias = Literal["", "danger", "attention", "later"]
@@ -145,5 +145,5 @@ class DeviceCheck(NamedTuple):
     kind: FindingKind
     query: str
     reasons: Callable[[Device, float], Iterable[str]]
-    most: int = MOST_SHOWN
+    most: int = MAX_SHOWN
     asked: Query | None = None

@@ -4,7 +4,7 @@ from typing import TypeVar, final
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.history_messages import (
-    MOST_POINTS,
+    MAX_POINTS,
     EnergyOfDay,
     HistorySeries,
     ReadEnergy,
@@ -38,8 +38,8 @@ class HistoryClient:
         """Return the history of *capability* of *handle*; without values if nothing is known."""
         if not isinstance(handle, Handle):
             raise UsageError(f"history() takes a handle, as find() returns it, not {handle!r:.60}")
-        if type(points) is not int or not 0 <= points <= MOST_POINTS:
-            raise UsageError(f"points: {points!r} is not a whole number from 0 to {MOST_POINTS:,}")
+        if type(points) is not int or not 0 <= points <= MAX_POINTS:
+            raise UsageError(f"points: {points!r} is not a whole number from 0 to {MAX_POINTS:,}")
         device, part = handle.device.id, handle.part_id
         request = ReadHistoryRequest(
             device=device, part=part, capability=capability, since=self._begin(since), points=points

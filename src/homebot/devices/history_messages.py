@@ -10,7 +10,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
-    "MOST_POINTS",
+    "MAX_POINTS",
     "CorrectHistory",
     "CorrectHistoryRequest",
     "CorrectHistoryResponse",
@@ -24,7 +24,7 @@ __all__ = [
     "ReadHistoryResponse",
 ]
 
-MOST_POINTS = 5000
+MAX_POINTS = 5000
 """The largest number of points of a series in one answer."""
 
 _NO_TIME = Time(sec=0, nanosec=0)
@@ -50,7 +50,7 @@ class ReadHistoryRequest(Message):
     capability: ShortText = ""
     since: Time = _NO_TIME
     until: Time = _NO_TIME
-    points: Annotated[UInt32, Field(le=MOST_POINTS)] = 0
+    points: Annotated[UInt32, Field(le=MAX_POINTS)] = 0
 
 
 class HistorySeries(Message):

@@ -13,7 +13,7 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device_view import DeviceView
 from homebot.devices.lease_messages import (
-    LONGEST_TTL,
+    MAX_TTL,
     SHORTEST_TTL,
     HolderRequest,
     HoldPart,
@@ -29,7 +29,7 @@ from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
 _RELEASE: Final = 5.0
@@ -86,8 +86,8 @@ async def _hold(node: Node, view: DeviceView, part_id: str, word: str, by: str, 
     setting = _setting(view, part_id, word)
     if type(by) is not str or not by.strip():
         raise UsageError("a holder needs a name: by='robot'")
-    if type(ttl) not in (int, float) or not (SHORTEST_TTL <= ttl <= LONGEST_TTL):
-        raise UsageError(f"a ttl of {ttl!r} s is out of range: {SHORTEST_TTL:g} to {LONGEST_TTL:g} s")
+    if type(ttl) not in (int, float) or not (SHORTEST_TTL <= ttl <= MAX_TTL):
+        raise UsageError(f"a ttl of {ttl!r} s is out of range: {SHORTEST_TTL:g} to {MAX_TTL:g} s")
     if setting is None:
         hold = Hold()
         hold.outcome = Gone()
@@ -137,7 +137,7 @@ class _BlockHolder:
         """Start to hold, and wait until the outcome of the command is known."""
         self._is_beginning = True
         try:
-            self._record(await self._begin.call(self._request, timeout=_LONGEST))
+            self._record(await self._begin.call(self._request, timeout=_MAX_WAIT_S))
         except ServiceError as exc:
             self._record(LeaseState(held=False, outcome=NoAnswer(0.0, str(exc))))
         finally:

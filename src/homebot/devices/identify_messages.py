@@ -9,7 +9,7 @@ from homebot.messages.action import ActionType
 from homebot.messages.message import Message, ServiceAnswer, UInt32
 
 __all__ = [
-    "MOST_CANDIDATES",
+    "MAX_CANDIDATES",
     "CandidateState",
     "IdentifyDevice",
     "IdentifyDeviceFeedback",
@@ -18,7 +18,7 @@ __all__ = [
     "LookRecord",
 ]
 
-MOST_CANDIDATES = 32
+MAX_CANDIDATES = 32
 
 _Name = Annotated[str, Field(max_length=300)]
 

@@ -12,7 +12,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
-    "MOST_ENTRIES",
+    "MAX_ENTRIES",
     "DeviceFight",
     "EntryKind",
     "ExplainDevice",
@@ -57,7 +57,7 @@ EntryKind: TypeAlias = Literal[
 
 Finding: TypeAlias = Literal["command", "change", "event", "heard", "retained", "first", "none"]
 
-MOST_ENTRIES = 1000
+MAX_ENTRIES = 1000
 """The largest number of entries in one answer."""
 
 _EPOCH = Time(sec=0, nanosec=0)

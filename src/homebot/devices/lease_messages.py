@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
 __all__ = [
-    "LONGEST_TTL",
+    "MAX_TTL",
     "SHORTEST_TTL",
     "EndLeases",
     "EndLeasesRequest",
@@ -33,9 +33,9 @@ __all__ = [
 ]
 
 SHORTEST_TTL = 1.0
-LONGEST_TTL = 3600.0
+MAX_TTL = 3600.0
 
-_MOST_SCOPES = 100
+_MAX_SCOPES = 100
 _NO_TIME = Time(sec=0, nanosec=0)
 _Name = Annotated[str, Field(min_length=1, max_length=100)]
 
@@ -77,12 +77,12 @@ class HoldRequest(Message):
     setting: Setting
     lease: _Name
     by: _Name
-    ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
+    ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=MAX_TTL)]
     is_open_ended: bool = False
     yields_to_persons: bool = False
     transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S)] = 0.0
     issuer: str
-    scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    scope: Annotated[tuple[str, ...], Field(max_length=_MAX_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER
 
 

@@ -24,8 +24,8 @@ Bridges announce their devices within a minute, and devices that report at inter
 """
 
 _AGAIN: Final = 60.0
-_MOST: Final = 20
-_MOST_COMPARED: Final = 2000
+_MAX_NAMES: Final = 20
+_MAX_COMPARED: Final = 2000
 
 UNKNOWN_NAME: Final = "config.unknown_name"
 
@@ -93,15 +93,15 @@ class ConfiguredNames:
     async def _look(self) -> AsyncIterator[str]:
         """Yield the first problems; raise `ServiceError` if the directory does not answer."""
         stated = self._read()
-        async for problem in self._unknown_rooms(stated.rooms[:_MOST]):
+        async for problem in self._unknown_rooms(stated.rooms[:_MAX_NAMES]):
             yield problem
-        async for problem in self._unknown_devices(stated.devices[:_MOST]):
+        async for problem in self._unknown_devices(stated.devices[:_MAX_NAMES]):
             yield problem
-        for key, text, query in stated.queries[:_MOST]:
+        for key, text, query in stated.queries[:_MAX_NAMES]:
             answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
             if not answer.total:
                 yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
-        for key, text, query in stated.patterns[:_MOST]:
+        for key, text, query in stated.patterns[:_MAX_NAMES]:
             if mistake := await self._mistake(query):
                 yield f"{key}: {text!r}: {mistake}"
 
@@ -135,4 +135,4 @@ def _names(device: Device) -> tuple[str, ...]:
 
 
 def _hint(name: str, known: Sequence[str], otherwise: str) -> str:
-    return did_you_mean(name, known[:_MOST_COMPARED], otherwise)
+    return did_you_mean(name, known[:_MAX_COMPARED], otherwise)

@@ -23,7 +23,7 @@ NONE_OF_TYPE: Final = "devices.none_of_type"
 _CHECKED_AFTER: Final = (10.0, 290.0)
 """Seconds until the names in a query are checked, and then until the second check."""
 
-_MOST: Final = 100
+_MAX_DEVICES: Final = 100
 _NO_TYPE: Final = "nothing in the house is of this type"
 _NAMES: Final = (TypeIs, AreaIs, InArea, FactIs, NameIs, HasText)
 
@@ -47,7 +47,7 @@ class NameChecks:
         Args:
             kind: The types of a class of handles. An app may be for a house that has none: that is only noted.
         """
-        if text not in self._queries and len(self._queries) < _MOST:
+        if text not in self._queries and len(self._queries) < _MAX_DEVICES:
             self._queries[text] = query
             self._node.create_task(partial(self._check_later, query, text, kind))
 

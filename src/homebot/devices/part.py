@@ -285,10 +285,10 @@ class CommandDescription(NamedTuple):
             yield "the payloads of its commands changed"
 
 
-_MOST_LISTED = 5
-_LONGEST = 100
+_MAX_LISTED = 5
+_MAX_CHARACTERS = 100
 
 
 def _listed(words: tuple[str, ...]) -> str:
-    shown = ", ".join([word[:_LONGEST] for word in words[:_MOST_LISTED]])
-    return (f"{shown}, …" if len(words) > _MOST_LISTED else shown) or "none"
+    shown = ", ".join([word[:_MAX_CHARACTERS] for word in words[:_MAX_LISTED]])
+    return (f"{shown}, …" if len(words) > _MAX_LISTED else shown) or "none"

@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 
-_LONGEST = 800_000
+_MAX_CHARACTERS = 800_000
 
 
 class PlaceDeviceRequest(Message):
@@ -226,7 +226,7 @@ class ImportPlacesRequest(Message):
         source: The robot whose map the room areas come from; empty for the owner.
     """
 
-    text: Annotated[str, Field(max_length=_LONGEST)]
+    text: Annotated[str, Field(max_length=_MAX_CHARACTERS)]
     replaces: bool = False
     source: str = ""
 

@@ -13,7 +13,7 @@ from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest, ListSc
 from homebot.errors import UsageError
 from homebot.graph import Node
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
 
@@ -72,7 +72,7 @@ class Scenes:
             trigger=current_trigger(),
         )
         with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
-            answer: CommandDevicesResponse = await client.call(request, timeout=_LONGEST)
+            answer: CommandDevicesResponse = await client.call(request, timeout=_MAX_WAIT_S)
         if not (answer.success or answer.results):
             raise UsageError(answer.message)
         return SceneOutcome(

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
-from homebot.devices.command_messages import MAX_TRANSITION_S, MOST_SETTINGS, CommandDevicesResponse, Setting
+from homebot.devices.command_messages import MAX_SETTINGS, MAX_TRANSITION_S, CommandDevicesResponse, Setting
 from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import ShortText
@@ -12,7 +12,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
 __all__ = [
-    "MOST_PARTS",
+    "MAX_PARTS",
     "ApplyScene",
     "ApplySceneRequest",
     "ChangeScene",
@@ -26,7 +26,7 @@ __all__ = [
     "ScenesResponse",
 ]
 
-MOST_PARTS = 500
+MAX_PARTS = 500
 """The limit of parts of one scene."""
 
 _NO_TIME = Time(sec=0, nanosec=0)
@@ -48,7 +48,7 @@ class ScenePart(Message):
     part: ShortText = ""
     name: str = ""
     area: str = ""
-    settings: Annotated[tuple[Setting, ...], Field(max_length=MOST_SETTINGS)] = ()
+    settings: Annotated[tuple[Setting, ...], Field(max_length=MAX_SETTINGS)] = ()
     text: str = ""
     asks: str = ""
     is_known: bool = True
@@ -116,7 +116,7 @@ class ChangeSceneRequest(Message):
     name: ShortText
     change: SceneChange
     target: ShortText = ""
-    values: Annotated[tuple[KeyValue, ...], Field(max_length=MOST_PARTS)] = ()
+    values: Annotated[tuple[KeyValue, ...], Field(max_length=MAX_PARTS)] = ()
     replaces: bool = False
 
 

@@ -13,7 +13,7 @@ from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
-    "MOST_LISTED",
+    "MAX_LISTED",
     "AnnouncedOn",
     "ExportIndex",
     "FindDevices",
@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 
-MOST_LISTED = 200
+MAX_LISTED = 200
 """The limit of devices in one answer of :data:`ListDevices`, about 60 kB of JSON."""
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)

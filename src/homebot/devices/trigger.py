@@ -8,7 +8,7 @@ from homebot.devices.value import Reading, ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
-MOST_READINGS = 20
+MAX_READINGS = 20
 
 
 class Trigger(Message):
@@ -32,7 +32,7 @@ class Trigger(Message):
     kind: Literal["", "lease", "report", "device", "message", "timer", "client", "goal", "end", "program"] = ""
     id: ShortText = ""
     device: ShortText = ""
-    readings: Annotated[tuple[Reading, ...], Field(max_length=MOST_READINGS)] = ()
+    readings: Annotated[tuple[Reading, ...], Field(max_length=MAX_READINGS)] = ()
     text: ShortText = ""
     at: Time = Time(sec=0, nanosec=0)
     scene: ShortText = ""

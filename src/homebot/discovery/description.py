@@ -147,13 +147,13 @@ def _several_names(facts: Iterable[Fact]) -> Iterator[Fact]:
     for first in names:
         alike = {fold(one.value): one.value for one in names if _SOURCE(one) == _SOURCE(first)}
         if len(alike) > 1:
-            value = f"names {', '.join(alike.values())}"[:_LONGEST_NAMES]
+            value = f"names {', '.join(alike.values())}"[:_MAX_NAMES]
             yield first.model_copy(update={"name": SEVERAL_NAMES, "value": value})
             return
 
 
 _SOURCE: Final = attrgetter("gateway", "convention")
-_LONGEST_NAMES: Final = 300
+_MAX_NAMES: Final = 300
 _RELAYS: Final = frozenset({"plug", "switch"})
 
 

@@ -23,7 +23,7 @@ from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
-from homebot.discovery.publication import FEW, ChangePublisher
+from homebot.discovery.publication import MAX_CHANGES_PER_TURN, ChangePublisher
 from homebot.discovery.services import DirectoryServices
 from homebot.discovery.source_record import LostLink
 from homebot.errors import TypeMismatchError
@@ -164,7 +164,7 @@ class Directory:
     async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:
         """Replace the statements of the configuration on rooms and devices."""
         await TimeSlice(self._clock).do(self.index.places_exchange.reconfigure(places, rooms, self._clock.now()))
-        while self._publisher.publish_some(FEW):
+        while self._publisher.publish_some(MAX_CHANGES_PER_TURN):
             await anyio.lowlevel.checkpoint()
 
     def _follow_all(self) -> None:
@@ -271,8 +271,8 @@ class Directory:
             self._earlier_deadline = anyio.Event()
             with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier_deadline.wait()
-            while self.index.expire(self._clock.monotonic(), at_most=FEW):
-                while self._publisher.publish_some(FEW):
+            while self.index.expire(self._clock.monotonic(), at_most=MAX_CHANGES_PER_TURN):
+                while self._publisher.publish_some(MAX_CHANGES_PER_TURN):
                     await anyio.lowlevel.checkpoint()
                 await anyio.lowlevel.checkpoint()
 

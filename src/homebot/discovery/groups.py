@@ -37,7 +37,7 @@ _PASSING: Final = (StateIs, FreshnessIs, ReachableIs, IsNear, IsDisputed, IsUnap
 """Terms with matches that change from moment to moment."""
 
 _SOURCE: Final = "configuration"
-_MOST: Final = 100
+_MAX_GROUPS: Final = 100
 """The limit of groups: each is a fact of its members, of which a device has 200."""
 
 
@@ -65,8 +65,8 @@ def read_groups(tables: Sequence[object], source: str) -> Mapping[str, str]:
         ConfigError: A name is missing, wrong or given twice, or *members* is no query, or depends on states or, by way
             of other groups, on the group itself; the message names the key.
     """
-    if len(tables) > _MOST:
-        raise ConfigError(source, "groups", f"there are {len(tables)} groups; {_MOST} is the limit")
+    if len(tables) > _MAX_GROUPS:
+        raise ConfigError(source, "groups", f"there are {len(tables)} groups; {_MAX_GROUPS} is the limit")
     found: dict[str, str] = {}
     numbers: dict[str, int] = {}
     for number, table in enumerate(tables):

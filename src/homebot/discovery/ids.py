@@ -17,7 +17,7 @@ MAX_TOMBSTONES = 10_000
 _NO_LETTERS = re.compile(r"[^a-z0-9]+")
 _FOR_PROGRAMS = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
 """A name as in ``kitchen_lamp``, which people say in words."""
-_LONGEST_SLUG = 60
+_MAX_SLUG = 60
 _SHORTEST_SUFFIX = 4
 
 
@@ -53,7 +53,7 @@ def name_without(sighting: Sighting) -> str:
 
 def id_of_name(name: str) -> str:
     """Return the id for a device of that name, if it is not taken."""
-    return _NO_LETTERS.sub("_", fold(name))[:_LONGEST_SLUG].strip("_") or "device"
+    return _NO_LETTERS.sub("_", fold(name))[:_MAX_SLUG].strip("_") or "device"
 
 
 def _identity(sighting: Sighting) -> str:

@@ -32,7 +32,7 @@ from homebot.places.floor_plan import FloorPlan
 from homebot.places.path import PathFinder, Spot
 from homebot.support.folding import fold
 
-_MOST_LEFT_OUT: Final = 20
+_MAX_LEFT_OUT: Final = 20
 """Most matching devices that are named though they are not results."""
 
 
@@ -135,13 +135,13 @@ class Nearness:
             limit=limit,
         )
         left_out = [(one, "it waits for the owner's approval") for one in sorted(forbidden)]
-        left_out += self._no_ways(unreachable[:_MOST_LEFT_OUT], start.room, locked)
+        left_out += self._no_ways(unreachable[:_MAX_LEFT_OUT], start.room, locked)
         answer = QueryDevicesResponse(
             success=True,
             message=_text(pose, start.room, age),
             total=total,
             pose_age=age,
-            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in left_out[:_MOST_LEFT_OUT]),
+            left_out=tuple(KeyValue(key=key, value=reason) for key, reason in left_out[:_MAX_LEFT_OUT]),
         )
         return NearDevices(best, why, answer)
 

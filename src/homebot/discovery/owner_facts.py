@@ -37,7 +37,7 @@ _Name: TypeAlias = SourceKey | str
 """The key of an announcement, or the id or a hardware address of a device."""
 
 _NONE: _Facts = ()
-_MOST_NAMED = 5
+_MAX_NAMED = 5
 
 
 class StatementRecord(BaseModel):
@@ -252,7 +252,7 @@ class OwnerFacts:
     def remove_room(self, name: str) -> None:
         """Remove an imported room and its doors from the plan, unless devices were placed in it."""
         if placed := sorted(str(min(one.names, key=lambda name: not isinstance(name, str))) for one in self._in(name)):
-            named = ", ".join(placed[:_MOST_NAMED]) + (", …" if len(placed) > _MOST_NAMED else "")
+            named = ", ".join(placed[:_MAX_NAMED]) + (", …" if len(placed) > _MAX_NAMED else "")
             reason = f"devices were placed in it: {named}; place them elsewhere first"
             raise RefusedError(f"removing the room {name!r}", reason)
         self.rooms.remove(name)

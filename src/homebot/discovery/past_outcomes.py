@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final
 
-from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.journal_messages import MAX_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
 from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.outcomes import OUTCOMES
 from homebot.discovery.search.near_rank import CostTerm
@@ -15,7 +15,7 @@ _HALF_LIFE: Final = 7 * 86_400.0
 _BACK: Final = 3 * _HALF_LIFE
 """How far outcomes count, in seconds; the oldest weigh an eighth."""
 
-_MOST_PAGES: Final = 20
+_MAX_PAGES: Final = 20
 _WORST: Final = 6.0
 """Metres added to a device whose commands always fail."""
 
@@ -59,8 +59,8 @@ class PastOutcomes:
         until = Time.from_seconds(self._begin)
         since = Time.from_seconds(self._begin - _BACK)
         seen: set[JournalEntry] = set()
-        for _ in range(_MOST_PAGES):
-            request = ReadJournalRequest(since=since, until=until, limit=MOST_ENTRIES)
+        for _ in range(_MAX_PAGES):
+            request = ReadJournalRequest(since=since, until=until, limit=MAX_ENTRIES)
             try:
                 page = await self._read.call(request)
             except ServiceError:

@@ -28,7 +28,7 @@ from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.counters import Severity
-from homebot.support.kept_file import KeptFile
+from homebot.support.managed_file import ManagedFile
 
 if TYPE_CHECKING:
     from homebot.discovery.store import IndexFile
@@ -202,7 +202,7 @@ class IndexPersistence:
                 await self._save_batch(file)
         return kept.problem
 
-    async def _save(self, kept: KeptFile[IndexFile]) -> None:
+    async def _save(self, kept: ManagedFile[IndexFile]) -> None:
         with suppress(LinkError):
             while self._is_unsaved and not kept.is_unusable:
                 async with kept.opened(writes=True) as file:
@@ -254,10 +254,10 @@ class IndexPersistence:
                 self._node.log.warning(BAD_RECORD, message=f"a device is not remembered: {exc}")
             return None
 
-    def _kept_file(self, path: Path) -> KeptFile[IndexFile]:
+    def _kept_file(self, path: Path) -> ManagedFile[IndexFile]:
         from homebot.discovery.store import IndexFile  # noqa: PLC0415 - SQLite is loaded where something is kept
 
-        return KeptFile(
+        return ManagedFile(
             IndexFile(path),
             "the index file",
             "devices are not remembered",

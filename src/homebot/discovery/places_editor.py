@@ -15,7 +15,7 @@ from homebot.places import FactName, OwnerFact, check_name, stated_position
 from homebot.places.facts import TAG_ERROR
 from homebot.support.folding import fold, is_room_typo
 
-_MOST = 50
+_MAX_NAMES = 50
 """Most aliases, and most tags, of a device."""
 
 _WORDS: Mapping[FactName, str] = {
@@ -147,8 +147,8 @@ class PlacesEditor:
         entry = self._entry(device_id)
         added = check_name(value)
         others = [fact for fact in self.stated(entry) if (fact.name, fold(fact.value)) != (name, fold(added))]
-        if sum(fact.name == name for fact in others) >= _MOST:
-            raise RefusedError(f"the {_WORDS[name]} {added!r}", f"{device_id} has {_MOST} already")
+        if sum(fact.name == name for fact in others) >= _MAX_NAMES:
+            raise RefusedError(f"the {_WORDS[name]} {added!r}", f"{device_id} has {_MAX_NAMES} already")
         fact = OwnerFact(name, added, "command", now)
         self.state(entry, [fact, *others], f"the owner gave it the {_WORDS[name]} {added}")
         return self._values(entry, name)

@@ -31,7 +31,7 @@ AnswerT = TypeVar("AnswerT", bound=ServiceAnswer)
 
 _DEPTH: Final = 1000
 
-_MOST_ABSENT = 1000
+_MAX_ABSENT = 1000
 
 _SHORT = 4000
 """Most characters of a places file parsed without a thread, in a few milliseconds; long ones take a second."""
@@ -112,7 +112,7 @@ class PlacesServices:
 
     def _get_places(self, _: messages.GetPlacesRequest) -> messages.GetPlacesResponse:
         plan = self._index.owner.plan
-        absent = sorted(self._index.places.absent())[:_MOST_ABSENT]
+        absent = sorted(self._index.places.absent())[:_MAX_ABSENT]
         return messages.GetPlacesResponse(
             home=plan.home,
             rooms=tuple(map(_room_info, plan.rooms)),

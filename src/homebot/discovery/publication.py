@@ -21,7 +21,7 @@ from homebot.support.isolation import isolated
 BURST = 50
 """Most log lines per kind of change in ten seconds; the rest of a flood is counted."""
 
-FEW = 25
+MAX_CHANGES_PER_TURN = 25
 """Changes published, or postings updated, per turn: about 1 ms of work, and as many as the MQTT gateway announces per
 turn."""
 
@@ -42,10 +42,10 @@ _MANY_STATES = 1000
 _SETTINGS_PAUSE = 0.5
 """Seconds for which changed settings are collected; together they cost a busy house next to nothing."""
 
-_LONGEST: Final = 10.0
+_MAX_BURST_S: Final = 10.0
 """First limit, in seconds, of the wait for the end of a burst: 4,000 devices take about that long to announce."""
 
-_LONGEST_AGAIN: Final = 60.0
+_MAX_AGAIN: Final = 60.0
 """Limit up to which the wait doubles in a long burst, as describing devices is expensive on slow computers."""
 
 _WAITING_PER_SECOND: Final = 50
@@ -76,7 +76,7 @@ class Burst:
         self._pause = pause
         self._waiting = waiting
         self._seen = 0
-        self._longest = _LONGEST
+        self._longest = _MAX_BURST_S
 
     async def wait(self, is_urgent: Callable[[], bool] = lambda: False) -> None:
         """Wait while announcements keep coming, unless *is_urgent*; return at once if there were none."""
@@ -85,12 +85,12 @@ class Burst:
             if is_urgent():
                 return
             waited = self._clock.monotonic() - began
-            if waited >= self._longest and waited >= min(len(self._waiting()) / _WAITING_PER_SECOND, _LONGEST_AGAIN):
-                self._longest = min(2 * self._longest, _LONGEST_AGAIN)
+            if waited >= self._longest and waited >= min(len(self._waiting()) / _WAITING_PER_SECOND, _MAX_AGAIN):
+                self._longest = min(2 * self._longest, _MAX_AGAIN)
                 return
             self._seen = announced
             await self._pause()
-        self._longest = _LONGEST
+        self._longest = _MAX_BURST_S
 
 
 @final
@@ -124,7 +124,7 @@ class ChangePublisher:
         """Publish the states of a few reports, which is nearly always all; wake the tasks with more to do."""
         queue = self._queue
         if queue.states and not queue.pending:
-            self._publish_states(FEW)
+            self._publish_states(MAX_CHANGES_PER_TURN)
         if self._is_idle and (queue.pending or queue.states or self._index.table.outdated):
             self._is_idle = False
             self._happened.set()
@@ -161,7 +161,7 @@ class ChangePublisher:
             await anyio.sleep(_SETTINGS_PAUSE)
             self._settings_changed.clear()
             changed = self._index.settings.pop()
-            while some := tuple(islice(changed, FEW)):
+            while some := tuple(islice(changed, MAX_CHANGES_PER_TURN)):
                 self._settings.publish(ChangedSettings(changes=some))
                 await anyio.lowlevel.checkpoint()
 
@@ -182,8 +182,8 @@ class ChangePublisher:
 
     async def _publish_waiting(self) -> bool:
         """Publish the waiting changes, or update a few postings; return whether more may be left."""
-        for _ in range(len(self._queue.pending) // FEW + 1):
-            if not (self.publish_some(FEW) or await self._sort_some()):
+        for _ in range(len(self._queue.pending) // MAX_CHANGES_PER_TURN + 1):
+            if not (self.publish_some(MAX_CHANGES_PER_TURN) or await self._sort_some()):
                 return False
             await anyio.lowlevel.checkpoint()
         return True
@@ -196,7 +196,7 @@ class ChangePublisher:
         if not self._index.table.outdated:  # usual for reports: a new value keeps its posting
             return False
         await anyio.lowlevel.checkpoint()  # messages that the gateway is handling come first
-        return not self._happened.is_set() and self._index.sort(FEW)
+        return not self._happened.is_set() and self._index.sort(MAX_CHANGES_PER_TURN)
 
     def _publish_states(self, at_most: int) -> None:
         for state in self._queue.pop_states(at_most):

@@ -16,9 +16,9 @@ _MIN_GAPS = 3
 _SILENCE_FACTOR = 3.0
 """Usual gaps that silence may last: two reports may be lost on the way."""
 
-_LONGEST_OF_FEW = 86_400.0
+_MAX_OF_FEW = 86_400.0
 
-_LONGEST = 7 * 86_400.0
+_MAX_INTERVAL_S = 7 * 86_400.0
 
 
 @final
@@ -69,5 +69,5 @@ def _usual_silence(gaps: tuple[float, ...]) -> float:
     if not gaps:
         return 0.0
     if len(gaps) < _MIN_GAPS:
-        return min(_SILENCE_FACTOR * min(gaps), _LONGEST_OF_FEW)
-    return min(_SILENCE_FACTOR * sorted(gaps)[-2], _LONGEST)
+        return min(_SILENCE_FACTOR * min(gaps), _MAX_OF_FEW)
+    return min(_SILENCE_FACTOR * sorted(gaps)[-2], _MAX_INTERVAL_S)

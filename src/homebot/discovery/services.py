@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 _KIND = attrgetter("kind")
 
-_FEW = 10
+_MAX_CHANGES_PER_TURN = 10
 """Changes published, or postings updated, before other tasks run."""
 
-_MOST_TURNS = 1000
+_MAX_TURNS = 1000
 """Most turns that other tasks get before an answer, so that it does not wait for the end of a flood."""
 
 
@@ -179,7 +179,7 @@ class DirectoryServices:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         from homebot.discovery.listing import list_device, rights_in  # noqa: PLC0415 - screens and agents ask, after the start
 
-        end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
+        end = request.offset + min(request.limit or messages.MAX_LISTED, messages.MAX_LISTED)
         rights = rights_in(request)
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
@@ -240,7 +240,7 @@ class DirectoryServices:
             return
         monotonic = self._clock.monotonic
         until = 0.0
-        for _ in range(_MOST_TURNS):
+        for _ in range(_MAX_TURNS):
             while self._step() and monotonic() < until:
                 pass
             if not self._index.is_behind:
@@ -252,12 +252,12 @@ class DirectoryServices:
         self._publish_all()
 
     def _step(self) -> bool:
-        self._publish_some(_FEW)
-        self._index.sort(_FEW)
+        self._publish_some(_MAX_CHANGES_PER_TURN)
+        self._index.sort(_MAX_CHANGES_PER_TURN)
         return self._index.is_behind
 
     def _publish_all(self) -> None:
-        while self._publish_some(_FEW):
+        while self._publish_some(_MAX_CHANGES_PER_TURN):
             pass
 
     def _split(self, request: messages.SplitDeviceRequest) -> messages.SplitDeviceResponse:

@@ -33,7 +33,7 @@ _CAPABILITY = attrgetter("capability")
 _NewValue: TypeAlias = tuple[tuple[str, str], Reading, StoredValue]
 """A part and its capability, the new value, and its storage."""
 
-_MOST_CHANGED: Final = 10_000
+_MAX_CHANGED: Final = 10_000
 """Most changed settings waiting to be popped; further ones are dropped and counted as lost states."""
 
 _REPORTED: Final = SETTABLE | ALERTING
@@ -359,7 +359,7 @@ class SettingChanges:
         for place, reading, stored in new:
             if place[1] not in wanted or id(stored) in waiting:
                 continue
-            if len(waiting) < _MOST_CHANGED:
+            if len(waiting) < _MAX_CHANGED:
                 before = self._before(entry, source, place, stored)
                 change = _WaitingChange(
                     entry, source, reading, stored.since, stored.was_absent, set_by, *before, stored

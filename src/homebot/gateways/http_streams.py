@@ -15,7 +15,7 @@ from homebot.errors import LinkError, WireError
 from homebot.gateways.event_stream import EventStreamParser, ServerEvent
 from homebot.gateways.http_errors import translated_errors
 
-MOST_INVALID: Final = 20
+MAX_INVALID: Final = 20
 """Invalid messages in a row after which nothing more is read."""
 
 
@@ -83,7 +83,7 @@ class WebSocket:
             except WireError as exc:
                 reject(payload, str(exc))
                 invalid += 1
-                if invalid >= MOST_INVALID:
+                if invalid >= MAX_INVALID:
                     raise WireError(f"{self._where} sent {invalid} invalid messages in a row") from exc
 
     async def _next(self) -> aiohttp.WSMessage:

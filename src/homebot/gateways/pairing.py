@@ -17,7 +17,7 @@ from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.support.file_access import check_secret_file
 from homebot.support.installation import Installation
 
-_LONGEST: Final = 4 * 1024 * 1024
+_MAX_BYTES: Final = 4 * 1024 * 1024
 
 
 class PairRequest(Message):
@@ -168,7 +168,7 @@ class PairingFile:
         try:
             with self._path.open("rb") as file:
                 check_secret_file(self._path, os.fstat(file.fileno()))
-                content = json.loads(file.read(_LONGEST))
+                content = json.loads(file.read(_MAX_BYTES))
         except FileNotFoundError:
             return {}
         except (OSError, ValueError, RecursionError) as exc:

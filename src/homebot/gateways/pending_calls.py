@@ -21,7 +21,7 @@ class _PendingCall(Generic[Answer]):
     answer: Answer | None = None
 
 
-MOST_CALLS: Final = 100
+MAX_CALLS: Final = 100
 """Calls that may wait at once; a further one is refused."""
 
 
@@ -56,8 +56,8 @@ class PendingCalls(Generic[Answer]):
         Raises:
             LinkError: The link is lost, there was no answer in time, or too many calls wait.
         """
-        if len(self) >= MOST_CALLS:
-            raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for {self._peer} already")
+        if len(self) >= MAX_CALLS:
+            raise LinkError(f"{what}: {MAX_CALLS} commands are waiting for {self._peer} already")
         if self._is_lost:
             await self._fail()
         call_id = self.new_id()

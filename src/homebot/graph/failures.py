@@ -13,7 +13,7 @@ from homebot.support.logger import get_logger
 CALLBACK_FAILED = "graph.callback_failed"
 ANSWER_LATE = "graph.answer_late"
 
-_MOST = 1000
+_MAX_SOURCES = 1000
 _OTHERS = "other callbacks"
 
 
@@ -83,7 +83,7 @@ class Failures:
 
     def _failure(self, node: str, callback: str) -> CallbackFailure:
         key = (node, callback)
-        if key not in self._failures and len(self._failures) >= _MOST:
+        if key not in self._failures and len(self._failures) >= _MAX_SOURCES:
             key = ("", _OTHERS)
         return self._failures.setdefault(key, CallbackFailure(*key))
 

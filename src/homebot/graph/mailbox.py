@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 TURN = 256  # items read before a reader that never waits yields to other tasks
 MAX_KEYED_ITEMS = 100_000  # over all keys, which external peers choose
-_FEW = 64
+_MAX_LIST_DEPTH = 64
 
 
 class Queue(Protocol[T]):
@@ -221,7 +221,7 @@ class KeyedQueue(Generic[T]):
         self._on_loss = on_loss
         self.items: OrderedDict[Hashable, T] = OrderedDict()
         # Most keys have one or two items, and a deque allocates room for 64.
-        self._make_numbers: Callable[[], list[int] | deque[int]] = list if depth <= _FEW else deque
+        self._make_numbers: Callable[[], list[int] | deque[int]] = list if depth <= _MAX_LIST_DEPTH else deque
         self._numbers: dict[Hashable, list[int] | deque[int]] = {}
         self._next = 0
 

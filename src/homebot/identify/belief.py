@@ -49,7 +49,7 @@ _CERTAINTY: Final = 3.0
 
 _TINY: Final = 1e-9
 _ALTERNATIVES: Final = 5
-_MOST_FAMILIES: Final = 8
+_MAX_FAMILIES: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ class Belief:
         self._dropped: set[int] = set()
         self._looks = {fade: [first] for fade in _FADES}
         effect, effects = least / _IN_VIEW[0], list[float]()
-        while not effects or (effect < 2 * most and len(effects) < _MOST_FAMILIES):
+        while not effects or (effect < 2 * most and len(effects) < _MAX_FAMILIES):
             effects.append(effect)
             effect *= 2
         self._families = [

@@ -12,7 +12,7 @@ from homebot.command_words.targets import CommandTargets, NoTargetError
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, Setting
-from homebot.devices.identify_messages import MOST_CANDIDATES, IdentifyDeviceGoal
+from homebot.devices.identify_messages import MAX_CANDIDATES, IdentifyDeviceGoal
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.folding import fold
@@ -30,10 +30,10 @@ Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | N
 
 NIGHT: Final = (time(22), time(7))
 
-_LEAST: Final = MappingProxyType({"level": 1.0, "position": 0.0, "fan_speed": 0.0})
+_MIN_VALUES: Final = MappingProxyType({"level": 1.0, "position": 0.0, "fan_speed": 0.0})
 """Percent at least: of what has no switch; a dimmer at 0 may be off."""
 
-_MOST_NAMED: Final = 8
+_MAX_NAMED: Final = 8
 _IN_BED: Final = "tag=bed occupied"
 """As in routines: the sensors that the owner tagged as those of a bed."""
 
@@ -144,10 +144,10 @@ async def find_candidates(
 
 def _check_count(count: int, left_out: list[KeyValue], goal: IdentifyDeviceGoal) -> None:
     if count == 0:
-        reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MOST_NAMED])
+        reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MAX_NAMED])
         raise UsageError(f"nothing of {goal.candidates!r} can be identified; {reasons}")
-    if count > MOST_CANDIDATES:
-        raise UsageError(f"{count} parts fit {goal.candidates!r}; at most {MOST_CANDIDATES} can be told apart")
+    if count > MAX_CANDIDATES:
+        raise UsageError(f"{count} parts fit {goal.candidates!r}; at most {MAX_CANDIDATES} can be told apart")
 
 
 async def _rooms_asleep(lookup: DeviceLookup) -> set[str]:
@@ -159,7 +159,7 @@ def _candidate(device: Device, part: DevicePart) -> CandidatePart | None:
     values = {one.capability: one.value.plain() for one in device.states if one.part == part.id}
     if isinstance(before := values.get("on_off"), bool) and "on_off" in settable:
         return CandidatePart(device, part, "on_off", dark=False, bright=True, before=before, wanted=before)
-    for name, least in _LEAST.items():
+    for name, least in _MIN_VALUES.items():
         if isinstance(before := values.get(name), float) and (one := settable.get(name)) is not None:
             low, high = one.bounds or (0.0, 100.0)
             dark = one.nearest(max(low, least))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
-from homebot.command_words.earlier_values import plain_states
+from homebot.command_words.undo_record import plain_states
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import target_of
 from homebot.devices.identify_messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord

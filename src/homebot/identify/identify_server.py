@@ -40,7 +40,7 @@ _TELLING: Final = 5.0
 _PUTTING_BACK: Final = 5.0
 """Seconds for which the result waits until everything is back; what is not goes on coming back."""
 
-_MOST_NAMED: Final = 8
+_MAX_NAMED: Final = 8
 
 IdentifyGoal: TypeAlias = ServerGoal[IdentifyDeviceGoal, IdentifyDeviceResult, IdentifyDeviceFeedback]
 
@@ -130,8 +130,8 @@ class IdentifyServer:
 
     async def _announce(self, by: str, request: IdentifyDeviceGoal, candidates: list[CandidatePart]) -> None:
         names = [one.name for one in candidates]
-        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-        text = f"{by}: {', '.join(names[:_MOST_NAMED])}{more} change for up to {request.seconds:g} s, and are put back"
+        more = f" and {len(names) - _MAX_NAMED} more" if len(names) > _MAX_NAMED else ""
+        text = f"{by}: {', '.join(names[:_MAX_NAMED])}{more} change for up to {request.seconds:g} s, and are put back"
         with anyio.move_on_after(_TELLING):
             await self._notify(text, "Identify")
 

@@ -29,7 +29,7 @@ _DEVIATIONS: Final = 3.0
 _SHARE: Final = 0.05
 """The least effect in view, if it is unknown: so many deviations of a look, and at least this share of what is seen."""
 
-_MOST_SHARE: Final = 0.1
+_MAX_SHARE: Final = 0.1
 """The least effect, as such a share, that excludes nothing: what is seen varies too much by itself."""
 
 _IN_A_ROW: Final = 2
@@ -39,8 +39,8 @@ _SURER: Final = 0.1
 _LIKELY: Final = 0.9
 """The probability from which a candidate is told apart from others that may be the same device."""
 
-_MOST_RIVALS: Final = 3
-_MOST_REPEATS: Final = 2
+_MAX_RIVALS: Final = 3
+_MAX_REPEATS: Final = 2
 """Further looks at the same code, but at a fade: they tell little of slow changes from elsewhere."""
 
 _TRIED: Final = 60
@@ -99,7 +99,7 @@ class Inquiry:
         if each[self.found] < _LIKELY:
             others = {other for other in others if each[other] > 1 - _LIKELY}
         rivals = sorted({self.found, *others})
-        return rivals if 1 < len(rivals) <= _MOST_RIVALS and sum(each[one] for one in rivals) >= _LIKELY else []
+        return rivals if 1 < len(rivals) <= _MAX_RIVALS and sum(each[one] for one in rivals) >= _LIKELY else []
 
     @property
     def fades_on(self) -> float:
@@ -124,7 +124,7 @@ class Inquiry:
         whole = max(median(abs(seen.value) for seen in blinked), _TINY)
         noise = _DEVIATIONS * sqrt(min(seen.variance for seen in blinked))
         least = self._least_in_view = self._least or max(noise, _SHARE * whole)
-        self._excluded = least if self._least or noise <= _MOST_SHARE * whole else 0.0
+        self._excluded = least if self._least or noise <= _MAX_SHARE * whole else 0.0
         belief = Belief(self._looks[0], least, max(2 * abs(bright.value - dark.value), least))
         for seen in self._looks[1:]:
             belief.add(seen)
@@ -167,7 +167,7 @@ class Inquiry:
         if self._is_prompt and self._may_fade(latest) and not belief.fades:
             return None
         repeats = sum(1 for _ in takewhile(lambda seen: seen.levels == latest.levels, reversed(self._looks))) - 1
-        can_repeat = self._is_prompt and repeats < _MOST_REPEATS
+        can_repeat = self._is_prompt and repeats < _MAX_REPEATS
         if self._waits and can_repeat:
             return None
         best = max(range(self._count), key=belief.each.__getitem__)

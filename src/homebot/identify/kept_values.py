@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, Final, final
 
 import anyio
 
-from homebot.command_words.earlier_values import KnownStates, KnownValue, known_states
+from homebot.command_words.undo_record import KnownStates, KnownValue, known_states
 from homebot.devices.batch import perform_all
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.device import target_of
 from homebot.devices.names import PERFORM_COMMAND
-from homebot.devices.obedience import fits
 from homebot.devices.outcomes import NoAnswer, Outcome, Superseded
 from homebot.devices.trigger import Trigger
+from homebot.devices.value_comparison import fits
 from homebot.errors import LinkError, ServiceError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 LEFT = "identify.left"
 PUT_BACK = "identify.put_back"
 
-_LONGEST: Final = 120.0
+_MAX_WAIT_S: Final = 120.0
 """Seconds after which a command is given up, and repeated later."""
 
 _FIRST: Final = 10.0
@@ -209,7 +209,7 @@ class KeptValues:
 
     async def _outcome(self, request: CommandRequest) -> Outcome:
         try:
-            return await self._perform.call(request, timeout=_LONGEST)
+            return await self._perform.call(request, timeout=_MAX_WAIT_S)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
 

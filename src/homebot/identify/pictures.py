@@ -16,7 +16,7 @@ Region: TypeAlias = tuple[int, ...]
 _SAMPLES: Final = 100
 """Rows, and pixels of a row, that are read at most: a mean needs no more, and a large picture costs no more."""
 
-_MOST_PIXELS: Final = 50_000_000
+_MAX_PIXELS: Final = 50_000_000
 _FORMATS: Final = ("JPEG", "PNG")
 
 
@@ -90,7 +90,7 @@ def compressed_brightness(image: Any, region: Region) -> float:
 
 
 def _checked(region: Region, width: int, height: int) -> tuple[int, int, int, int]:
-    if not 0 < width * height <= _MOST_PIXELS:
+    if not 0 < width * height <= _MAX_PIXELS:
         raise UsageError(f"pictures of {width}x{height} pixels cannot be read")
     if not region:
         return 0, 0, width, height

@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 _LOOK: Final = 1.0
 """Seconds of a look."""
 
-_LONGEST: Final = 5.0
+_MAX_SILENCE_S: Final = 5.0
 """Seconds without a value after which the sensor is too slow, or dead."""
 
-_MOST: Final = 200
-_MOST_PICTURES: Final = 10
+_MAX_VALUES: Final = 200
+_MAX_PICTURES: Final = 10
 """Values of a look: a picture costs some milliseconds."""
 
 _PROMPT: Final = 2.0
@@ -53,7 +53,7 @@ least."""
 
 _PICTURES: Final = {"sensor_msgs/msg/Image": brightness, "sensor_msgs/msg/CompressedImage": compressed_brightness}
 _NUMBERS: Final = frozenset({f"{kind}{bits}" for kind in ("int", "uint", "float") for bits in (8, 16, 32, 64)})
-_MOST_NAMED: Final = 8
+_MAX_NAMED: Final = 8
 _LARGEST: Final = 1e12
 _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
@@ -152,7 +152,7 @@ async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Regio
         return _DeviceSight(node, lookup, devices[0].id)
     topics = [one for one, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
     known = [*(one.name for one in seeing), *topics]
-    some = f"there are {', '.join(known[:_MOST_NAMED])}" if known else "a robot has to publish it first"
+    some = f"there are {', '.join(known[:_MAX_NAMED])}" if known else "a robot has to publish it first"
     if not topic:
         found = f"{len(devices)} light sensors are in its room" if rooms else "it is in no room"
         raise UsageError(f"say what looks, with `topic` (`--with`), as {found}; {some}")
@@ -178,7 +178,7 @@ class _TopicSight(Sight):
         self._clock = node.graph.clock
         read = _PICTURES.get(message_type.ros_type)
         self._read: Callable[[Any], float] = _number_of(message_type) if read is None else partial(read, region=region)
-        self._gap = 0.9 * _LOOK / (_MOST if read is None else _MOST_PICTURES)
+        self._gap = 0.9 * _LOOK / (_MAX_VALUES if read is None else _MAX_PICTURES)
         self._values: list[float] | None = None
         self._problem = ""
         self._last_at = 0.0
@@ -204,11 +204,11 @@ class _TopicSight(Sight):
 
     async def values(self) -> Sequence[float]:
         values = self._values = []
-        self._problem = f"nothing was published on {self._name} within {_LONGEST:g} s; is its robot on?"
+        self._problem = f"nothing was published on {self._name} within {_MAX_SILENCE_S:g} s; is its robot on?"
         self._has_come, self._last_at = anyio.Event(), -_LOOK
         try:
             await anyio.sleep(_LOOK)
-            with anyio.move_on_after(_LONGEST - _LOOK):
+            with anyio.move_on_after(_MAX_SILENCE_S - _LOOK):
                 await self._has_come.wait()
         finally:
             self._values = None
@@ -229,7 +229,7 @@ class _DeviceSight(Sight):
         self._silent_looks = 0
 
     async def values(self) -> Sequence[float]:
-        began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _LONGEST
+        began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _MAX_SILENCE_S
         while passed < _LOOK or (not found and passed < longest):
             await anyio.sleep(_AGAIN)
             device, passed = await self._lookup.device(self._device), self._clock.now() - began
@@ -239,9 +239,9 @@ class _DeviceSight(Sight):
                 raise UsageError(f"{self._device} is gone, or its illuminance is unknown")
             known, at = told[0].value.number, told[0].told_at.to_seconds()
             found |= {at: known} if at > began else {}
-            longest = _LONGEST if at < self._last_at else _PROMPT
-        is_silent = not found and longest == _LONGEST
-        self._last_at, self._silent_looks = self._clock.now(), self._silent_looks + 1 if is_silent else -_MOST
+            longest = _MAX_SILENCE_S if at < self._last_at else _PROMPT
+        is_silent = not found and longest == _MAX_SILENCE_S
+        self._last_at, self._silent_looks = self._clock.now(), self._silent_looks + 1 if is_silent else -_MAX_VALUES
         if self._silent_looks >= _SILENT:  # the first, one with all dark, and one with all bright
             raise UsageError(f"{self._device} reported nothing while all changed: it sees none of them, or is too slow")
         self.slack = _UNREPORTED if is_silent else 0.0

@@ -18,7 +18,7 @@ from homebot.graph import Node
 from homebot.journal.journal_file import JournalFile
 from homebot.journal.store import JournalNote, JournalStore, LearntRow, with_newer
 from homebot.log import LogLimit
-from homebot.support.kept_file import KeptFile
+from homebot.support.managed_file import ManagedFile
 
 _WRITE_AFTER: Final = 120.0
 """Seconds for which entries are gathered, and which a power cut loses: each write costs whole blocks, which wear out an
@@ -30,7 +30,7 @@ _MANY: Final = 1000
 _RETRY_AFTER: Final = 5.0
 _LAST_CHANCE: Final = 5.0
 _BATCH: Final = 2000
-_MOST_WAITING: Final = 10_000
+_MAX_WAITING: Final = 10_000
 """Entries, and rows, that may wait for the disk; beyond this the oldest are lost and counted."""
 
 
@@ -53,13 +53,13 @@ class FileStore(JournalStore):
         longest: float,
         most_bytes: float,
         most_in_memory: int,
-        most_waiting: int = _MOST_WAITING,
+        most_waiting: int = _MAX_WAITING,
     ) -> None:
         super().__init__(most_in_memory, longest)
         self._clock = clock = node.graph.clock
         self._most_bytes = most_bytes
         self._most_waiting = most_waiting
-        self._kept = KeptFile(
+        self._kept = ManagedFile(
             JournalFile(path),
             "the journal",
             "the journal is in memory only",

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, final
 
-from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.journal_messages import MAX_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.journal.store import JournalNote, LearntRow
 from homebot.messages import Time
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
@@ -58,7 +58,7 @@ _DROP_OLDER: Final = (
 """Reads only the entries that it drops, because entries are roughly in order of time."""
 
 _ROUNDS: Final = 20
-_MOST_LEARNT: Final = 20_000
+_MAX_LEARNT: Final = 20_000
 
 
 @final
@@ -106,7 +106,7 @@ class JournalFile(SqliteFile):
         """
         query = "SELECT kind, name, record, at FROM learnt ORDER BY at DESC LIMIT ?"
         with self._used("read") as connection:
-            rows = connection.execute(query, (_MOST_LEARNT,)).fetchall()
+            rows = connection.execute(query, (_MAX_LEARNT,)).fetchall()
         return tuple([_learnt_row(*row) for row in reversed(rows)])
 
     def read_entries(self, request: ReadJournalRequest) -> ReadJournalResponse:
@@ -116,7 +116,7 @@ class JournalFile(SqliteFile):
             LinkError: It cannot be read now.
             WireError: The file is damaged.
         """
-        limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
+        limit = min(request.limit or MAX_ENTRIES, MAX_ENTRIES)
         conditions, values = _conditions(request)
         query = f"SELECT at, device, command, entry FROM entries{conditions} ORDER BY number DESC LIMIT ?"  # noqa: S608 - of our own texts
         with self._used("read") as connection:

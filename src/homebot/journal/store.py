@@ -8,7 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
 from homebot.devices.command_messages import CommandResult
-from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.journal_messages import MAX_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.trigger import NO_TRIGGER
 from homebot.messages import Time
 
@@ -149,7 +149,7 @@ def with_newer(
     """Return *response* with the newer *notes*, oldest first, that fit *request*."""
     if not notes or not response.success:
         return response
-    limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
+    limit = min(request.limit or MAX_ENTRIES, MAX_ENTRIES)
     newer = list(islice(_newest_fitting(notes, request), limit + 1))
     entries = (*response.entries, *(note.entry() for note in reversed(newer)))
     begins = response.begins if response.begins.to_seconds() else notes[0].stamp

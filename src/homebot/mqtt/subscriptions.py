@@ -8,13 +8,13 @@ import anyio
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription
 
-MOST = 100
-MOST_CHARACTERS = 16_384
+MAX_SUBSCRIPTIONS = 100
+MAX_CHARACTERS = 16_384
 
 _ROUND = 0.01
 _BURST = 20
 """Messages within 10 ms that count as a burst: retained ones, sent as fast as the broker can."""
-_MOST_ROUNDS = 100
+_MAX_ROUNDS = 100
 
 
 @final
@@ -122,7 +122,7 @@ class SubscriptionSet:
 
     async def _wait_for_quiet(self, counters: MqttCounters, before: int) -> None:
         """Wait for the end of a burst of messages, for at most a second."""
-        for _ in range(_MOST_ROUNDS if self._bursts_end else 0):
+        for _ in range(_MAX_ROUNDS if self._bursts_end else 0):
             now = counters.received
             if now - before < _BURST:
                 return
@@ -143,7 +143,7 @@ def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> lis
         is_single = is_paced and (subscription.qos > 0 or "+" in subscription.filter or "#" in subscription.filter)
         if not room or is_single or len(subscription.filter) > characters:
             found.append([])
-            room, characters = MOST, MOST_CHARACTERS
+            room, characters = MAX_SUBSCRIPTIONS, MAX_CHARACTERS
         found[-1].append(subscription)
         room = 0 if is_single else room - 1
         characters -= len(subscription.filter)

@@ -26,7 +26,7 @@ _REACH = 0.3
 
 _WIDE = 1.2
 _STEP = 0.6
-_LEAST_OVERLAP = 0.1
+_MIN_OVERLAP = 0.1
 
 
 class RoomAt(NamedTuple):
@@ -168,7 +168,7 @@ class FloorPlan:
                     break
                 if one.floor == other.floor and one.room != other.room:
                     found.append((one.room, other.room, one.polygon.overlap(other.polygon)))
-        return tuple(one for one in found if one[2] > _LEAST_OVERLAP)
+        return tuple(one for one in found if one[2] > _MIN_OVERLAP)
 
     def _of(self, room: str) -> tuple[Polygon, ...]:
         return self._polygons.get(room, ())

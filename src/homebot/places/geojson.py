@@ -21,7 +21,7 @@ _Table: TypeAlias = dict[str, object]
 _DEGREE = 111_195.0
 """Metres of a degree of latitude."""
 
-_LEAST_METRES = 1.5
+_MIN_METRES = 1.5
 
 
 def geojson_table(text: str, source: str, known: Iterable[HouseRoom] = ()) -> Mapping[str, object]:
@@ -92,10 +92,10 @@ class _File:
         if (
             corners
             and not self._is_in_metres
-            and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES
+            and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _MIN_METRES
         ):
             hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
-            raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
+            raise ConfigError(self._source, "homebot", f"the rooms extend less than {_MIN_METRES} m; {hint}")
 
     def doors(self) -> Iterator[_Table]:
         """Yield the tables of doors, which lead to the nearest rooms by default; call :meth:`rooms` first."""

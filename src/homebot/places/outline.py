@@ -9,7 +9,7 @@ from homebot.errors import UsageError
 from homebot.places.polygon import Point, Polygon, foot, signed_area
 
 _TOLERANCES: Final = (0.15, 0.3, 0.5)
-MOST_CORNERS: Final = 30
+MAX_CORNERS: Final = 30
 """The number of corners above which distances through a room take over a millisecond."""
 
 
@@ -69,7 +69,7 @@ def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:
     far = max(range(len(ring)), key=lambda index: math.dist(ring[0], ring[index]))
     for tolerance in _TOLERANCES:
         kept = (*_thinned([*ring[: far + 1]], tolerance)[:-1], *_thinned([*ring[far:], ring[0]], tolerance)[:-1])
-        if len(kept) <= MOST_CORNERS or tolerance == _TOLERANCES[-1]:
+        if len(kept) <= MAX_CORNERS or tolerance == _TOLERANCES[-1]:
             try:
                 return Polygon(kept).rings[0]
             except UsageError:  # edges cross: try the next tolerance

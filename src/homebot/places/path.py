@@ -64,7 +64,7 @@ _START: Final = -1
 """The node of a way without any nodes yet."""
 
 _LANDMARKS: Final = 8
-_FEW: Final = 10
+_MAX_DIRECTED_TARGETS: Final = 10
 """The largest number of targets for which a search is directed, instead of going in all directions."""
 
 _NOTHING: Final = frozenset[str]()
@@ -236,7 +236,11 @@ class PathFinder:
 
     def _goal(self, wanted: AbstractSet[str] | None) -> _Goal:
         """Return the distances of the nodes for each landmark, with the smallest and largest of a few targets."""
-        spots = [] if wanted is None or len(wanted) > _FEW else [*filter(None, map(self._targets.get, wanted))]
+        spots = (
+            []
+            if wanted is None or len(wanted) > _MAX_DIRECTED_TARGETS
+            else [*filter(None, map(self._targets.get, wanted))]
+        )
         ways = [[*self._seen(spot, self._nodes.get(spot.room, ()), HALF_HOP)] for spot in spots]
         goal = []
         for known in self._landmarks if ways else ():

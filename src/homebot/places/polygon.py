@@ -13,9 +13,9 @@ __all__ = ["Edge", "Point", "Polygon", "foot", "signed_area"]
 
 Edge: TypeAlias = tuple[Point, Point]
 
-LEAST_AREA = 0.01
+MIN_AREA = 0.01
 LARGEST = 10_000.0
-MOST_CORNERS = 1000
+MAX_CORNERS = 1000
 
 _NEARLY = 1e-6
 _STEPS = 20
@@ -53,13 +53,13 @@ class Polygon:
 
     def __init__(self, outer: Sequence[Point], holes: Iterable[Sequence[Point]] = ()) -> None:
         rings = [_ring(outer, is_hole=False), *(_ring(hole, is_hole=True) for hole in holes)]
-        if sum(map(len, rings)) > MOST_CORNERS:
-            raise UsageError(f"has {sum(map(len, rings)):,} corners; {MOST_CORNERS:,} is the limit")
+        if sum(map(len, rings)) > MAX_CORNERS:
+            raise UsageError(f"has {sum(map(len, rings)):,} corners; {MAX_CORNERS:,} is the limit")
         self.rings = tuple(rings)
         self._check_edges()
         self.area = sum(map(signed_area, rings))
-        if self.area < LEAST_AREA:
-            raise UsageError(f"has an area of {self.area:g} m²; {LEAST_AREA:g} m² is the least")
+        if self.area < MIN_AREA:
+            raise UsageError(f"has an area of {self.area:g} m²; {MIN_AREA:g} m² is the least")
         xs, ys = [x for x, _ in rings[0]], [y for _, y in rings[0]]
         self.box = Box(min(xs), min(ys), max(xs), max(ys))
 

@@ -14,7 +14,7 @@ Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 
 _NEARLY_PARALLEL = 0.9995
-_LEAST_POINTS = 3
+_MIN_POINTS = 3
 _MISFIT = 1.0
 """The largest distance of a point from its counterpart, in metres."""
 
@@ -43,7 +43,7 @@ def fitted_pose(pairs: Sequence[tuple[complex, complex]]) -> MapPose | None:
 
     None for fewer than three points, or if one ends up a metre away.
     """
-    if len(pairs) < _LEAST_POINTS:
+    if len(pairs) < _MIN_POINTS:
         return None
     own, other = (sum(pair[side] for pair in pairs) / len(pairs) for side in (0, 1))
     turn = sum((there - other) * (here - own).conjugate() for here, there in pairs)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import final
 
-from homebot.places.outline import MOST_CORNERS, simplified
+from homebot.places.outline import MAX_CORNERS, simplified
 from homebot.places.polygon import Point, Polygon
 
 
@@ -78,5 +78,5 @@ def _inward_corners(polygon: Polygon) -> Iterator[Point]:
 
 
 def _simplified(polygon: Polygon) -> Polygon:
-    ring: Sequence[Point] = () if sum(map(len, polygon.rings)) <= MOST_CORNERS else simplified(polygon.rings[0])
+    ring: Sequence[Point] = () if sum(map(len, polygon.rings)) <= MAX_CORNERS else simplified(polygon.rings[0])
     return Polygon(ring) if ring else polygon

@@ -13,8 +13,8 @@ from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom,
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-_LONGEST = 100
-_MOST = 50
+_MAX_CHARACTERS = 100
+_MAX_NAMES = 50
 """The limit of doors of a room, and of aliases, tags or identifiers of a device."""
 
 
@@ -27,8 +27,8 @@ def check_name(text: str) -> str:
     name = text.strip()
     if not name:
         raise UsageError("a name is empty")
-    if len(name) > _LONGEST:
-        raise UsageError(f"a name has {len(name):,} characters; {_LONGEST} is the limit")
+    if len(name) > _MAX_CHARACTERS:
+        raise UsageError(f"a name has {len(name):,} characters; {_MAX_CHARACTERS} is the limit")
     if not name.isprintable():
         raise UsageError(f"{name!r} contains an unprintable character")
     if not fold(name):
@@ -46,7 +46,7 @@ def _name_or_none(text: str) -> str:
 
 
 _Name: TypeAlias = Annotated[str, AfterValidator(_name)]
-_Names: TypeAlias = Annotated[tuple[_Name, ...], Field(max_length=_MOST)]
+_Names: TypeAlias = Annotated[tuple[_Name, ...], Field(max_length=_MAX_NAMES)]
 _OptionalName: TypeAlias = Annotated[str, AfterValidator(_name_or_none)]
 
 
@@ -136,7 +136,7 @@ class DeviceSettings(BaseModel):
     at: str = ""
     aliases: _Names = ()
     tags: _Names = ()
-    identifiers: Annotated[tuple[str, ...], Field(max_length=_MOST)] = ()
+    identifiers: Annotated[tuple[str, ...], Field(max_length=_MAX_NAMES)] = ()
 
 
 class PlacesSettings(BaseModel):

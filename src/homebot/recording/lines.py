@@ -47,13 +47,13 @@ from homebot.support.strict_json import parse_strict
 FORMAT: Final = 2
 """The version of the format; a reader refuses a newer one. Format 1 lacked the kinds index, owner and lease."""
 
-_LONGEST: Final = 366 * 86_400.0
+_MAX_LENGTH_S: Final = 366 * 86_400.0
 _EARLIEST: Final = -100 * 366 * 86_400.0
 """Reports of a computer with an unset clock, such as a starting Raspberry Pi, are from 1970."""
 
 _SHOWN: Final = 60
 
-_MOST_COMMANDS: Final = 1_000
+_MAX_COMMANDS: Final = 1_000
 """The limit of known commands: the entries about one text are close together."""
 
 
@@ -197,7 +197,7 @@ def read_line(text: str | bytes) -> RecordingLine:
     if not isinstance(found, dict) or not found.keys() >= {"at", "kind", "message"}:
         raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message'")
     at, kind, message = found["at"], found["kind"], found["message"]
-    if isinstance(at, bool) or not isinstance(at, int | float) or not _EARLIEST <= at <= _LONGEST:
+    if isinstance(at, bool) or not isinstance(at, int | float) or not _EARLIEST <= at <= _MAX_LENGTH_S:
         raise UsageError(f"field 'at': must be a number of seconds within 366 days, got {str(at)[:_SHOWN]!r}")
     message_type = _KINDS.get(kind) if isinstance(kind, str) else None
     if message_type is None:
@@ -237,7 +237,7 @@ class CommandNews:
     """
 
     def __init__(self) -> None:
-        self._requested: BoundedMap[str, None] = BoundedMap(_MOST_COMMANDS)
+        self._requested: BoundedMap[str, None] = BoundedMap(_MAX_COMMANDS)
 
     def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | LeaseNews | None:
         """Return the command, outcome or lease step in *entry*; None for other entries."""

@@ -35,8 +35,8 @@ from homebot.recording.lines import (
 from homebot.recording.repetitions import Repetitions
 from homebot.recording.secrets import without_secrets
 
-_MOST_LINES: Final = 50_000
-_MOST_BYTES: Final = 64 * 1024 * 1024
+_MAX_LINES: Final = 50_000
+_MAX_BYTES: Final = 64 * 1024 * 1024
 
 NOT_RECORDED = "recording.raw_messages_missing"
 
@@ -191,7 +191,7 @@ class LineBuffer:
     def add(self, line: RecordingLine) -> bool:
         """Add a line, or count it if there is no room; return whether it was added."""
         text = line_text(line)
-        if len(self._lines) >= _MOST_LINES or self._bytes + len(text) > _MOST_BYTES:
+        if len(self._lines) >= _MAX_LINES or self._bytes + len(text) > _MAX_BYTES:
             self.lost += 1
             self._gap += 1
             return False
@@ -201,7 +201,7 @@ class LineBuffer:
         self._put(text)
         return True
 
-    def pop(self, most: int = _MOST_LINES, most_bytes: int = _MOST_BYTES) -> list[str]:
+    def pop(self, most: int = _MAX_LINES, most_bytes: int = _MAX_BYTES) -> list[str]:
         """Remove and return the oldest lines, at least one if there is any, without line breaks."""
         count, size = 0, 0
         for text in self._lines[:most]:

@@ -28,9 +28,9 @@ from homebot.recording.lines import (
 )
 from homebot.recording.repetitions import Repetitions
 
-_LONGEST_LINE: Final = 16 * 1024 * 1024
-_MOST_BYTES: Final = 4 * 1024**3
-_MOST_RATIO: Final = 200
+_MAX_LINE: Final = 16 * 1024 * 1024
+_MAX_BYTES: Final = 4 * 1024**3
+_MAX_RATIO: Final = 200
 """The limit of the compression ratio: for a recording it is up to 45, for zeros 1,000."""
 
 _UNCHECKED: Final = 64 * 1024
@@ -216,8 +216,8 @@ def _check_ratio(path: Path) -> None:
     with path.open("rb") as packed, gzip.GzipFile(fileobj=packed) as unpacked, suppress(EOFError):
         while piece := unpacked.read1(_PIECE):
             size += len(piece)
-            if size > _UNCHECKED + _MOST_RATIO * packed.tell():
-                raise UsageError(f"{path} is not a recording: it unpacks to more than {_MOST_RATIO} times its size")
+            if size > _UNCHECKED + _MAX_RATIO * packed.tell():
+                raise UsageError(f"{path} is not a recording: it unpacks to more than {_MAX_RATIO} times its size")
 
 
 def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
@@ -225,7 +225,7 @@ def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
     size, count = 0, 0
     while line := _read_line(file, source, count):
         size += len(line)
-        if len(line) > _LONGEST_LINE or size > _MOST_BYTES:
+        if len(line) > _MAX_LINE or size > _MAX_BYTES:
             raise UsageError(f"{source} is too large: a line has at most 16 MiB, and all lines have 4 GiB")
         if not line.endswith(b"\n") and count:
             raise _cut_off(source, count)
@@ -235,7 +235,7 @@ def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
 
 def _read_line(file: IO[bytes], source: str, count: int) -> bytes:
     try:
-        return file.readline(_LONGEST_LINE + 1)
+        return file.readline(_MAX_LINE + 1)
     except EOFError as exc:
         raise _cut_off(source, count) from exc
 

@@ -8,7 +8,7 @@ from typing import IO, Final, Protocol, Self, cast, final
 from anyio import to_thread
 
 from homebot.recording.lines import LostLines, RecordingEnd, RecordingLine, line_text
-from homebot.support.new_file import create_file, told_if_not_created
+from homebot.support.new_file import create_file, explain_create_error
 
 DEFAULT_MEGABYTES: Final = 500.0
 
@@ -116,7 +116,7 @@ class FileSink:
 
 def _created(path: Path, *, force: bool) -> IO[bytes]:
     if force:
-        with told_if_not_created(path):
+        with explain_create_error(path):
             path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link
     file = create_file(path)
     if path.suffix != ".gz":

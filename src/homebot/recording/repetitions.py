@@ -12,7 +12,7 @@ from homebot.messages import Time
 from homebot.messages.message import Message
 from homebot.support.bounded_map import BoundedMap
 
-_MOST: Final = 20_000
+_MAX_SOURCES: Final = 20_000
 """The limit of sources with a known last message; the least recent is forgotten, and later recorded in full again."""
 
 _SECOND: Final = 1_000_000_000
@@ -36,7 +36,7 @@ class Repetitions:
     """The last messages of all sources, in a recorder, and in a reader that processes the same messages in order."""
 
     def __init__(self) -> None:
-        self._last: BoundedMap[_Source, Sighting | Report] = BoundedMap(_MOST)
+        self._last: BoundedMap[_Source, Sighting | Report] = BoundedMap(_MAX_SOURCES)
 
     def shortened(self, message: Message) -> Message:
         """Return a :class:`Repetition` if *message* is one, and any other message unchanged."""

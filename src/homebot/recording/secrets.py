@@ -18,7 +18,7 @@ _WORDS: Final = frozenset(
 _LOGIN: Final = re.compile(r"(?<=://)[^\s/@]+(?=@)")
 """User and password in a URL."""
 
-_MOST_BYTES: Final = 256 * 1024
+_MAX_BYTES: Final = 256 * 1024
 
 
 def is_secret_name(name: str) -> bool:
@@ -41,7 +41,7 @@ def without_secrets(payload: bytes) -> bytes:
 
     A payload of more than 256 kB is not parsed, and therefore left out.
     """
-    if len(payload) > _MOST_BYTES:
+    if len(payload) > _MAX_BYTES:
         return b""
     if payload.lstrip()[:1] not in {b"{", b"["}:
         return payload

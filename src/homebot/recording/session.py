@@ -19,8 +19,8 @@ _EVERY: Final = 1.0
 _UNREAD: Final = 10.0
 """Seconds after which a client that fetches nothing is considered gone: a slow disk may delay it for a while."""
 
-_MOST_LINES: Final = 2_000
-_MOST_BYTES: Final = 2 * 1024 * 1024
+_MAX_LINES: Final = 2_000
+_MAX_BYTES: Final = 2 * 1024 * 1024
 
 
 class ReadRecordingRequest(Message):
@@ -102,7 +102,7 @@ class _LineReader:
             recorder.finish()
         elif recorder.lines.is_empty:
             await self._wait()
-        lines = tuple(recorder.lines.pop(_MOST_LINES, _MOST_BYTES))
+        lines = tuple(recorder.lines.pop(_MAX_LINES, _MAX_BYTES))
         is_over = self._is_finished and recorder.lines.is_empty
         if is_over:
             self._is_over.set()

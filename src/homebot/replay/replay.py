@@ -201,7 +201,7 @@ class _RecordedOutcomes:
         self._now = now
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
-        """See :class:`homebot.control.sending.Rehearsal`."""
+        """See :class:`homebot.control.sending.SimulatedExecution`."""
         found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
         if found is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)

@@ -14,7 +14,7 @@ from homebot.recording.lines import RecordedApp
 
 _APPS: Final = "homebot.apps"
 _SHOWN: Final = 60
-_MOST_SHOWN: Final = 3
+_MAX_SHOWN: Final = 3
 
 
 def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: dict[str, Table]) -> dict[str, Table]:
@@ -56,7 +56,7 @@ def _check_installed(recorded: Iterable[RecordedApp]) -> None:
     own = plugin_tables()
     others = [one for one in recorded if one.kind not in own and installed_plugin(_APPS, one.kind) is None]
     if others:
-        named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])
+        named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MAX_SHOWN])
         raise UsageError(
             f"the recording names apps that are not installed, and a replay runs no code that only a recording names: "
             f"{named}; name each app to run, such as --app FILE.py"
@@ -71,7 +71,7 @@ def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, T
     """Return the tables of *app* in place of *recorded* ones with its class name; if there are none, its own."""
     same = [one for one in recorded if one.kind.rpartition(":")[2] == app.__qualname__]
     if len(kinds := sorted({one.kind for one in same})) > 1:
-        named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MOST_SHOWN])
+        named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MAX_SHOWN])
         raise UsageError(f"{_kind_of(app)} may replace {named}: give its file the name of the one that it replaces")
     if same:
         return {one.name: _settings(one) | {"class": _kind_of(app)} for one in same}

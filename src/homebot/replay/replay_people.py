@@ -11,7 +11,7 @@ from homebot.devices.approval_messages import ApproveDevice
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, PerformCommand
 from homebot.devices.lease_messages import (
-    LONGEST_TTL,
+    MAX_TTL,
     EndLeases,
     EndLeasesRequest,
     HolderRequest,
@@ -40,8 +40,8 @@ from homebot.replay.command_diff import is_carried_out
 from homebot.replay.replay_gateway import ReplayFeed
 from homebot.support.strict_json import parse_strict
 
-_LONGEST: Final = 900.0
-_RENEWED_AFTER: Final = LONGEST_TTL / 3
+_MAX_WAIT_S: Final = 900.0
+_RENEWED_AFTER: Final = MAX_TTL / 3
 
 OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = {
     names.PLACE_DEVICE: PlaceDevice,
@@ -103,7 +103,7 @@ class ReplayPeople:
             raise UsageError(f"the recording is damaged: a request to {request.service}: {exc}") from exc
         client = self._node.create_client(service, request.service)
         try:
-            await client.call(wanted, timeout=_LONGEST)
+            await client.call(wanted, timeout=_MAX_WAIT_S)
         finally:
             client.close()
 
@@ -126,7 +126,7 @@ class ReplayPeople:
                 issuer=command.issuer,
                 scope=_scope(command.device),
             ),
-            timeout=_LONGEST,
+            timeout=_MAX_WAIT_S,
         )
 
     async def _change_lease(self, news: LeaseNews) -> None:
@@ -149,11 +149,11 @@ class ReplayPeople:
                 setting=news.setting,
                 lease=holder.lease,
                 by=holder.by,
-                ttl=LONGEST_TTL,
+                ttl=MAX_TTL,
                 issuer=holder.issuer,
                 scope=_scope(news.device),
             ),
-            timeout=_LONGEST,
+            timeout=_MAX_WAIT_S,
         )
 
     async def _renew_all(self) -> None:

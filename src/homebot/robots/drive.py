@@ -22,7 +22,7 @@ from homebot.words.names import resolve_name
 from homebot.words.steps import SendRobot
 from homebot.words.triggers import RobotArrival
 
-_LONGEST: Final = 900.0
+_MAX_DRIVE_S: Final = 900.0
 """Seconds after which a robot that is still on its way is called off."""
 
 
@@ -39,10 +39,10 @@ async def drive(node: Node, step: SendRobot) -> None:
     if not step.is_to_dock:
         goal = goal.model_copy(update={"pose": await _pose_in(node, step.room)})
     try:
-        with closing(ActionClient(node, action_type, action)) as client, anyio.fail_after(_LONGEST):
+        with closing(ActionClient(node, action_type, action)) as client, anyio.fail_after(_MAX_DRIVE_S):
             await client.perform(goal)
     except TimeoutError:
-        raise LinkError(f"it has not arrived in {_LONGEST / 60:.0f} minutes, and was called off") from None
+        raise LinkError(f"it has not arrived in {_MAX_DRIVE_S / 60:.0f} minutes, and was called off") from None
 
 
 async def check_move(node: Node, move: SendRobot | RobotArrival) -> None:

@@ -32,7 +32,7 @@ REFUSED = "robots.refused"
 PACE: Final = 0.1
 """The shortest time between two reads of a topic, in seconds."""
 
-MOST_AHEAD: Final = 5.0
+MAX_AHEAD: Final = 5.0
 """Seconds by which a stamp may be ahead of our clock: AMCL publishes transforms a second ahead."""
 
 TF_LIMIT: Final = 2.0
@@ -46,12 +46,12 @@ _POSE_ERROR: Final = 0.3
 _TF_ERROR: Final = 0.2
 """The error of a position in metres if its source states no covariance."""
 
-_LEAST_ERROR: Final = 0.05
-_LEAST_TF_ERROR: Final = 0.04
-_MOST_ERROR: Final = 1000.0
+_MIN_ERROR: Final = 0.05
+_MIN_TF_ERROR: Final = 0.04
+_MAX_ERROR: Final = 1000.0
 """The error in metres if it does; frames are newer than the last pose of AMCL."""
 
-_LONGEST_ROOM: Final = 100
+_MAX_ROOM: Final = 100
 _DEPTH: Final = 100
 _KEPT: Final = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -146,7 +146,7 @@ class PoseTopics:
         pose = self._frames.pose_of(robot)
         if pose is not None and pose != self._placed.get(robot.name):
             self._placed[robot.name] = pose
-            error = _TF_ERROR if robot.sigma is None else min(_MOST_ERROR, max(_LEAST_TF_ERROR, robot.sigma))
+            error = _TF_ERROR if robot.sigma is None else min(_MAX_ERROR, max(_MIN_TF_ERROR, robot.sigma))
             robot.place("/tf", TF_LIMIT, pose[0], age=self._now() - pose[1], error=error)
 
     def _on_amcl(self, robot: str, topic: str, messages: Sequence[PoseWithCovarianceStamped]) -> None:
@@ -156,7 +156,7 @@ class PoseTopics:
         self._odometry[odometry] = None
         for message in messages:
             xx, yy = (max(0.0, message.pose.covariance[index]) for index in (0, 7))
-            error = min(_MOST_ERROR, max(_LEAST_ERROR, math.sqrt(xx + yy)))
+            error = min(_MAX_ERROR, max(_MIN_ERROR, math.sqrt(xx + yy)))
             if self._place(robot, topic, AMCL_LIMIT, error, message.pose.pose, message.header):
                 self._robots[robot].state_sigma(math.sqrt(max(xx, yy)))
 
@@ -178,7 +178,7 @@ class PoseTopics:
         for message in messages:
             if message.robot not in {robot, ""}:
                 self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
-            elif room := message.room.strip()[:_LONGEST_ROOM]:
+            elif room := message.room.strip()[:_MAX_ROOM]:
                 self._robots[robot].place(topic, TAG_LIMIT, room=room)
             else:
                 self._refuse(topic, "it names no room")
@@ -199,9 +199,9 @@ class PoseTopics:
     def _is_ahead(self, topic: str, header: Header) -> bool:
         """Return whether a message is refused because its stamp is too far ahead."""
         ahead = header.stamp.to_seconds() - self._node.graph.clock.now()
-        if ahead > MOST_AHEAD:
+        if ahead > MAX_AHEAD:
             self._refuse(topic, f"it is {ahead:.0f} s ahead of our clock")
-        return ahead > MOST_AHEAD
+        return ahead > MAX_AHEAD
 
     def _refuse(self, topic: str, problem: str) -> None:
         text = f"a message on {topic} was refused: {problem}"

@@ -29,7 +29,7 @@ _PARKED: Final = 0.25
 
 _AMCL: Final = "/amcl_pose"
 _CONSISTENT: Final = 3
-_MOST_SOURCES: Final = 100
+_MAX_SOURCES: Final = 100
 
 
 @final
@@ -53,7 +53,7 @@ class TrackedRobot:
         self.unsure_because = ""
         self._doubted_at = 0.0
         self.sigma: float | None = None
-        self._poses: BoundedMap[str, RobotPose] = BoundedMap(_MOST_SOURCES)  # there may be many tags
+        self._poses: BoundedMap[str, RobotPose] = BoundedMap(_MAX_SOURCES)  # there may be many tags
         self._consistent = 0
         self._is_parked = True
 

@@ -21,7 +21,7 @@ from homebot.support.folding import fold
 
 NOT_READ = "robots.not_read"
 
-_LONGEST_POSE = 4096
+_MAX_POSE = 4096
 
 
 def read_tags(node: Node, robot: TrackedRobot) -> None:
@@ -61,7 +61,7 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
         if message.retained:  # its age is not known
             return
         try:
-            told = JsonPose.model_validate_json(message.payload[:_LONGEST_POSE])
+            told = JsonPose.model_validate_json(message.payload[:_MAX_POSE])
         except ValidationError as exc:
             if log.allows(NOT_READ) is not None:
                 problem = validation_problem(exc)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 
-_MOST_REHEARSED = 10_000
+_MAX_REHEARSED = 10_000
 IDENTIFY_VALUES = "identify/values"
 """The names of stores that no app can have."""
 
@@ -97,7 +97,7 @@ class AppHost:
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
         self.left_out = plan.left_out
-        self.rehearsed: deque[RehearsedAct] = deque(maxlen=_MOST_REHEARSED)
+        self.rehearsed: deque[RehearsedAct] = deque(maxlen=_MAX_REHEARSED)
         self.context = AppContext(
             plan.home_settings.zone,
             plan.home_settings.latitude,

@@ -62,7 +62,7 @@ UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
 NOT_RELOADED = "app.not_reloaded"
 NOT_ENDED = "app.not_ended"
-_MOST_LISTED = 20
+_MAX_LISTED = 20
 """The limit of listed handlers of an app that were given up, and of devices that it waits for to stay as they are."""
 
 _TRIAL = 1.0
@@ -381,8 +381,8 @@ def _ended(planned: PlannedApp) -> _RunningApp:
 def _info(name: str, app: App | None, crashes: ComponentCrashes | None) -> AppInfo:
     jobs: tuple[AppJob, ...] = ()
     if app is not None:
-        given_up = (AppJob(name=one.title, text="", note=one.trouble) for one in islice(app.given_up, _MOST_LISTED))
-        waits = (_wait(app.clock.now(), *one) for one in islice(app.waits, _MOST_LISTED))
+        given_up = (AppJob(name=one.title, text="", note=one.trouble) for one in islice(app.given_up, _MAX_LISTED))
+        waits = (_wait(app.clock.now(), *one) for one in islice(app.waits, _MAX_LISTED))
         jobs = (*given_up, *map(_job, app.jobs), *waits)
     if crashes is None:
         return AppInfo(name=name, state="running" if app is not None else "ended", jobs=jobs)

@@ -41,7 +41,7 @@ class DryRun:
     is_live: ClassVar[bool] = True
 
     def outcome(self, command: IssuedCommand) -> Outcome:
-        """See :class:`homebot.control.sending.Rehearsal`."""
+        """See :class:`homebot.control.sending.SimulatedExecution`."""
         if command.is_client:
             problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
             return Refused(DRY_RUN, problem, command_id=command.id)

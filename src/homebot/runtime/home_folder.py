@@ -130,7 +130,7 @@ def adopt_folder(config: Config, file: Path, wanted: str) -> Path:
         raise UsageError(f"{wanted} is no folder of a home; known are {known}")
     if folder.belongs_to_other(Path(facts.config)):
         raise UsageError(f"{wanted} belongs to the home of {folder.facts.config}; remove the id there first")
-    from homebot.runtime.kept_files import check_unused  # noqa: PLC0415 - not at a start
+    from homebot.runtime.saved_files import check_unused  # noqa: PLC0415 - not at a start
 
     check_unused(index_place(config, file).parent)
     check_unused(folder.path)
@@ -234,7 +234,7 @@ def _made_or_moved(old: Path | None, new: Path) -> Path:
     if old is None:
         new.mkdir(exist_ok=True, mode=0o700)
         return new
-    from homebot.runtime.kept_files import copy_kept_files  # noqa: PLC0415 - once in the life of a home
+    from homebot.runtime.saved_files import copy_kept_files  # noqa: PLC0415 - once in the life of a home
 
     copy = copy_kept_files(old)
     kept = copy.rename(old.with_name(f"{old.name}.before-move-{time.time():.3f}"))

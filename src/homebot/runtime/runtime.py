@@ -60,7 +60,7 @@ from homebot.support.production_loop import LoopWatch
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from homebot.control.open_command import Rehearsal
+    from homebot.control.open_command import SimulatedExecution
     from homebot.devices.services import IndexRow
     from homebot.feature_context import AppKeeper, FeatureContext, FeatureServer
     from homebot.graph.endpoint import EndpointInfo
@@ -170,7 +170,7 @@ class Runtime:
     lost_lines: Callable[[], int] = lambda: 0
     record_into: LineSink | None = None
     is_dry_run: bool = False
-    rehearsal: Rehearsal | None = None
+    rehearsal: SimulatedExecution | None = None
     known: Sequence[IndexRow] = ()
     detected: Sequence[str] = ()
     read_config: Callable[[], Config] | None = None
@@ -368,13 +368,13 @@ class Runtime:
             yield running("ros2", self._session_keeper.serve)
         yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
         if not self._plan.as_other_machine:
-            yield from self._mind()
+            yield from self._house_components()
         if self.with_door:
             yield running("door", self._open_door)
         if self._house is not None:
             yield running("house", partial(self._house.serve, self._context, self.graph))
 
-    def _mind(self) -> Iterator[AbstractAsyncContextManager[None]]:
+    def _house_components(self) -> Iterator[AbstractAsyncContextManager[None]]:
         """Yield what a house has once: its index, control, apps and histories, and where its robots are."""
         running = self.supervisor.running
         yield running("discovery", self._directory)
@@ -432,7 +432,7 @@ class Runtime:
         return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None
 
     def _serve_copies(self, main: Node) -> None:
-        from homebot.runtime.kept_files import serve_copies  # noqa: PLC0415 - few runs are asked
+        from homebot.runtime.saved_files import serve_copies  # noqa: PLC0415 - few runs are asked
 
         index = self._beside_index(JOURNAL_FILE)
         serve_copies(main, index and index.parent)

@@ -21,8 +21,8 @@ if sys.platform != "win32":
 
 READABLE = "config.secret_readable"
 
-_LONGEST_SECRET = 65_536
-_LONGEST_WAIT = 1.0  # in seconds, for a program to write a secret into a pipe
+_MAX_SECRET = 65_536
+_MAX_WAIT = 1.0  # in seconds, for a program to write a secret into a pipe
 _GROUP_WRITES, _OTHERS_WRITE = stat.S_IWGRP, stat.S_IWOTH
 _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
 
@@ -85,8 +85,8 @@ def read_secret(path: Path) -> str:
         with open_now(path) as file:
             check_secret_file(path, os.fstat(file.fileno()))
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                select.select([file], [], [], _LONGEST_WAIT)
-            secret = file.readline(_LONGEST_SECRET).decode().rstrip("\r\n")
+                select.select([file], [], [], _MAX_WAIT)
+            secret = file.readline(_MAX_SECRET).decode().rstrip("\r\n")
     except (OSError, ValueError) as exc:
         raise UsageError(f"{path} cannot be read: {_unreadable(path, exc)}") from exc
     if not secret:

@@ -21,8 +21,8 @@ else:
 INSTALLATION_FILE: Final = "installation.json"
 """The name of the file, beside the index file."""
 
-_LONGEST: Final = 4096
-_MOST_NAMES: Final = 20
+_MAX_CHARACTERS: Final = 4096
+_MAX_NAMES: Final = 20
 _DIGITS: Final = 16
 
 
@@ -76,7 +76,7 @@ class Installation:
         """Store the name used in place of *wanted*, as RFC 6762, section 9, recommends."""
         with self._lock:
             self._load()
-            if self._names.get(wanted, wanted) != got and len(self._names) < _MOST_NAMES:
+            if self._names.get(wanted, wanted) != got and len(self._names) < _MAX_NAMES:
                 self._names[wanted] = got
                 self._save()
 
@@ -104,7 +104,7 @@ class Installation:
             return {}
         try:
             self._descriptor = _opened_alone(self._file)
-            known = json.loads(os.read(self._descriptor, _LONGEST) or "{}")
+            known = json.loads(os.read(self._descriptor, _MAX_CHARACTERS) or "{}")
         except (OSError, ValueError, RecursionError) as exc:
             self.problem = f"{self._file}: {exc}"
             return {}

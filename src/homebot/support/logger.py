@@ -16,8 +16,8 @@ from structlog.typing import EventDict, FilteringBoundLogger, Processor, Wrapped
 from homebot.support.output import CONTROL, CleanText
 
 _COLOURS = {"debug": "2", "warning": "33", "error": "31", "critical": "1;31"}
-_LONGEST = 1000
-_MOST_LINES = 400
+_MAX_CHARACTERS = 1000
+_MAX_LINES = 400
 _NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
 
 _observers: Final[list[Processor]] = []
@@ -150,12 +150,12 @@ class _Logger:
 def _harmless_lines(text: str) -> str:
     """Return the last lines of a traceback, sanitized and indented."""
     lines = text.split("\n")
-    if len(lines) > _MOST_LINES:
-        left_out = len(lines) - _MOST_LINES
-        lines = [*lines[: _MOST_LINES // 4], f"  … ({left_out:,} lines)", *lines[left_out + _MOST_LINES // 4 :]]
+    if len(lines) > _MAX_LINES:
+        left_out = len(lines) - _MAX_LINES
+        lines = [*lines[: _MAX_LINES // 4], f"  … ({left_out:,} lines)", *lines[left_out + _MAX_LINES // 4 :]]
     return "\n".join(f"  {_harmless(line)}" for line in lines)
 
 
 def _harmless(text: str) -> str:
-    shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text):,} characters)"
+    shown = text if len(text) <= _MAX_CHARACTERS else f"{text[:_MAX_CHARACTERS]}… ({len(text):,} characters)"
     return CONTROL.sub(lambda found: ascii(found[0])[1:-1], shown)

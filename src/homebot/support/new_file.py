@@ -15,12 +15,12 @@ def create_file(path: Path) -> IO[bytes]:
     Raises:
         UsageError: It exists already, or cannot be written.
     """
-    with told_if_not_created(path):
+    with explain_create_error(path):
         return open(path, "xb", opener=lambda name, flags: os.open(name, flags, 0o600))
 
 
 @contextmanager
-def told_if_not_created(path: Path) -> Iterator[None]:
+def explain_create_error(path: Path) -> Iterator[None]:
     """Raise the errors of creating *path* as :class:`UsageError`, with the next step."""
     try:
         yield

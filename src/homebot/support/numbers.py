@@ -3,7 +3,7 @@
 from typing import Final
 
 _HUGE: Final = 2.0**64
-_LONGEST: Final = 40
+_MAX_CHARACTERS: Final = 40
 _UNDERSCORE: Final = ord("_")
 
 
@@ -30,7 +30,7 @@ def to_number(value: object) -> float | None:
         is_plain = _UNDERSCORE not in value  # a byte is found five times sooner than bytes
     else:
         return finite_number(value)
-    if not is_plain or len(value) > _LONGEST or not value.isascii():
+    if not is_plain or len(value) > _MAX_CHARACTERS or not value.isascii():
         return None
     try:
         number = float(value)

@@ -28,7 +28,7 @@ AT_START = 10.0
 """The same until :meth:`LoopWatch.has_started`, while modules and files are loaded."""
 
 _LOOK_EVERY = 0.25
-_MOST_FRAMES = 20
+_MAX_FRAMES = 20
 
 _OURS: Final = str(Path(__file__).parents[1])
 _LIBRARIES: Final = tuple(
@@ -169,7 +169,7 @@ class LoopWatch:
             message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
             "make it await, or run it in a thread",
             blocks=self.blocks,
-            stack=[place_of_frame(one) for one in stack[:_MOST_FRAMES]],
+            stack=[place_of_frame(one) for one in stack[:_MAX_FRAMES]],
         )
 
     def _record_block(self, now: float, seconds: float) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from homebot.support.folding import fold
 
 _CUTOFF = 0.5
-_MOST = 3
+_MAX_SUGGESTIONS = 3
 
 
 def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list[str]:
@@ -20,9 +20,10 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
 
     wanted = fold(str(name))  # perhaps from an app, which may pass anything
     names = {fold(one): one for one in sorted(set(known), reverse=True)}
-    matches = get_close_matches(wanted, names, n=_MOST, cutoff=cutoff)
+    matches = get_close_matches(wanted, names, n=_MAX_SUGGESTIONS, cutoff=cutoff)
     return [
-        names[match] for match in matches or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MOST]
+        names[match]
+        for match in matches or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MAX_SUGGESTIONS]
     ]
 
 

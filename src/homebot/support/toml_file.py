@@ -12,7 +12,7 @@ from homebot.support.file_access import open_now
 
 TomlTable: TypeAlias = dict[str, object]
 
-_MOST = 2**63
+_MAX_NUMBER = 2**63
 _MAX_BYTES = 4 * 1024 * 1024
 
 
@@ -83,7 +83,7 @@ def _check(value: object, source: str, key: str, *, any_text: bool) -> None:
         _check(item, source, inner, any_text=any_text)
     if isinstance(value, str) and "\0" in value and not any_text:
         raise ConfigError(source, key, "contains the character U+0000, which is not allowed")
-    if isinstance(value, int) and not -_MOST <= value < _MOST:
+    if isinstance(value, int) and not -_MAX_NUMBER <= value < _MAX_NUMBER:
         raise ConfigError(source, key, "is a number of more than 64 bits")
 
 

@@ -9,7 +9,7 @@ from typing import Final
 _NAME: Final = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _PATH: Final = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
 _HEAD: Final = re.compile(rf"\s*(?P<bracket>\[\[?)\s*(?P<path>{_PATH})\s*\]")
-_MOST: Final = 200
+_MAX_LINES: Final = 200
 """Lines of an array in which an element is searched for."""
 
 _KEY: Final = re.compile(rf"\s*(?P<path>{_PATH})\s*=")
@@ -45,7 +45,7 @@ def _names(path: str) -> tuple[str, ...]:
 
 def _line_of_element(lines: list[str], first: int, number: int) -> int:
     """Return the line of an element of the array that begins in line *first*: the array is whole if it ended there."""
-    for last in range(first, min(first + _MOST, len(lines)) + 1):
+    for last in range(first, min(first + _MAX_LINES, len(lines)) + 1):
         array = "\n".join(lines[first - 1 : last])
         for end in ("\n]", ""):
             with suppress(ValueError, RecursionError):

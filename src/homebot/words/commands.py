@@ -8,11 +8,11 @@ from typing import Final
 
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
-from homebot.devices.obedience import changes, related
 from homebot.devices.part import Capability, Part, accepted_values, check_no_share, check_setting
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import changes, related
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
 from homebot.words.amounts import FLAGS, read_amount, read_change, split_commands

@@ -17,10 +17,10 @@ from homebot.words.triggers import (
     SUN,
     Becomes,
     Press,
-    check_alone,
-    is_no_state,
+    is_time_or_person,
     read_press,
     read_state,
+    reject_joined,
 )
 
 _PRESENCE: Final = "motion occupied in"
@@ -77,11 +77,11 @@ def read_condition(text: str) -> Condition:
     """
     plain = " ".join(text.split())
     parts = split_at(plain, "or")
-    if any(map(is_no_state, parts if len(parts) > 1 else ())) or _denies(parts):
+    if any(map(is_time_or_person, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
     if (found := _of_time(plain)) is not None:
         return found
-    check_alone(plain, "and")
+    reject_joined(plain, "and")
     if _denies(split_at(plain, "and")):
         raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
     if (press := read_press(plain)) is not None and NOT.match(plain):

@@ -10,10 +10,10 @@ from pydantic_core import CoreSchema, core_schema
 
 from homebot.config import value_errors
 from homebot.devices import Device, DevicePart
-from homebot.devices.obedience import POWERS
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import Query, type_is
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import POWERS
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 from homebot.words.exact_queries import parse_cautious_query, parse_exact_query
@@ -104,8 +104,8 @@ def pattern_of_type(verb: str, word: str) -> CommandPattern:
 
 
 def _validated(value: object) -> tuple[CommandPattern, ...]:
-    if not isinstance(value, list | tuple) or len(value) > _MOST_PATTERNS:
-        raise ValueError(f"must be an array of at most {_MOST_PATTERNS} texts such as 'turn off lights', got {value!r}")
+    if not isinstance(value, list | tuple) or len(value) > _MAX_PATTERNS:
+        raise ValueError(f"must be an array of at most {_MAX_PATTERNS} texts such as 'turn off lights', got {value!r}")
     return tuple(one if isinstance(one, CommandPattern) else _read(one) for one in value)
 
 
@@ -135,7 +135,7 @@ def _query_text(text: str) -> str:
 QueryText: TypeAlias = Annotated[str, AfterValidator(_query_text)]
 """A query as text."""
 
-_MOST_PATTERNS = 100
+_MAX_PATTERNS = 100
 _MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "fan_mode"})
 _OPENINGS = frozenset({"movement", "valve"})
 _COMPARED = frozenset({"position", "heating_setpoint"})

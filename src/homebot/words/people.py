@@ -87,7 +87,7 @@ def check_known(text: str, query: Query) -> None:
                 check_known(text, one)
 
 
-def may_begin(query: Query) -> bool:
+def starts_unknown(query: Query) -> bool:
     """Return whether a state that was unknown before may start something: that people are away, never a return."""
     return all(one.value is False for one in leaves(query) if isinstance(one, StateIs) and one.capability in HOME_FACTS)
 

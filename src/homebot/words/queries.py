@@ -86,7 +86,7 @@ _OF_NAMED = AreaIs | CanDo | FreshnessIs | InArea | IsDisputed | IsUnapproved | 
 _AREA_WORDS = ("area", "room", "areas", "rooms")
 _METRES = ("m", "metres", "meters", "metre", "meter")
 _MAX_DEPTH = 20
-_LONGEST_PHRASE = 5
+_MAX_PHRASE = 5
 _MAX_NAME_WORDS = 12
 
 
@@ -343,7 +343,7 @@ class _Parser:
 
     def _length_of_name(self) -> int:
         """Return the number of words before an operator: one, or those of a capability; 0 if no operator follows."""
-        for length in range(1, _LONGEST_PHRASE + 1):
+        for length in range(1, _MAX_PHRASE + 1):
             following = self._tokens[self._place + length : self._place + length + 1]
             if following and following[0].kind == "operator":
                 return length if length == 1 or self._folded(length) in CAPABILITY_WORDS else 0
@@ -392,7 +392,7 @@ class _Parser:
         return " ".join(words)
 
     def _ability(self, token: Token) -> Query:
-        for length in range(_LONGEST_PHRASE, 0, -1):
+        for length in range(_MAX_PHRASE, 0, -1):
             phrase = self._folded(length)
             if phrase in CAPABILITY_WORDS or phrase in CONDITIONS:
                 self._place += length
@@ -404,7 +404,7 @@ class _Parser:
 
     def _phrase(self) -> Query:
         """Parse the longest phrase with a meaning; a single word without one is searched for."""
-        for length in range(_LONGEST_PHRASE, 0, -1):
+        for length in range(_MAX_PHRASE, 0, -1):
             if (meant := meaning_of(self._folded(length))) is not None:
                 self._place += length
                 return meant

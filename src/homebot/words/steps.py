@@ -22,7 +22,7 @@ from homebot.words.times import read_duration
 from homebot.words.tokens import split_steps
 from homebot.words.triggers import Becomes, Press, read_press, read_state
 
-MOST: Final = 50
+MAX_LINES: Final = 50
 """The limit of the steps, triggers and conditions of a routine, each."""
 
 APPLY: Final = "apply"

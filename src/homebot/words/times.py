@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
-from homebot.units import LONGEST_WAIT, parse_duration
+from homebot.units import MAX_WAIT, parse_duration
 
 MAX_OFFSET_S: Final = 43_200.0
 """Seconds from an event of the sun, so that each stays on its own day."""
@@ -205,7 +205,7 @@ def read_duration(text: str, whole: str = "", unit: str = "m") -> float:
     """
     if whole and text[-1].isdigit():
         raise UsageError(f"{whole!r}: a length of time has a unit; write it like '{whole}{unit}'")
-    return parse_duration(text, most=LONGEST_WAIT)
+    return parse_duration(text, most=MAX_WAIT)
 
 
 def _day(name: str) -> int:

@@ -12,7 +12,7 @@ from homebot.devices.device import DevicePart
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.support.folding import fold
-from homebot.words.people import HOME_FACTS, check_known, may_begin, read_move, read_person
+from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import ALL, ARRIVAL, INTERVAL, LASTING, LIMIT, MOTION, NO, NOBODY, PLACED_LIMIT, PRESS
 from homebot.words.queries import parse_query
 from homebot.words.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
@@ -127,11 +127,11 @@ def read_trigger(text: str) -> Trigger:
     if (interval := INTERVAL.match(plain)) is not None and interval["length"].count(" ") <= _MAX_INTERVAL_BLANKS:
         app = f"an app with `self.every('{interval['length']}', …)`"
         raise UsageError(f"{text!r}: a routine knows no interval; write its times, such as '8:00' and '8:30', or {app}")
-    check_alone(plain, "or", "and")
+    reject_joined(plain, "or", "and")
     if (found := _read_other(plain)) is not None:
         return found
     state = read_state(plain, _EXAMPLES)
-    if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and may_begin(state.query)):
+    if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and starts_unknown(state.query)):
         words = "'Anna arrives', 'everybody has left' or 'nobody is home'"
         raise UsageError(f"{text!r} may only have been unknown before; start by {words}")
     return state
@@ -152,7 +152,7 @@ def _read_other(plain: str) -> Trigger | None:
     return read_press(plain)
 
 
-def is_no_state(text: str) -> bool:
+def is_time_or_person(text: str) -> bool:
     """Return whether *text* is a condition or trigger, and not the state of devices.
 
     Raises:
@@ -166,7 +166,7 @@ def is_no_state(text: str) -> bool:
     return False
 
 
-def check_alone(text: str, *words: str) -> None:
+def reject_joined(text: str, *words: str) -> None:
     """Check that *text* joins by *words* only states of devices: a query would take others for words of a name.
 
     Raises:
@@ -174,7 +174,7 @@ def check_alone(text: str, *words: str) -> None:
     """
     for word in () if read_span(text) else words:
         parts = split_at(text, word)
-        for part in filter(is_no_state, parts if len(parts) > 1 else ()):
+        for part in filter(is_time_or_person, parts if len(parts) > 1 else ()):
             raise UsageError(f"{text!r}: `{word}` joins only states of devices here; write {part!r} for itself")
 
 
@@ -210,7 +210,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     Raises:
         UsageError: It is not a query, or contains no state.
     """
-    check_alone(text, "or", "and")
+    reject_joined(text, "or", "and")
     lasting = LASTING.match(text)
     state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:

@@ -55,7 +55,7 @@ class KnownNames:
 
 
 @dataclass(frozen=True, slots=True)
-class RobotWish:
+class RobotCondition:
     """A robot is in a room, or in none but this one; ``room`` may be :data:`DOCK`."""
 
     text: str
@@ -65,7 +65,7 @@ class RobotWish:
 
 
 @dataclass(frozen=True, slots=True)
-class RoomWish:
+class RoomCondition:
     """One lamp of an area is on, or all are off; an empty area is the house."""
 
     text: str
@@ -74,7 +74,7 @@ class RoomWish:
 
 
 @dataclass(frozen=True, slots=True)
-class SceneWish:
+class SceneCondition:
     """All parts are as a scene has them."""
 
     text: str
@@ -82,7 +82,7 @@ class SceneWish:
 
 
 @dataclass(frozen=True, slots=True)
-class StateWish:
+class StateCondition:
     """Parts are as after a command.
 
     Attributes:
@@ -97,10 +97,10 @@ class StateWish:
     states: tuple[StateIs, ...] = ()
 
 
-Wish: TypeAlias = RobotWish | RoomWish | SceneWish | StateWish
+GoalCondition: TypeAlias = RobotCondition | RoomCondition | SceneCondition | StateCondition
 
 
-def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
+def read_wishes(text: str, known: KnownNames) -> tuple[GoalCondition, ...]:
     """Return the wishes of the goal *text*.
 
     Raises:
@@ -111,16 +111,16 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     found = list(_wishes(" ".join(text.split()), known))
     if not found:
         raise UsageError(f"the goal is empty; {_EXAMPLES}")
-    places: dict[str, RobotWish] = {}
+    places: dict[str, RobotCondition] = {}
     for one in found:
-        if not isinstance(one, RobotWish) or one.is_not:
+        if not isinstance(one, RobotCondition) or one.is_not:
             continue
         if (other := places.setdefault(fold(one.robot), one)).room != one.room:
             raise UsageError(f"{one.robot} cannot be in {other.room} and in {one.room} at once")
     return tuple(dict.fromkeys(found))
 
 
-def _wishes(text: str, known: KnownNames) -> Iterator[Wish]:
+def _wishes(text: str, known: KnownNames) -> Iterator[GoalCondition]:
     """Yield the wishes in *text*; a part that is left out is as in the neighbour.
 
     ``front door closed and locked`` has one subject, ``kitchen and living lit`` one state, and ``lights off in kitchen
@@ -147,10 +147,10 @@ def _wishes(text: str, known: KnownNames) -> Iterator[Wish]:
         subject, before = phrase.rpartition(" ")[0], phrase
 
 
-def _wish(text: str, known: KnownNames) -> Wish:
+def _wish(text: str, known: KnownNames) -> GoalCondition:
     plain = _without_the(text)
     if scene := _scene(plain, known.scenes):
-        return SceneWish(f"scene {scene}", scene)
+        return SceneCondition(f"scene {scene}", scene)
     plain = _device_first(plain)
     first, _, rest = plain.partition(" ")
     is_not = fold(first) in {"no", "not"} and bool(rest)
@@ -158,21 +158,23 @@ def _wish(text: str, known: KnownNames) -> Wish:
     if (lit := LIT.match(plain)) is not None:
         is_lit = (fold(lit["word"]) == "lit") ^ is_not ^ bool(lit["no"])
         area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
-        return RoomWish(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
+        return RoomCondition(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
     return _of_robot(text, plain, known, is_not=is_not) or _state(text, plain, known, is_not=is_not)
 
 
-def _of_robot(text: str, plain: str, known: KnownNames, *, is_not: bool) -> RobotWish | None:
+def _of_robot(text: str, plain: str, known: KnownNames, *, is_not: bool) -> RobotCondition | None:
     docked = DOCKED.match(plain)
     if docked is not None and not is_not and (docked["way"] in _AT_DOCK or find_name(docked["robot"], known.robots)):
-        return RobotWish(text, docked["robot"], DOCK)
+        return RobotCondition(text, docked["robot"], DOCK)
     placed = IN_ROOM.match(plain)
     if placed is None or (not find_name(placed["room"], known.rooms) and _ends_with_state(plain)):
         return None
-    return RobotWish(text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed.get("no")))
+    return RobotCondition(
+        text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed.get("no"))
+    )
 
 
-def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
+def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> GoalCondition:
     found = STATE_WISH.match(plain)
     if found is not None and (state := fold(found["state"])) in ADJECTIVES:
         if is_not ^ bool(found["no"]):
@@ -194,13 +196,13 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
         raise UsageError(f"{text!r} names no {missing}; {hint}") from None
     match step:
         case SendRobot(robot=robot, room=room):
-            return RobotWish(text, robot, _area(room, known.rooms))
+            return RobotCondition(text, robot, _area(room, known.rooms))
         case Do(target=target, command=command, values=()) if not (fold(command) in _ONCE or is_relative(command)):
             return _of_parts(text, target, command, known)
     raise UsageError(f"{text!r} names no state that lasts; {_EXAMPLES}")
 
 
-def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateWish:
+def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateCondition:
     target = being["what"] if (being := IS.match(target)) else target
     area = find_name(target, known.areas)
     if area and (named := NUMBERED.match(command)) is not None:  # living heat 19
@@ -208,7 +210,7 @@ def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateW
     if area and command in {"on", "off"}:
         raise UsageError(f"{text!r} would mean everything in it; say '{area} lit', or 'lights in {area} {command}'")
     states = ADJECTIVES.get(_DONE.get(fold(command), fold(command)), ())
-    return StateWish(text, area or target, _COMMANDS.get(command, command), bool(area), states)
+    return StateCondition(text, area or target, _COMMANDS.get(command, command), bool(area), states)
 
 
 def _scene(text: str, scenes: Collection[str]) -> str:

@@ -11,7 +11,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Origin
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
-from homebot.bridges.rosbridge.entrance import LOG_IN
+from homebot.bridges.rosbridge.handshake import LOG_IN
 
 TOKENS = {
     "panel": ClientToken(token=SecretStr("panel"), scope=("read",)),

@@ -11,7 +11,7 @@ from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import SubscribeOperation
 from homebot.bridges.rosbridge.subscriptions import Feed
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node, Publisher
 from homebot.messages import Int32

@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Origin
 
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.entrance import LOG_IN, token_in
+from homebot.bridges.rosbridge.handshake import LOG_IN, token_in
 from homebot.bridges.rosbridge.settings import ClientToken
 
 NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))

@@ -9,7 +9,7 @@ import pytest
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 
 pytestmark = pytest.mark.virtual_time
 

@@ -8,7 +8,7 @@ import pytest
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 from homebot.devices.client_rights import ALL_RIGHTS
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.robot_owners import RobotOwners

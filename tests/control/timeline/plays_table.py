@@ -19,7 +19,7 @@ from tests.control.conftest import Home, hold_request, obey_after, opened_home
 from tests.control.kept_store import KeptStore
 from tests.control.timeline.simulated_house import SimulatedHouse, Tables
 
-from homebot.command_words.earlier_values import EarlierValues, known_states
+from homebot.command_words.undo_record import UndoRecord, known_states
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
@@ -285,7 +285,7 @@ async def scene_undo(stage: Stage) -> None:
         commands = {one.id: (await stage.cause(one.name.lower(), "on_off")) for one in devices}
         stage.score.ask("a person in a scene", is_so=commands[devices[MEMBERS.index(touched)].id].cause in PERSON)
         kept = {f"{one.id} on_off": [False, [commands[one.id].command or "none"], True] for one in devices}
-        due = {key[0] for key in EarlierValues(kept).due(await known_states(home.app, devices))}
+        due = {key[0] for key in UndoRecord(kept).due(await known_states(home.app, devices))}
         wanted = {one.id for one in devices if one.name.lower() != touched}
         stage.score.ask("the undo leaves a person's lamp alone", is_so=due <= wanted, told=(touched, due))
         for name in MEMBERS:

@@ -25,7 +25,7 @@ from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
 from homebot.features.alerts import SEE_ALERTS
 from homebot.features.alerts.alert_table import ALERTS, GATEWAY, LANGUAGES, WATCHED, Alert, AlertKind
-from homebot.features.alerts.alerts import MOST_INCIDENTS, update_incidents
+from homebot.features.alerts.alerts import MAX_INCIDENTS, update_incidents
 from homebot.graph import Node, qos_profile_latched
 from homebot.house import World
 from homebot.house.description import load_world
@@ -495,14 +495,14 @@ def incident(key: str, since: float = 100.0) -> Alert:
 
 
 def test_of_more_alerts_than_a_hundred_the_first_are_told() -> None:
-    alerts = {str(number): incident(str(number)) for number in range(MOST_INCIDENTS + 5)}
+    alerts = {str(number): incident(str(number)) for number in range(MAX_INCIDENTS + 5)}
     found = update_incidents({}, alerts, (), 200.0)
-    assert list(found) == [str(number) for number in range(MOST_INCIDENTS)]
+    assert list(found) == [str(number) for number in range(MAX_INCIDENTS)]
     for number in range(5):
-        alerts = {f"{number} {place}": incident("") for place in range(MOST_INCIDENTS)}
+        alerts = {f"{number} {place}": incident("") for place in range(MAX_INCIDENTS)}
         told = {key: one._replace(is_told=True) for key, one in found.items()}
         found = update_incidents(told, alerts, told.keys(), 300.0)
-    assert len(found) == 2 * MOST_INCIDENTS
+    assert len(found) == 2 * MAX_INCIDENTS
 
 
 def test_the_time_of_an_alert_that_nobody_knows_is_now() -> None:

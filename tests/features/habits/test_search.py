@@ -8,7 +8,7 @@ from tests.features.habits.family import HABITS, Family, Planted, days_of, sun_i
 from tests.sizes import size
 
 from homebot.features.habits.days import DAY, Days, Happening
-from homebot.features.habits.habit import FoundHabit, sure_share
+from homebot.features.habits.habit import FoundHabit, wilson_lower_bound
 from homebot.features.habits.search import find_habits
 
 SEEDS = range(size(3, 20))
@@ -34,7 +34,7 @@ def test_the_habits_of_a_family_are_found_in_three_weeks(seed: int) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("bustle", [1, 2])
 def test_no_habit_is_found_where_there_is_none(seed: int, bustle: int) -> None:
-    """Each fortnight, as those see it who ask again and again: the fewest days have the most luck."""
+    """Each fortnight, as those see it who ask again and again: the fewest days have the most p_value."""
     events = Family(seed, habits=(), bustle=bustle).days(100).events
     fortnights = [days_of([one for one in events if first <= one.at / DAY < first + 14]) for first in range(0, 98, 14)]
     assert len([one for days in fortnights for one in found_in(days)]) <= 1
@@ -70,7 +70,7 @@ def test_a_habit_has_its_conditions_and_every_occasion() -> None:
 
 @pytest.mark.parametrize(("done", "of", "share"), [(0, 0, 0.0), (5, 5, 0.649), (14, 15, 0.749), (50, 100, 0.419)])
 def test_the_sure_share_is_the_bound_of_wilson(done: int, of: int, share: float) -> None:
-    assert sure_share(done, of) == pytest.approx(share, abs=0.001)
+    assert wilson_lower_bound(done, of) == pytest.approx(share, abs=0.001)
 
 
 def test_a_habit_after_dark_is_found_though_its_trigger_comes_all_day() -> None:

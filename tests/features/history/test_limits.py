@@ -13,7 +13,7 @@ from homebot.clock import LoopClock
 from homebot.devices.health import HealthRequest
 from homebot.devices.history_messages import ReadEnergyRequest, ReadHistoryRequest
 from homebot.features.history.batch import Batch, Series
-from homebot.features.history.collector import MOST_WAITING, Collector
+from homebot.features.history.collector import MAX_WAITING, Collector
 from homebot.features.history.history import HistoryKeeper
 from homebot.features.history.history_file import HistoryFile, HistoryStore
 from homebot.features.history.settings import HistorySettings, KeepSettings
@@ -63,13 +63,13 @@ async def test_of_more_values_than_may_wait_the_oldest_are_lost_and_counted(kept
         collector = house.history._collector
         await house.report("thermometer", temperature=1.0)
         followed = collector._followed["thermometer"]["", "temperature"]
-        for number in range(2 * MOST_WAITING):
+        for number in range(2 * MAX_WAITING):
             collector._add(followed, START + number, float(number))
         await anyio.sleep(600)
-        assert len(collector.batch.times) <= MOST_WAITING
-        assert MOST_WAITING < counts(house.history)["history_lost"] < 1.1 * MOST_WAITING
-        assert max(collector.batch.values) == 2 * MOST_WAITING - 1
-        assert collector.batch.values[0] > MOST_WAITING - 1  # the newest are there
+        assert len(collector.batch.times) <= MAX_WAITING
+        assert MAX_WAITING < counts(house.history)["history_lost"] < 1.1 * MAX_WAITING
+        assert max(collector.batch.values) == 2 * MAX_WAITING - 1
+        assert collector.batch.values[0] > MAX_WAITING - 1  # the newest are there
 
 
 @pytest.mark.virtual_time
@@ -117,7 +117,7 @@ async def test_the_loop_goes_on_while_a_hundred_thousand_values_are_written(tmp_
             collector = Collector(LoopClock(), 1000, {}, {})
             now = round(LoopClock().now() * 1000)
             collector.batch.new += [Series(one, (f"s{one}", "", "power"), "W") for one in range(100)]
-            for number in range(MOST_WAITING):
+            for number in range(MAX_WAITING):
                 collector.batch.add(number % 100, now - 7 * HOUR + number, float(number % 977))
             taken = 0
             async with anyio.create_task_group() as tasks:

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
-from homebot.gateways.announced.sent_commands import MOST_LINES, sent_commands
+from homebot.gateways.announced.sent_commands import MAX_LINES, sent_commands
 from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.integrations.things.formats.mqtt.reader import ThingReader
 from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
@@ -83,9 +83,9 @@ def test_the_lines_of_numbers_choices_and_long_payloads_are_bounded() -> None:
     assert list(sent_commands(announced("number", min=5, max=75, command_template="{{ value }} C"))) == [
         "Bolt: number=75: door/set 75 C"
     ]
-    options = [f"option {number}" for number in range(MOST_LINES + 3)]
+    options = [f"option {number}" for number in range(MAX_LINES + 3)]
     lines = list(sent_commands(announced("select", options=options, command_template="x" * 1000)))
-    assert len(lines) == MOST_LINES + 1
+    assert len(lines) == MAX_LINES + 1
     assert lines[0] == f"Bolt: option=option 0: door/set {'x' * 200}… (1,000 bytes)"
     assert lines[-1] == "Bolt: and 3 further settings"
 

@@ -1,6 +1,6 @@
 from random import Random
 
-from homebot.gateways.announced.work_budget import BURST, LONGEST_WAIT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
+from homebot.gateways.announced.work_budget import BURST, MAX_WAIT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
 from homebot.gateways.mqtt.state_topics import prefix_of
 
 FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")
@@ -54,7 +54,7 @@ def test_a_budget_that_is_used_up_is_filled_again_within_a_second_whatever_it_wa
         offenders = accepted("hello/lamp")
         while offenders.admits("hello/lamp", 0.0):
             offenders.charge("hello/lamp", length, "why", 0.0)
-        assert offenders.admits("hello/lamp", LONGEST_WAIT + 0.001)
+        assert offenders.admits("hello/lamp", MAX_WAIT + 0.001)
 
 
 def test_a_valid_announcement_clears_the_charge_of_its_topic_once_in_a_second() -> None:

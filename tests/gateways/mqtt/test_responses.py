@@ -5,7 +5,7 @@ import pytest
 from homebot.clock import ManualClock
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.devices.value import Value
-from homebot.gateways.mqtt.command_publisher import MOST_AWAITED, Responses, problem_of
+from homebot.gateways.mqtt.command_publisher import MAX_AWAITED, Responses, problem_of
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 
@@ -65,7 +65,7 @@ def test_a_response_is_matched_with_its_command_once() -> None:
 
 def test_only_so_many_are_awaited_and_the_oldest_is_forgotten() -> None:
     asked = Asked()
-    properties = [asked.ask(str(number)) for number in range(MOST_AWAITED + 1)]
+    properties = [asked.ask(str(number)) for number in range(MAX_AWAITED + 1)]
     asked.answer(properties[0])
     asked.answer(properties[1])
     assert [one.command_id for one in asked.answers] == ["1"]

@@ -24,14 +24,14 @@ from mcp.types import CallToolResult, InputRequiredResult, TextContent, ToolAnno
 from pydantic import BaseModel, Field, ValidationError
 
 from homebot.bridges.home_api.shapes import (
-    MOST_COMMANDED,
+    MAX_COMMANDED,
     DeviceList,
     HomeAnswer,
     OutcomeAnswer,
     WhyAnswer,
 )
 from homebot.devices.outcomes import OUTCOMES
-from homebot.devices.services import MOST_LISTED
+from homebot.devices.services import MAX_LISTED
 from homebot.feature import all_features, load
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
@@ -52,14 +52,14 @@ _ASKS_IN_ANSWERS: Final = "2026-07-28"
 _NO_RIGHT: Final = "the right "
 """The beginning of a refusal of a goal because of a missing right."""
 
-_MOST_SESSIONS: Final = 16
+_MAX_SESSIONS: Final = 16
 """Sessions of one token at the door; one that asks nothing for half an hour ends."""
 
 Words: TypeAlias = Annotated[str, Field(max_length=500)]
 """An argument; as part of an address, homebot takes up to 8 KiB."""
 
 
-Several: TypeAlias = Annotated[list[Words], Field(min_length=1, max_length=MOST_COMMANDED)]
+Several: TypeAlias = Annotated[list[Words], Field(min_length=1, max_length=MAX_COMMANDED)]
 Device: TypeAlias = Annotated[Words, Field(description="id or exact name")]
 
 
@@ -215,7 +215,7 @@ def agent_app(api: HouseApi) -> Any:
     """Return the tools as an ASGI application of ``/mcp``; Host and Origin of its requests are checked already."""
     return house_server(api).streamable_http_app(
         json_response=True,
-        max_sessions=_MOST_SESSIONS,
+        max_sessions=_MAX_SESSIONS,
         transport_security=TransportSecuritySettings(enable_dns_rebinding_protection=False),
     )
 
@@ -227,7 +227,7 @@ def _add_questions(server: MCPServer, api: HouseApi) -> None:
 
     async def find_devices(
         query: Annotated[Words, Field(description="as `light in kitchen`, `which lights are on`; empty for all")] = "",
-        limit: Annotated[int, Field(ge=1, le=MOST_LISTED, description="most devices")] = 50,
+        limit: Annotated[int, Field(ge=1, le=MAX_LISTED, description="most devices")] = 50,
     ) -> Annotated[CallToolResult, DeviceList]:
         """Return the devices that fit a query such as `light in kitchen`, or all, with room and values."""
         return tool_answer(await api.read("/api/devices", q=query, limit=limit))

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
     from homebot.devices.services import ListedDevice
 
-_MOST_STEPS: Final = 12
-_MOST_NAMED: Final = 20
+_MAX_STEPS: Final = 12
+_MAX_NAMED: Final = 20
 _WIDEST: Final = 100
 _FLAGS: Final = {"true": True, "false": False}
 _BEST_FIRST: Final = tuple(OUTCOMES)
@@ -58,8 +58,8 @@ async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAns
         home=home.home,
         devices=len(devices),
         rooms={room: dict(rooms[room]) for room in sorted(rooms)},
-        unreachable=tuple([device.id for device in devices if not device.is_reachable][:_MOST_NAMED]),
-        waiting_for_approval=tuple([device.id for device in devices if device.waits][:_MOST_NAMED]),
+        unreachable=tuple([device.id for device in devices if not device.is_reachable][:_MAX_NAMED]),
+        waiting_for_approval=tuple([device.id for device in devices if device.waits][:_MAX_NAMED]),
     )
 
 
@@ -168,8 +168,8 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
         since=since,
         why=reason,
         is_so=is_so,
-        steps=tuple(steps[-_MOST_STEPS:]),
-        more=max(0, len(steps) - _MOST_STEPS),
+        steps=tuple(steps[-_MAX_STEPS:]),
+        more=max(0, len(steps) - _MAX_STEPS),
     )
 
 

@@ -10,7 +10,7 @@ from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import FactIs, NameIs, Or
-from homebot.devices.services import MOST_LISTED
+from homebot.devices.services import MAX_LISTED
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.messages.json import message_to_json
 from homebot.support.folding import fold
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.services import ListDevicesResponse, ListedDevice
 
-_MOST_PAGES = 10
-_MOST_NAMED = 10
-_MOST_SIMILAR = 3
+_MAX_PAGES = 10
+_MAX_NAMED = 10
+_MAX_SIMILAR = 3
 _TYPO = 0.8
 
 
@@ -75,8 +75,8 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     ids = [one.id for one in found] or await _fitting(home, text)
     if not found and len(ids) == 1:
         return MeantDevice((await _found(home, {"ids": ids}))[0], text)
-    more = ", …" if len(ids) >= _MOST_NAMED else ""
-    problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MOST_NAMED])}{more}"
+    more = ", …" if len(ids) >= _MAX_NAMED else ""
+    problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MAX_NAMED])}{more}"
     raise ProblemError(HTTPStatus.CONFLICT, problem)
 
 
@@ -89,12 +89,12 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:
-    answer = await listed(home, query=text, limit=_MOST_NAMED, is_spelled=True)
+    answer = await listed(home, query=text, limit=_MAX_NAMED, is_spelled=True)
     if not answer.success:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
     if answer.devices:
         return [one.id for one in answer.devices]
-    near = [one.id for one in (await listed(home, query=text, limit=_MOST_SIMILAR)).devices]
+    near = [one.id for one in (await listed(home, query=text, limit=_MAX_SIMILAR)).devices]
     names = near or [name for one in await all_listed(home) for name in (one.id, one.name)]
     reason = answer.message or "a list of all devices shows what there is"
     hint = f"did you mean {' or '.join(near)}?" if near else did_you_mean(text, names, reason, _TYPO)
@@ -111,8 +111,8 @@ async def listed(home: HomeCalls, *, query: str = "", **request: object) -> List
 async def all_listed(home: HomeCalls) -> Sequence[ListedDevice]:
     """Return all devices in short; of a large house the first 2,000."""
     found: list[ListedDevice] = []
-    for _ in range(_MOST_PAGES):
-        page = await listed(home, limit=MOST_LISTED, offset=len(found))
+    for _ in range(_MAX_PAGES):
+        page = await listed(home, limit=MAX_LISTED, offset=len(found))
         found += page.devices
         if len(found) >= page.total or not page.devices:
             break

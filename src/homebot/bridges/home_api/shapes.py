@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from homebot.devices.command_messages import OutcomeKind
-from homebot.devices.services import MOST_LISTED
+from homebot.devices.services import MAX_LISTED
 from homebot.devices.value import ShortText
 from homebot.errors import HomebotError
 from homebot.support.printable import printable
@@ -33,11 +33,11 @@ PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
 }
 """The word for each status."""
 
-MOST_COMMANDED: Final = 50
+MAX_COMMANDED: Final = 50
 """Devices of one command."""
 
 ShortName: TypeAlias = Annotated[ShortText, Field(min_length=1)]
-_Names: TypeAlias = Annotated[tuple[ShortName, ...], Field(min_length=1, max_length=MOST_COMMANDED)]
+_Names: TypeAlias = Annotated[tuple[ShortName, ...], Field(min_length=1, max_length=MAX_COMMANDED)]
 
 
 class ProblemError(HomebotError):
@@ -73,7 +73,7 @@ class ListQuestion(Question):
     """A query for devices, such as `light in kitchen`; empty for all."""
 
     q: Annotated[str, Field(max_length=1000)] = ""
-    limit: Annotated[int, Field(ge=1, le=MOST_LISTED)] = 50
+    limit: Annotated[int, Field(ge=1, le=MAX_LISTED)] = 50
 
 
 class DeviceQuestion(Question):

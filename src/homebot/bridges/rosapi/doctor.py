@@ -14,7 +14,7 @@ import anyio
 from homebot.conventions.ecosystem import ecosystems
 from homebot.conventions.vacuum_map import map_readers
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
-from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind, Row
+from homebot.devices.findings import MAX_SHOWN, DeviceCheck, Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import (
     MACHINE_NODE,
@@ -251,7 +251,7 @@ def health_findings(
         found[kind].append(row)
     for kind, rows in found.items():
         if rows:
-            yield kind.finding(rows[:MOST_SHOWN] if kind in _CUT else rows, name, len(rows))
+            yield kind.finding(rows[:MAX_SHOWN] if kind in _CUT else rows, name, len(rows))
 
 
 _CUT = {FindingKind.FAILURE, FindingKind.QUARANTINE}

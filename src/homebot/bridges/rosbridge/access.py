@@ -35,7 +35,7 @@ _DOOR_REQUESTS: Final = frozenset({"/adapter_door_requests", "/door_requests"})
 """Actions that need a robot's right, because the app that serves them may be allowed to unlock."""
 
 _SEVERAL: Final = "?"
-_LONGEST_NAME: Final = 247
+_MAX_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
 """A command without a number, so that it contains no code."""
 
@@ -202,7 +202,7 @@ def right_to_publish(name: str) -> Right:
 
 def _text(values: Mapping[str, object], key: str) -> str:
     value = values.get(key)
-    return short_text(value, _LONGEST_NAME) if isinstance(value, str) else ""
+    return short_text(value, _MAX_NAME) if isinstance(value, str) else ""
 
 
 def _word(values: Mapping[str, object], key: str) -> str:

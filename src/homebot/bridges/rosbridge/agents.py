@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge.connection import HttpExchange
 
 _METHODS: Final = ("DELETE", "POST")
-_MOST_FRAMES: Final = 100
-_MOST_BYTES: Final = 1024 * 1024
+_MAX_FRAMES: Final = 100
+_MAX_BYTES: Final = 1024 * 1024
 """Frames and bytes of an identification that wait for the agent's client."""
 
 
@@ -66,10 +66,10 @@ class HouseOfAgent(HouseApi):
         except MissingRightError as exc:
             client.record_missing_right(op, exc)
             raise AgentMistakeError("refused", str(exc)) from exc
-        sent, frames = anyio.create_memory_object_stream[str | bytes](_MOST_FRAMES)
+        sent, frames = anyio.create_memory_object_stream[str | bytes](_MAX_FRAMES)
         with sent, frames:
             async with anyio.create_task_group() as tasks:
-                outbox = Outbox(sent.send, tasks.cancel_scope.cancel, shared.turns, _MOST_BYTES)
+                outbox = Outbox(sent.send, tasks.cancel_scope.cancel, shared.turns, _MAX_BYTES)
                 tasks.start_soon(outbox.run)
                 goals = SentGoals(client, outbox, tasks)
                 try:

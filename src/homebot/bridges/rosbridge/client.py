@@ -12,7 +12,7 @@ from homebot.graph import QoSProfile
 from homebot.messages import Time
 
 _QOS: Final = QoSProfile(depth=100)
-_LONGEST_NAME: Final = 247
+_MAX_NAME: Final = 247
 _SHOWN: Final = 100
 _DEEDS: Final = {
     "advertise": "advertising",
@@ -79,7 +79,7 @@ class OutsideClient:
                 issuer=issuer,
                 address=self.address,
                 operation=op.op,
-                target=short_text(op.name, _LONGEST_NAME),
+                target=short_text(op.name, _MAX_NAME),
                 right=error.right.value,
                 reason=str(error),
                 refused_at=Time.from_seconds(shared.node.graph.clock.now()),

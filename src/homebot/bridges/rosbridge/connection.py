@@ -23,8 +23,8 @@ from websockets.http11 import Response
 from websockets.protocol import Event, State
 
 from homebot.bridges.admission import token_of
-from homebot.bridges.rosbridge.arrivals import Arrivals
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.rosbridge.pending_connections import Arrivals
+from homebot.bridges.time_slices import ServerTurns
 from homebot.errors import LinkError, WireError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ _READ = 2048
 """Bytes read at once: up to 340 of the smallest frames, about 5 ms of work for the library."""
 
 _GET: Final = b"GET "
-_MOST_OF_HEAD: Final = 16_384
+_MAX_OF_HEAD: Final = 16_384
 _END_OF_HEAD: Final = re.compile(rb"\n\r?\n")
 _BODY: Final = re.compile(rb"\n(?:content-length:\s*[1-9]|transfer-encoding:)", re.IGNORECASE)
 _UPGRADE: Final = re.compile(rb"\nupgrade:", re.IGNORECASE)
@@ -219,7 +219,7 @@ class DoorConnection(ServerConnection):
         """Return what is passed on of the begin of a request; nothing until its head is complete."""
         end = _END_OF_HEAD.search(data)
         head = data[: end and end.end()]
-        if end is None and len(data) < _MOST_OF_HEAD:
+        if end is None and len(data) < _MAX_OF_HEAD:
             self._begun = data
             return b""
         if not data.startswith(_GET) or _BODY.search(head):

@@ -28,7 +28,7 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages.json import JsonObject, message_to_text
 from homebot.messages.message import Message
 
-_MOST_TURNS = 100
+_MAX_TURNS = 100
 """Turns for which the result of a goal waits for its feedback."""
 
 
@@ -111,7 +111,7 @@ class SentGoals:
             if sent.is_unwanted:
                 sent.goal.request_cancel()
             state, result = await sent.goal.result()
-            for _ in range(_MOST_TURNS):
+            for _ in range(_MAX_TURNS):
                 if not client.has_feedback:
                     break
                 await anyio.lowlevel.checkpoint()  # feedback is sent before the result

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HttpRequests", "problem_body"]
 
-_MOST_ADDRESSES = 1000
+_MAX_ADDRESSES = 1000
 
 
 class HttpRequests:
@@ -46,7 +46,7 @@ class HttpRequests:
         self._agents: AgentServers | None = None
         self._home = unquote(home)
         self._asking: dict[DoorConnection, anyio.CancelScope] = {}
-        self._rates: BoundedMap[str, RateLimit] = BoundedMap(_MOST_ADDRESSES)
+        self._rates: BoundedMap[str, RateLimit] = BoundedMap(_MAX_ADDRESSES)
 
     @property
     def count(self) -> int:

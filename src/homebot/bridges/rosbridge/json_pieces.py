@@ -23,7 +23,7 @@ _STRING: Final = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)', re.DOTALL)
 
 _LONG_ARRAY: Final = re.compile(_STRING.pattern + r"|\[(\s*+[-0-9][-+0-9.eE,\s]{4096,}+)\]", re.DOTALL)
 
-_MOST_QUOTES: Final = 4 * MAX_VALUES
+_MAX_QUOTES: Final = 4 * MAX_VALUES
 """Most unescaped quotation marks, enough for the allowed number of values: each costs 0.5 µs."""
 
 _MARK: Final = "-Infinity"
@@ -61,7 +61,7 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
 
 
 def _check_count(text: str) -> Iterator[None]:
-    if text.count('"') - text.count('\\"') > _MOST_QUOTES:
+    if text.count('"') - text.count('\\"') > _MAX_QUOTES:
         raise _too_many_values()
     if _openings(text) >= MAX_VALUES:
         bare = _STRING.sub("", text)

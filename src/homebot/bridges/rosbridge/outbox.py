@@ -12,7 +12,7 @@ from typing import Protocol, final
 import anyio
 
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 
 _ANSWER_FACTOR = 4
 

@@ -17,9 +17,9 @@ from typing import Final, final
 
 from homebot.bridges.rosbridge.protocol import Fragment, FrameError, Identifier, Operation, Request, parse_frame
 
-_MOST_OPEN: Final = 10
+_MAX_OPEN: Final = 10
 
-_MOST_FRAGMENTS: Final = 1000
+_MAX_FRAGMENTS: Final = 1000
 _PIXEL: Final = 3  # bytes
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 _RGB: Final = bytes((8, 2, 0, 0, 0))  # 8 bits of a colour; deflate; filters by row; not interlaced
@@ -52,7 +52,7 @@ class Packing:
         if not 0 < self.fragment_size < len(text):
             yield text
             return
-        size = max(self.fragment_size, math.ceil(len(text) / _MOST_FRAGMENTS))
+        size = max(self.fragment_size, math.ceil(len(text) / _MAX_FRAGMENTS))
         total = math.ceil(len(text) / size)
         for number in range(total):
             data = text[number * size : (number + 1) * size]
@@ -128,7 +128,7 @@ class FrameAssembler:
         if len(collected.parts) == collected.total:
             return "".join(part for _, part in sorted(collected.parts.items()))
         self._open[fragment.id] = collected
-        if len(self._open) > _MOST_OPEN:
+        if len(self._open) > _MAX_OPEN:
             del self._open[next(iter(self._open))]
             self.dropped += 1
         return None

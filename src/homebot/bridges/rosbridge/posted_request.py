@@ -10,10 +10,10 @@ import h11
 
 from homebot.errors import WireError
 
-MOST_BYTES: Final = 65_536
+MAX_BYTES: Final = 65_536
 """Most bytes of a body."""
 
-_MOST_OF_HEAD: Final = 16_384
+_MAX_OF_HEAD: Final = 16_384
 _OF_THE_BODY: Final = frozenset(
     {b"connection", b"content-length", b"expect", b"transfer-encoding", b"trailer", b"upgrade"}
 )
@@ -27,7 +27,7 @@ class PostedRequest:
         self.method = ""
         self.content_type = ""
         self.body = b""
-        self._http = h11.Connection(h11.SERVER, max_incomplete_event_size=_MOST_OF_HEAD)
+        self._http = h11.Connection(h11.SERVER, max_incomplete_event_size=_MAX_OF_HEAD)
         self._head: h11.Request | None = None
 
     def receive(self, data: bytes) -> bytes:
@@ -59,8 +59,8 @@ class PostedRequest:
         return self._http.they_are_waiting_for_100_continue
 
     def _extend(self, data: bytes | bytearray) -> None:
-        if len(self.body) + len(data) > MOST_BYTES:
-            raise WireError(f"the body of an HTTP request has more than {MOST_BYTES:,} bytes")
+        if len(self.body) + len(data) > MAX_BYTES:
+            raise WireError(f"the body of an HTTP request has more than {MAX_BYTES:,} bytes")
         self.body += data
 
     def _head_of_get(self) -> bytes:

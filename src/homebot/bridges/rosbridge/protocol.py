@@ -26,7 +26,7 @@ Level: TypeAlias = Literal["none", "error", "warning", "info"]
 Compression: TypeAlias = Literal["none", "png", "cbor", "cbor-raw"]
 _NAMES = ("service", "action", "topic")
 
-_LONGEST_ID = 1000
+_MAX_ID = 1000
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
@@ -40,7 +40,7 @@ def _arguments(value: object) -> object:
 
 def _identifier(value: object) -> object:
     if not _is_identifier(value):
-        raise PydanticCustomError("identifier", f"has to be a whole number or a text of up to {_LONGEST_ID} characters")
+        raise PydanticCustomError("identifier", f"has to be a whole number or a text of up to {_MAX_ID} characters")
     return value
 
 
@@ -314,7 +314,7 @@ def _id_in(fields: Mapping[str, object]) -> Identifier:
 
 
 def _is_identifier(value: object) -> bool:
-    return isinstance(value, int) or (isinstance(value, str) and len(value) <= _LONGEST_ID)
+    return isinstance(value, int) or (isinstance(value, str) and len(value) <= _MAX_ID)
 
 
 def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: str) -> str:

@@ -32,26 +32,26 @@ from homebot.rights import Right
 # As in the original bridge: compatible with every request, and late subscribers miss nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
-_MOST_KEPT: Final = 100
+_MAX_KEPT: Final = 100
 """Most messages of a topic kept for late subscribers; as many as tf2's listeners ask for of ``/tf_static``, where their
 clients send one message after the other (geometry2, ``tf2_ros/qos.hpp``)."""
 
 _PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"([^"\\]*)", ?)?"topic": ?"([^"\\]+)"')
 """The beginning of a message as most libraries write it, which has id and topic before the frame is parsed."""
 
-_LONGEST: Final = 65_536
+_MAX_PARSED_CHARACTERS: Final = 65_536
 """Most characters of a frame that is parsed at once when a reader subscribes."""
 
 _CHECKED: Final = 1
 """Unread messages of a topic that are checked per second, so that its client learns of mistakes."""
 
 
-_MOST_REFUSED: Final = 100
+_MAX_REFUSED: Final = 100
 """Most topics whose messages are refused before they are parsed; those of others are refused after that."""
 
 _RECENT: Final = 1.0
-_MOST_RECENT: Final = 10
-_MOST_CHARACTERS: Final = 1_048_576
+_MAX_RECENT: Final = 10
+_MAX_CHARACTERS: Final = 1_048_576
 """Seconds and messages of one topic, and characters of all, kept for late subscribers; the newest message is always
 kept."""
 
@@ -141,7 +141,7 @@ class Publications:
     def store_unread(self, frame: str) -> bool:
         """Store *frame* unparsed if it is a message on a topic without readers; return whether it is."""
         begin = _PUBLISH.match(frame)
-        publication = self._topics.get(begin[2]) if begin is not None and len(frame) <= _LONGEST else None
+        publication = self._topics.get(begin[2]) if begin is not None and len(frame) <= _MAX_PARSED_CHARACTERS else None
         if begin is None or publication is None or not self._is_unread(publication):
             return False
         self._store(begin[2], frame, len(frame))
@@ -156,7 +156,7 @@ class Publications:
 
     def record_refused(self, topic: str) -> None:
         """Record that the client has no right to publish on *topic*."""
-        if len(self._refused) < _MOST_REFUSED:
+        if len(self._refused) < _MAX_REFUSED:
             self._refused.add(topic)
 
     def close_one(self) -> bool:
@@ -197,7 +197,7 @@ class Publications:
             return present
         queue, qos = None, _QOS
         if kept:
-            qos = replace(_QOS, depth=_MOST_KEPT if topic.endswith("tf_static") else min(kept, _MOST_KEPT))
+            qos = replace(_QOS, depth=_MAX_KEPT if topic.endswith("tf_static") else min(kept, _MAX_KEPT))
             queue = FeedQueue(qos.depth, key_of(message_type), self._kept, lambda: None)
         history = _History(lambda: self._late_messages(topic, message_type)) if queue is None else queue
         publisher = self._node.create_publisher(message_type, topic, qos, history=history)
@@ -211,12 +211,12 @@ class Publications:
         now, recent = self._now(), self._recent
         recent.append(_KeptMessage(now, size, topic, message))
         self._recent_size += size
-        while len(recent) > 1 and (recent[0].at <= now - _RECENT or self._recent_size > _MOST_CHARACTERS):
+        while len(recent) > 1 and (recent[0].at <= now - _RECENT or self._recent_size > _MAX_CHARACTERS):
             self._recent_size -= recent.popleft().size
 
     def _late_messages(self, topic: str, message_type: type[Message]) -> Iterator[Message]:
         oldest = self._now() - _RECENT
-        for sent in [one.message for one in self._recent if one.topic == topic and one.at > oldest][-_MOST_RECENT:]:
+        for sent in [one.message for one in self._recent if one.topic == topic and one.at > oldest][-_MAX_RECENT:]:
             identifier: Identifier = None
             try:
                 op = _operation_in(sent) if isinstance(sent, str) else sent

@@ -23,9 +23,8 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.bridges.client_error_log import LibraryLog
-from homebot.bridges.rosbridge.arrivals import Arrivals
 from homebot.bridges.rosbridge.connection import DoorConnection, HttpExchange, client_frames, http_response, is_roslibpy
-from homebot.bridges.rosbridge.entrance import (
+from homebot.bridges.rosbridge.handshake import (
     LOG_IN,
     Entrance,
     Site,
@@ -34,6 +33,7 @@ from homebot.bridges.rosbridge.entrance import (
     is_for_api,
     is_for_websocket,
 )
+from homebot.bridges.rosbridge.pending_connections import Arrivals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights

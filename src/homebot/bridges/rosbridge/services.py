@@ -21,7 +21,7 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 from homebot.devices.names import MACHINE_NODE
 from homebot.devices.own_services import row_of_service
 from homebot.devices.query.term_messages import QueryTerm, query_terms, query_words

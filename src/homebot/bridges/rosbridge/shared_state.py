@@ -14,7 +14,7 @@ from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.heartbeat import OwnedLeases
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 from homebot.graph import EntityKind, Graph, Node, Publisher
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.counters import fault, loss
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from homebot.graph import Service
     from homebot.graph.actions import ActionServer
 
-_MOST_ADVERTISED: Final = 1000
+_MAX_ADVERTISED: Final = 1000
 _Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 
 
@@ -154,7 +154,7 @@ class SharedState:
         self.expected = ExpectedTopics(node.graph)
         self.counters = DoorCounters()
         self.error_log = ClientErrorLog(node)
-        self.advertised: BoundedMap[str, str] = BoundedMap(_MOST_ADVERTISED)
+        self.advertised: BoundedMap[str, str] = BoundedMap(_MAX_ADVERTISED)
         self.providers: dict[str, Provisions] = {}
         self.refusals: Publisher[AccessRefused] | None = None
 

@@ -36,12 +36,12 @@ LOST = "ros2.lost"
 
 _log = get_logger(node="/ros2")
 
-_MOST_WAITING = 1000
+_MAX_WAITING = 1000
 """Samples and queries that wait for the event loop, a long one as many of them; more are lost and counted."""
 
 _LONG = 65_536  # bytes
 
-_MOST_TOKENS_WAITING = 20_000
+_MAX_TOKENS_WAITING = 20_000
 """The same for tokens, of which all of a large robot come at once."""
 
 _CLOSING, _HEARTBEAT = 0.8, 0.5  # seconds; rmw_zenoh has the same heartbeat
@@ -183,7 +183,7 @@ class ZenohSession:
 
         def arrived(sample: Any) -> None:
             is_there = sample.kind == zenoh.SampleKind.PUT
-            self._offer(partial(on_token, str(sample.key_expr)), is_there, most=_MOST_TOKENS_WAITING)
+            self._offer(partial(on_token, str(sample.key_expr)), is_there, most=_MAX_TOKENS_WAITING)
 
         declared: Declared = self._session.liveliness().declare_subscriber(key, arrived, history=True)
         return declared
@@ -289,7 +289,7 @@ class ZenohSession:
             cancellation.cancel()
         return None
 
-    def _offer(self, call: Callable[[Any], None], value: object, size: int = 0, most: int = _MOST_WAITING) -> bool:
+    def _offer(self, call: Callable[[Any], None], value: object, size: int = 0, most: int = _MAX_WAITING) -> bool:
         """Let the event loop *call* with *value* of *size* bytes; return False if *most* wait already."""
         share = 1 + size // _LONG
         with self._lock:

@@ -32,7 +32,7 @@ _EXAMPLES = """\
 All but `list` need the right `manage`. An app's store is kept.
 """
 
-_LONGEST = 60.0
+_MAX_WAIT_S = 60.0
 """Seconds: an app may take ten to stop and ten to start, twice if it is rolled back."""
 
 
@@ -67,7 +67,7 @@ It needs the right `manage`. SIGHUP (`systemctl [--user] reload homebot`) does t
 def _change(service: str, door: DoorClient, options: argparse.Namespace) -> int:
     is_all = service == RELOAD
     request = {"allow_removal": options.allow_removal} if is_all else {"app": _absolute(options.app)}
-    answer = door.call(service, request, timeout=_LONGEST)
+    answer = door.call(service, request, timeout=_MAX_WAIT_S)
     text = printable(str(answer["message"]), 2000)
     if not answer["success"]:
         raise PeerError(text)

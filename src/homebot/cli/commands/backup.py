@@ -22,7 +22,7 @@ from homebot.devices.names import COPY_FILES
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.log import configure_logging
 from homebot.runtime.home_folder import index_place, take_folder
-from homebot.runtime.kept_files import KEPT_FILES, check_unused, copy_kept_files
+from homebot.runtime.saved_files import KEPT_FILES, check_unused, copy_kept_files
 from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import why_not_readable
 from homebot.version import __version__
@@ -36,7 +36,7 @@ It contains all data of homebot (devices, journal, history, values of apps), hom
 in its folder. homebot may be running, and writes its pending data first.
 """
 
-_LONGEST: Final = 120.0
+_MAX_WAIT_S: Final = 120.0
 _SECRET_FILES: Final = ("password_file", "token_file", "key_file")
 _SECRETS: Final = ("password", "token")
 _URL_WITH_PASSWORD: Final = re.compile(r"\w+://[^/@]*:[^/@]*@")
@@ -96,7 +96,7 @@ def _copies(folder: Path, options: argparse.Namespace) -> Path:
             raise
 
     def ask(door: DoorClient, _: argparse.Namespace) -> int:
-        answers.append(door.call(COPY_FILES, timeout=_LONGEST))
+        answers.append(door.call(COPY_FILES, timeout=_MAX_WAIT_S))
         return 0
 
     answers: list[Mapping[str, object]] = []

@@ -18,8 +18,8 @@ from homebot.gateways import Gateway
 from homebot.log import configure_logging
 from homebot.plugins import INSTALL_EXTRA
 from homebot.runtime.home_folder import index_place, unused_folders
-from homebot.runtime.kept_files import KEPT_FILES
 from homebot.runtime.plan import Plan, PlannedComponent, make_plan
+from homebot.runtime.saved_files import KEPT_FILES
 from homebot.support.file_access import readable_by_others, why_not_trusted
 from homebot.support.sqlite_file import why_not_readable
 

@@ -38,7 +38,7 @@ the worst outcome. The home in the answer is that of the homebot that carried ou
 _WIDEST: Final = 1000
 """The limit of characters of an outcome: a refusal ends with its remedy."""
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds; homebot answers sooner, after the usual response time of the slowest device."""
 
 
@@ -78,7 +78,7 @@ def _do(options: argparse.Namespace) -> int:
 
 def command_house(door: DoorClient, options: argparse.Namespace, service: str, request: dict[str, object]) -> int:
     """Send *request* to a *service* for commands, print the outcomes, and return the exit code."""
-    answer = cast("CommandDevicesResponse", JsonMessage(door.call(service, request, _LONGEST)))
+    answer = cast("CommandDevicesResponse", JsonMessage(door.call(service, request, _MAX_WAIT_S)))
     if options.json:
         print(json_text(fields_of(answer)))
     else:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from homebot.bridges.rosapi.doctor import ExamineResponse
     from homebot.devices.findings import Finding
 
-_LONGEST = 60.0
+_MAX_WAIT_S = 60.0
 """Seconds to wait for the answer, which is as slow as the slowest component."""
 
-_LONGEST_REASON = 1000
+_MAX_REASON = 1000
 """The limit of characters of a reason, which may contain a remedy of several sentences."""
 
 _EXAMPLES = """\
@@ -71,7 +71,7 @@ def _check_offline(options: argparse.Namespace) -> int:
 
 def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     asked = {"counts": options.counts, "gateways_only": options.gateways}
-    fields = door.call("/rosapi/doctor", asked, timeout=_LONGEST)
+    fields = door.call("/rosapi/doctor", asked, timeout=_MAX_WAIT_S)
     response = cast("ExamineResponse", JsonMessage(fields))
     texts = [f"home {printable(door.home)} on {door.where}"]
     texts += [] if response.gateways else ["no gateway runs; one with a table such as [gateways.mqtt] finds devices"]
@@ -103,7 +103,7 @@ def print_finding(finding: Finding) -> None:
     code, title = finding.code, finding.title
     for row in finding.rows:
         if not row.what:
-            why = printable(row.why, _LONGEST_REASON)
+            why = printable(row.why, _MAX_REASON)
             print(f"{code} {title}: {why}" if title else f"{code} {why}")
     print_rows([(row.what, row.why) for row in finding.rows if row.what], f"{code} {title}:")
     if finding.total > len(finding.rows):

@@ -31,8 +31,8 @@ is not.
 """
 _TYPE: Final = "homebot/action/IdentifyDevice"
 _BARS: Final = "▁▂▃▄▅▆▇█"
-_MOST_SHOWN: Final = 3
-_LONGEST_NAME: Final = 30
+_MAX_SHOWN: Final = 3
+_MAX_NAME: Final = 30
 _WIDEST: Final = 1000
 _HALF: Final = 0.5
 
@@ -106,8 +106,8 @@ def identify(options: argparse.Namespace, *, is_check: bool) -> int:
 
 def _print_look(values: Mapping[str, object]) -> None:
     feedback = cast("IdentifyDeviceFeedback", JsonMessage(values))
-    likely = sorted(feedback.candidates, key=lambda candidate: candidate.probability, reverse=True)[:_MOST_SHOWN]
-    texts = [f"{printable(one.name, _LONGEST_NAME)} {one.probability:.0%}" for one in likely]
+    likely = sorted(feedback.candidates, key=lambda candidate: candidate.probability, reverse=True)[:_MAX_SHOWN]
+    texts = [f"{printable(one.name, _MAX_NAME)} {one.probability:.0%}" for one in likely]
     look = feedback.look
     print(f"{look.at:5.1f} s  {look.value:8.4g}  {', '.join(texts)}, none {feedback.none:.0%}", flush=True)
 
@@ -115,12 +115,12 @@ def _print_look(values: Mapping[str, object]) -> None:
 def _print_result(result: IdentifyDeviceResult) -> None:
     if not result.candidates:
         raise PeerError(result.message)
-    width = max(len("seen"), *(len(printable(candidate.name, _LONGEST_NAME)) for candidate in result.candidates))
+    width = max(len("seen"), *(len(printable(candidate.name, _MAX_NAME)) for candidate in result.candidates))
     print(f"\n{'seen':{width}}  {_sparkline([look.value for look in result.looks])}")
     for place, one in enumerate(result.candidates):
         code = "".join("█" if look.levels[place] > _HALF else "·" for look in result.looks)
         effect = f"{one.effect:+.3g} ± {one.deviation:.2g}"
-        print(f"{printable(one.name, _LONGEST_NAME):{width}}  {code}  {one.probability:6.1%}  {effect}")
+        print(f"{printable(one.name, _MAX_NAME):{width}}  {code}  {one.probability:6.1%}  {effect}")
     for left in result.left_out:
         print(f"left out: {printable(left.key)}: {printable(left.value, _WIDEST)}")
     sure = f" ({result.probability:.1%})" if result.success else ""

@@ -35,7 +35,7 @@ The description is published as a retained message on homebot/things/NAME/td; th
 stays until `homebot forget DEVICE --purge`. MQTT forms with JSON or plain text can be read and written.
 """
 
-_LONGEST = 200
+_MAX_CHARACTERS = 200
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -163,7 +163,7 @@ def write_things(devices: Iterable[Device], directory: str, broker: str) -> list
         Path(directory).mkdir(parents=True, exist_ok=True)
         for device in devices:
             name = escape_token(device.id)
-            name = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}_{len(written)}"
+            name = name if len(name) <= _MAX_CHARACTERS else f"{name[:_MAX_CHARACTERS]}_{len(written)}"
             file = Path(directory) / f"{name}.td.json"
             file.write_text(f"{thing_text(device, broker)}\n", encoding="utf-8")
             written.append(file)

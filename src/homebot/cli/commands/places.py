@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 _HEAD = ("ROOM", "FLOOR", "DOORS", "DEVICES")
 _MAX_BYTES = 800_000
-_MOST_NAMED = 5
+_MAX_NAMED = 5
 _MAP = "/map"
 _WAIT = 10.0
 """Seconds to wait for a robot's map."""
@@ -169,7 +169,7 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     became = f"called {printable(answer.name)} now" if answer.name else "removed"
     print(f"{printable(options.room)} is {became}")
     if answer.name and fold(answer.name) != fold(options.room) and (left := _devices_in(door, options.room)):
-        named = ", ".join(map(printable, left[:_MOST_NAMED])) + (", …" if len(left) > _MOST_NAMED else "")
+        named = ", ".join(map(printable, left[:_MAX_NAMED])) + (", …" if len(left) > _MAX_NAMED else "")
         print(f"devices that announce {printable(options.room)} stay there until `homebot place` moves them: {named}")
     return 0
 

@@ -21,7 +21,7 @@ It records reports of devices and commands until Ctrl-C. Passwords and codes are
 were at home, so only you can read it. To record a run from its beginning: homebot run --record FILE.
 """
 
-_LONGEST: Final = 30.0
+_MAX_WAIT_S: Final = 30.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +46,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _record_into(door: DoorClient, options: argparse.Namespace) -> int:
-    answer = door.call(START_RECORDER, timeout=_LONGEST)
+    answer = door.call(START_RECORDER, timeout=_MAX_WAIT_S)
     if not answer["success"]:
         raise RefusedError("recording", str(answer["message"]))
     with _created(door, options) as file:
@@ -62,7 +62,7 @@ def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
     try:
         return RecordingFile(Path(options.file), options.max_mb, force=options.force)
     except UsageError:
-        while not door.call(READ_RECORDING, {"is_last": True}, _LONGEST)["is_over"]:
+        while not door.call(READ_RECORDING, {"is_last": True}, _MAX_WAIT_S)["is_over"]:
             pass
         raise
 
@@ -75,7 +75,7 @@ def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> Link
         while not is_over:
             is_last = bool(stopped) or file.is_full or (ends is not None and time.monotonic() >= ends)
             try:
-                answer = door.call(READ_RECORDING, {"is_last": is_last}, _LONGEST)
+                answer = door.call(READ_RECORDING, {"is_last": is_last}, _MAX_WAIT_S)
                 file.write(cast("list[str]", answer["lines"]))
             except (LinkError, OSError) as exc:
                 return exc

@@ -47,7 +47,7 @@ _UNFIT: Final = 5
 _CODES: Final = {"no_reader": _NO_READER, "no_tag": _NO_TAG} | dict.fromkeys(
     ("lost", "not_a_tag", "protected", "too_small", "unreadable"), _UNFIT
 )
-_LONGEST_WAIT: Final = 600.0
+_MAX_WAIT: Final = 600.0
 _GRACE: Final = 10.0
 """Seconds that the gateway may take, besides waiting for the tag."""
 
@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         one.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
         one.add_argument(
             "--wait",
-            type=partial(duration, most=_LONGEST_WAIT),
+            type=partial(duration, most=_MAX_WAIT),
             default=30.0,
             metavar="S",
             help="wait S seconds for a tag (default: 30)",

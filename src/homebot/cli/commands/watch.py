@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DeviceChange, StateChange
     from homebot.devices.journal_messages import JournalEntry
 
-MOST_LINES: Final = 50
+MAX_LINES: Final = 50
 """The limit of lines per second; the others are counted."""
 
 _TICK: Final = 0.25
@@ -129,7 +129,7 @@ class _LinePrinter:
     def print(self, line: WatchLine, now: float) -> None:
         """Print *line*, or count it."""
         self.end_second(now)
-        if self._printed >= MOST_LINES:
+        if self._printed >= MAX_LINES:
             self._more += 1
             return
         self._printed += 1

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         ExplainMissingStateResponse,
     )
 
-_MOST = 10
+_MAX_DEVICES = 10
 
 _EXAMPLES = """\
   homebot why 'Hall lamp'
@@ -117,7 +117,7 @@ def sent_by_routines(door: DoorClient, robot: str) -> list[tuple[RoutineNote, st
 
 
 def _print_sent(sent: Sequence[tuple[RoutineNote, str]], now: float) -> None:
-    for note, routine in sent[-_MOST:]:
+    for note, routine in sent[-_MAX_DEVICES:]:
         print_line(f"The routine {printable(routine)}: {printable(note.text, 300)}, {ago_text(note.at, now)}.")
 
 
@@ -181,7 +181,7 @@ def _print_why_not(
     if response.is_so:
         print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
     if asked:
-        _print_asked(asked, client, options, device, now, 1 if response.is_so else _MOST)
+        _print_asked(asked, client, options, device, now, 1 if response.is_so else _MAX_DEVICES)
         if not response.is_so and was_obeyed(asked[-1]):
             print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
     elif not response.is_so:

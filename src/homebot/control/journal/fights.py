@@ -9,8 +9,8 @@ from typing import Final, NamedTuple, TypeAlias, final
 from homebot.control.timeline.facts import PartRef
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import DeviceFight
-from homebot.devices.obedience import changes, related
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import changes, related
 from homebot.devices.wording.journal_words import settings_text
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap

@@ -30,7 +30,7 @@ from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.time_format import ago
 from homebot.graph import Node
-from homebot.journal.command_folding import CommandFolding
+from homebot.journal.entry_aggregation import EntryAggregation
 from homebot.journal.store import JournalNote, with_newer
 from homebot.messages import Time
 from homebot.support.counters import Severity
@@ -69,7 +69,7 @@ class CommandJournal:
         self._clock = node.graph.clock
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self._store = store
-        self._folding = CommandFolding()
+        self._folding = EntryAggregation()
         self._open: dict[str, CommandChain] = {}
         self._is_timed = False
         self.log = CommandLog(node, lookup)

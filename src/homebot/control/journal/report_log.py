@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from homebot.control.timelines import Timelines
     from homebot.devices.device import ChangedSetting
 
-_LATE_ROLES: Final = (ReportRole.EFFECT, ReportRole.UNDONE, ReportRole.ASTRAY)
+_LATE_ROLES: Final = (ReportRole.EFFECT, ReportRole.UNDONE, ReportRole.DEVIATES)
 
 _MAX_ENTRIES: Final = 200
 """Entries of one device that are read: some twenty commands."""

@@ -12,8 +12,8 @@ from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.control.timeline.facts import Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices.client_rights import LOCAL_CLIENT, issuer_of_client
-from homebot.devices.obedience import POWERS
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import POWERS
 from homebot.units import Seconds
 
 NAME: Final = "rate_limit"

@@ -11,8 +11,8 @@ from homebot.control.timeline.goal import side_role
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.device import target_of
-from homebot.devices.obedience import STOPPED, departs, fits
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import STOPPED, departs, fits
 
 _RESTS: Final = frozenset({"open", "closed", STOPPED})
 """States of a motor at rest."""
@@ -31,11 +31,11 @@ def judge(fact: Reported, roles: Roles) -> Attribution:
         if cause is not None and not (answered and cause is Cause.TRANSITION):  # it leads away from what is newer
             order, role_told = command.order, None if command.is_raw else role
             return Attribution(cause, order.id, role_told, order.is_foreign, fact.was_absent)
-        if role is ReportRole.OTHERWISE and command.is_open:
+        if role is ReportRole.UNRELATED and command.is_open:
             answered = answered or command.order.id
     cause, along = _cause_without_command(fact)
     if answered and not along and cause is not Cause.DEVICE:  # a person, or the device's own answer
-        return Attribution(Cause.UNKNOWN, answered, ReportRole.OTHERWISE, was_absent=fact.was_absent)
+        return Attribution(Cause.UNKNOWN, answered, ReportRole.UNRELATED, was_absent=fact.was_absent)
     return Attribution(cause, along, was_absent=fact.was_absent)
 
 
@@ -102,11 +102,11 @@ def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> C
     if role is ReportRole.UNDONE:
         is_usual = fact.timed >= ENOUGH or fact.capability in command.suspected
         return Cause.DEVICE if is_usual else Cause.UNKNOWN
-    if role is ReportRole.ASTRAY:
+    if role is ReportRole.DEVIATES:
         return Cause.UNKNOWN
-    if role is ReportRole.AGREES:
+    if role is ReportRole.MATCHES:
         return Cause.COMMAND if _came_along(fact, command) else None
-    return Cause.COMMAND if role is ReportRole.ASIDE and rests_where_sent(fact, command) else None
+    return Cause.COMMAND if role is ReportRole.SIDE_EFFECT and rests_where_sent(fact, command) else None
 
 
 def _came_along(fact: Reported, command: CommandProgress) -> bool:
@@ -160,7 +160,7 @@ def _is_usual(
     """Return whether the part usually changes along with commands to that other part; learn that it did."""
     order, capability = command.order, fact.capability
     wanted = order.settings.get(capability)
-    if wanted is None and side_role(order, capability, fact.value) is not ReportRole.AGREES:
+    if wanted is None and side_role(order, capability, fact.value) is not ReportRole.MATCHES:
         return False
     if wanted is not None and not fits(capability, wanted, fact.value):
         return False

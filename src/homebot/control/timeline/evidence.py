@@ -8,8 +8,8 @@ from homebot.control import durations
 from homebot.control.timeline.facts import NOTHING, Transmission
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.devices.obedience import fits, value_text
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
+from homebot.devices.value_comparison import fits, value_text
 
 
 class Step(NamedTuple):

@@ -28,20 +28,20 @@ class ReportRole(Enum):
     """Meaning of a report for one command.
 
     ``EFFECT``: the wanted value. ``ECHO``: the wanted value, repeated by a bridge. ``STEP``: a value on the way.
-    ``ASTRAY``: a position farther away than the one before, or beyond the wanted one. ``UNDONE``: another value after
-    the wanted one. ``REPEAT``: the same other value again. ``OTHERWISE``: another value. ``AGREES``: a value of another
-    capability that is consistent with the command. ``ASIDE``: any other value.
+    ``DEVIATES``: a position farther away than the one before, or beyond the wanted one. ``UNDONE``: another value after
+    the wanted one. ``REPEAT``: the same other value again. ``UNRELATED``: another value. ``MATCHES``: a value of
+    another capability that is consistent with the command. ``SIDE_EFFECT``: any other value.
     """
 
     EFFECT = "effect"
     ECHO = "echo"
     STEP = "step"
-    ASTRAY = "astray"
+    DEVIATES = "astray"
     UNDONE = "undone"
     REPEAT = "repeat"
-    OTHERWISE = "otherwise"
-    AGREES = "agrees"
-    ASIDE = "aside"
+    UNRELATED = "otherwise"
+    MATCHES = "agrees"
+    SIDE_EFFECT = "aside"
 
 
 class Cause(Enum):

@@ -7,8 +7,8 @@ from typing import Final, Literal, final
 from homebot.control import durations
 from homebot.control.timeline.facts import NOTHING, Nothing, Order, Reported, ReportRole
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_same, related
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import END_POSITIONS, STOPPED, changes, fits, is_same, related
 
 _RUNS: Final = frozenset({"opening", "closing"})
 _OPENINGS: Final = frozenset({"movement", "valve"})
@@ -209,7 +209,7 @@ def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:
     """Return the role of a report of a capability that *order* does not set."""
     settings = order.settings
     if STOPPED in settings.values():
-        return ReportRole.AGREES
+        return ReportRole.MATCHES
     own = [name for name in related(capability) if name in settings and name != capability]
     is_against = any(changes(capability, value, name, settings[name]) for name in own)
-    return ReportRole.ASIDE if is_against else ReportRole.AGREES
+    return ReportRole.SIDE_EFFECT if is_against else ReportRole.MATCHES

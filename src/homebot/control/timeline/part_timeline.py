@@ -24,9 +24,9 @@ from homebot.control.timeline.facts import (
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile, ProgramWatch
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.obedience import changes, fits, related
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
 from homebot.devices.value import PlainValue, SetBy
+from homebot.devices.value_comparison import changes, fits, related
 
 MAX_REPORTS: Final = 128
 _MAX_SENT: Final = 2000
@@ -353,7 +353,7 @@ class PartTimeline:
     def _relate(self, fact: Reported) -> None:
         """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
         attribution, brought = fact.attribution, self._brought.get(fact.capability)
-        is_unexplained = not attribution.command or attribution.role is ReportRole.OTHERWISE
+        is_unexplained = not attribution.command or attribution.role is ReportRole.UNRELATED
         if not (is_unexplained or attribution.cause is Cause.UNKNOWN):
             return
         if is_unexplained and brought is not None and brought.is_near(fact):
@@ -421,7 +421,7 @@ class PartTimeline:
             if fact.at < at - durations.CAME_ALONG:
                 return
             if fact.attribution.may_be_person and not fact.attribution.command and rests_where_sent(fact, progress):
-                self._amend(frozenset([fact.number]), progress, Cause.COMMAND, ReportRole.ASIDE)
+                self._amend(frozenset([fact.number]), progress, Cause.COMMAND, ReportRole.SIDE_EFFECT)
 
     def _amend(self, numbers: frozenset[int], progress: CommandProgress, cause: Cause, role: ReportRole) -> None:
         """Correct the cause of some reports."""

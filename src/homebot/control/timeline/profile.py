@@ -15,8 +15,8 @@ from pydantic import Field
 from homebot.control import durations
 from homebot.control.timeline.facts import Cause, Reported
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.obedience import departs, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import departs, fits, is_other_end, is_same
 
 KEPT: Final = 16
 _MAX_ANSWERS: Final = 8

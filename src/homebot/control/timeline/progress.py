@@ -26,9 +26,9 @@ from homebot.control.timeline.facts import (
 )
 from homebot.control.timeline.goal import Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.devices.obedience import STOPPED, changes, is_intermediate, is_same, related
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import STOPPED, changes, is_intermediate, is_same, related
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
 _GIVEN_UP: Final = frozenset({"lock", "alarm"})
@@ -287,7 +287,7 @@ class CommandProgress:
         if self.superseded_by or is_late or capability in self._released:
             return self._late_role(wanted, fact, is_exact=is_late)
         if value is None:
-            return ReportRole.AGREES  # a lost value proves nothing
+            return ReportRole.MATCHES  # a lost value proves nothing
         if wanted is None or (capability == "level" and self._fades_out):
             return self._side_role(fact)
         if self.is_confirmed:
@@ -329,10 +329,10 @@ class CommandProgress:
         if is_exact:
             self.learns_late = False
         if wanted is None or wanted.met_at is not None:
-            return ReportRole.ASIDE
+            return ReportRole.SIDE_EFFECT
         is_same_value = is_same(fact.capability, wanted.value, fact.value) and self.will_at == -math.inf
         if not (is_same_value if is_exact else wanted.fits(fact.value)):
-            return ReportRole.ASIDE
+            return ReportRole.SIDE_EFFECT
         wanted.met_at = fact.at
         return ReportRole.EFFECT
 
@@ -343,7 +343,7 @@ class CommandProgress:
         if not (self.is_confirmed and self._fades_out and capability == "level"):
             return ReportRole.STEP if is_nearer else side_role(self.order, capability, value)
         if not self._step:  # it did not report that it is on again
-            return ReportRole.STEP if is_nearer else ReportRole.AGREES
+            return ReportRole.STEP if is_nearer else ReportRole.MATCHES
         self._judge_fade(fact.at)
         return self._step_role(fact)
 
@@ -355,14 +355,14 @@ class CommandProgress:
         if is_nearer or is_intermediate(capability, wanted.value, value):
             self.motion.moved_at = fact.at
             wanted.is_step = True
-            return ReportRole.ASTRAY if self._is_astray(wanted, fact, before) else ReportRole.STEP
+            return ReportRole.DEVIATES if self._is_astray(wanted, fact, before) else ReportRole.STEP
         self.told_otherwise_at = fact.at
         if wanted.is_step and capability in _GIVEN_UP:
             self.motion.stopped_at = fact.at
         if before == value:
             return ReportRole.UNDONE if was_met else ReportRole.REPEAT
         wanted.is_step = False
-        return ReportRole.UNDONE if was_met or self._was_echoed(wanted, fact) else ReportRole.OTHERWISE
+        return ReportRole.UNDONE if was_met or self._was_echoed(wanted, fact) else ReportRole.UNRELATED
 
     def _confirmed_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
         """Return the role of a report after the confirmation: another value is a step, or the end of the wanted one."""

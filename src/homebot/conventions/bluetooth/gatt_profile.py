@@ -25,7 +25,7 @@ GattType: TypeAlias = Literal["light", "plug", "switch", "fan", "siren"]
 _TOKEN = re.compile(r"\s*(?:([0-9a-fA-F]{2})|\{(\w+)\}|(\.\.))\s*")
 _CHANNELS = ("red", "green", "blue")
 _FIELDS = ("on", "level", *_CHANNELS)
-_LONGEST = 64
+_MAX_BYTES = 64
 _WHITE = (2000, 6500)
 _BYTE = 255
 
@@ -47,8 +47,8 @@ def _tokens(frame: str) -> tuple[int | str, ...]:
             raise ValueError(f"{name!r} is not a field; known are {', '.join(_FIELDS)}")
         found.append(int(digits, 16) if digits else name or "")
         at = match.end()
-    if not 0 < len(found) <= _LONGEST:
-        raise ValueError(f"a frame has 1 to {_LONGEST} bytes")
+    if not 0 < len(found) <= _MAX_BYTES:
+        raise ValueError(f"a frame has 1 to {_MAX_BYTES} bytes")
     return tuple(found)
 
 

@@ -20,7 +20,7 @@ _NDEF_APPLICATION: Final = bytes.fromhex("D2760000850101")
 _CONTAINER: Final = 0xE103
 _PAGE: Final = 4
 _FIRST_PAGE: Final = 4
-_LONGEST_SHORT: Final = 0xFE
+_MAX_SHORT: Final = 0xFE
 _MAGIC: Final = 0xE1
 _NULL, _MESSAGE, _END = 0x00, 0x03, 0xFE
 
@@ -142,7 +142,7 @@ class _Type2Memory:
         area = bytearray(self._read_area())
         start = self._find(bytes(area)).start
         _check_room(len(message), self._room(start), is_writable=self._is_writable)
-        is_short = len(message) <= _LONGEST_SHORT
+        is_short = len(message) <= _MAX_SHORT
         length = bytes([len(message)]) if is_short else b"\xff" + len(message).to_bytes(2, "big")
         whole = bytes([_MESSAGE]) + length + message
         if start + len(whole) < self._size:
@@ -159,7 +159,7 @@ class _Type2Memory:
     def _room(self, start: int) -> int:
         """Return the longest message at *start*: above 254 bytes, its length takes two more bytes."""
         left = self._size - start
-        return max(0, left - 2 if left - 2 <= _LONGEST_SHORT else left - 4)
+        return max(0, left - 2 if left - 2 <= _MAX_SHORT else left - 4)
 
     def _read_area(self) -> bytes:
         """Return the data area."""

@@ -20,7 +20,7 @@ __all__ = ["HandleMessages"]
 
 HandleT = TypeVar("HandleT", bound=Handle)
 
-_MOST: Final = 1000
+_MAX_QUEUED: Final = 1000
 """Messages queued for a slow reader; the oldest is dropped and counted."""
 
 
@@ -99,7 +99,7 @@ class HandleMessages(Generic[HandleT]):
     def _add(self, device_id: str, message: RawMessage) -> None:
         for handle in self._handles.get(device_id, {}).values():
             if _is_newest(handle, message):
-                if len(self._waiting) >= _MOST:
+                if len(self._waiting) >= _MAX_QUEUED:
                     self._waiting.popleft()
                     self.lost += 1
                 self._waiting.append((handle, message))

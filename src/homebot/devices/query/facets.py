@@ -85,7 +85,7 @@ def facets_of(device: Device) -> Facets:
     return Facets(
         id=device.id,
         name=fold(device.name),
-        kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
+        kinds=_one_of_kinds(kinds) if len(kinds) <= _MAX_SHARED else kinds,
         advertised=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
         possible_types=possible_types and _shared(possible_types),
         capabilities=capabilities,
@@ -150,7 +150,7 @@ def _sets_of(device: Device) -> tuple[list[frozenset[str]], Mapping[str, frozens
             gateways.add(route.gateway)
             conventions.add(route.convention)
     found = map(frozenset, (capabilities, settable, gateways, conventions, categories))
-    return [*map(_one_of, found)] if len(capabilities) <= _FEW else [*found], named_parts
+    return [*map(_one_of, found)] if len(capabilities) <= _MAX_SHARED else [*found], named_parts
 
 
 def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue, str], ...]:
@@ -164,12 +164,12 @@ def _is_named_like_another_type(name: str, service_type: str) -> bool:
     return bool(meant) and service_type not in meant
 
 
-_FEW = 8
+_MAX_SHARED = 8
 """The largest set that similar devices share: each set takes 200 bytes."""
 
 
 def _shared(found: frozenset[str]) -> frozenset[str]:
-    return _one_of(found) if len(found) <= _FEW else found
+    return _one_of(found) if len(found) <= _MAX_SHARED else found
 
 
 @lru_cache(maxsize=1024)

@@ -17,7 +17,7 @@ from homebot.support.numbers import to_number
 
 _UNKNOWN: Final = frozenset({"none", "null", "unknown", "unavailable"})
 
-_LONGEST_UNKNOWN: Final = 40
+_MAX_UNKNOWN: Final = 40
 
 OPENING_WORDS: Final = ("movement", "valve")
 
@@ -29,7 +29,7 @@ Decoded: TypeAlias = Mapping[str, PlainValue]
 
 _NOTHING: Decoded = MappingProxyType({})
 
-_LONGEST = 255
+_MAX_BYTES = 255
 """The longest free text, in bytes."""
 
 
@@ -142,7 +142,7 @@ class TextDecoder:
         return {name: value, **{other: implied for other, implied in _implied(name, value) if other in self._names}}
 
     def _any_text(self, text: bytes) -> Decoded:
-        if not 0 < len(text) <= _LONGEST:
+        if not 0 < len(text) <= _MAX_BYTES:
             return _NOTHING
         try:
             return {self._text_capability: text.decode()}
@@ -169,7 +169,7 @@ def bounds_of(capability: Capability) -> tuple[float, float]:
 
 def means_unknown(text: str | bytes) -> bool:
     """Return whether *text*, in place of a number, means that it is unknown: NaN and the like, or a word."""
-    if len(text) > _LONGEST_UNKNOWN:
+    if len(text) > _MAX_UNKNOWN:
         return False
     try:
         return not math.isfinite(float(text))

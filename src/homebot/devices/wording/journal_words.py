@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Chain: TypeAlias = "list[JournalEntry]"
 """The entries of a command, oldest first, or the single entry of a change."""
 
-_LONGEST = 900.0
+_MAX_WAIT_S = 900.0
 """Seconds after which a command has an outcome, unless it has a very long transition."""
 
 _UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
@@ -298,7 +298,7 @@ def result_text(chain: Chain, now: float) -> str:
         return entry_text(would[-1], {})
     if any(one.kind == "published" for one in chain):
         return _report_text([one for one in chain if one.kind == "reported"])
-    if now - to_seconds(chain[0].at) > _LONGEST:
+    if now - to_seconds(chain[0].at) > _MAX_WAIT_S:
         return "its outcome is not known: homebot stopped before it was"
     return "its outcome is not known yet"
 

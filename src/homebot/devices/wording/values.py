@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PlainValue: TypeAlias = "bool | float | str | list[float] | tuple[float, ...] | None"
 
-_MOST = 4
+_MAX_SHOWN = 4
 _DIGITS, _LARGE = 2, 10
 """Decimal places of a number, and from where on it has only one of them."""
 
@@ -34,7 +34,7 @@ def state_text(device: Device) -> str:
                 shown.append(value_text(capability.name, value, capability.unit, step_of(capability)))
     if not shown:
         return "" if reports_nothing else "unknown"
-    return ", ".join(shown[:_MOST]) + (", …" if len(shown) > _MOST else "")
+    return ", ".join(shown[:_MAX_SHOWN]) + (", …" if len(shown) > _MAX_SHOWN else "")
 
 
 def life(device: Device) -> str:

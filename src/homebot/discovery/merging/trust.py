@@ -100,7 +100,7 @@ WINDOW = 15.0
 """Seconds within which both must report a change, as some endpoints are polled every ten seconds; also the least time
 between changes that count."""
 
-_MOST = 32
+_MAX_WAITING = 32
 """Most changes that wait for another endpoint; then the oldest counts as missed."""
 
 Change: TypeAlias = tuple[int, str, PlainValue]
@@ -173,7 +173,7 @@ class Agreement:
 
     def _begin(self, change: Change, now: float, waiting: frozenset[EndpointKey]) -> _Reported:
         reported = self._lately[change] = _Reported(now, waiting)
-        if len(self._lately) > _MOST:
+        if len(self._lately) > _MAX_WAITING:
             self._close(self._lately.popitem(last=False)[1])
         return reported
 

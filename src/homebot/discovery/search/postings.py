@@ -45,7 +45,7 @@ _Key: TypeAlias = tuple[object, ...]
 _NONE: frozenset[str] = frozenset()
 _DISPUTED = ("disputed", True)
 _UNAPPROVED = ("unapproved", True)
-_FEW = 200
+_MAX_CHECKED_DEVICES = 200
 """Number of devices below which it is faster to check each than to go through all values of a capability."""
 
 
@@ -186,7 +186,7 @@ class Postings:
         return frozenset(self._posted) if found is None else found
 
     def _of_value(self, devices: Found, term: StateIs) -> Found:
-        if len(devices) > _FEW or term.part:
+        if len(devices) > _MAX_CHECKED_DEVICES or term.part:
             return devices & self._by_value(term)
         return {device for device in devices if self.value(device, term) is not None}
 

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, get_args
 from homebot.config import Language, Urgency
 from homebot.devices.device import Device, DevicePart, State, target_of
 from homebot.devices.device_types import spoken_type
-from homebot.devices.findings import MOST_SHOWN, DeviceCheck, Finding, FindingKind, ShownUrgency
+from homebot.devices.findings import MAX_SHOWN, DeviceCheck, Finding, FindingKind, ShownUrgency
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, compares, fits
 from homebot.devices.query.terms import And, GatewayIs, Not, Query, StateIs, leaves
@@ -268,7 +268,7 @@ def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
         rows[alert.kind.finding].append(row)
         urgencies[alert.kind.finding] = alert.kind.shown_urgency
     return tuple(
-        kind.finding(some[:MOST_SHOWN], total=len(some)).model_copy(update={"urgency": urgencies[kind]})
+        kind.finding(some[:MAX_SHOWN], total=len(some)).model_copy(update={"urgency": urgencies[kind]})
         for kind, some in rows.items()
         if some
     )

@@ -49,7 +49,7 @@ from homebot.support.bounded_map import BoundedMap
 from homebot.units import DURATION
 from homebot.words.vocabulary import HOUSEHOLD
 
-MOST_INCIDENTS: Final = 100
+MAX_INCIDENTS: Final = 100
 """The limit of those that last, the worst first, and of all others; of more alerts people are not told."""
 
 _GATHER, _AGAIN, _LONGEST_PAUSE = 0.5, 60.0, 3600.0
@@ -61,7 +61,7 @@ _CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
 _REPEATED: Final = (300.0, 3600.0)
 """Seconds until what is urgent is told again, unless seen: at first, and at most, as each pause is twice the last."""
 
-_MOST_ALONE: Final = 8
+_MAX_ALONE: Final = 8
 """The limit of urgent messages at a time; the last one tells the rest."""
 
 _DAILY_HOUR: Final = 10
@@ -72,8 +72,8 @@ _WHILE_AWAY: Final = 60.0
 
 _AT_HOME: Final = "at_home"
 
-_MOST_LINES: Final = 10
-_MOST_ASKED: Final = 100
+_MAX_LINES: Final = 10
+_MAX_ASKED: Final = 100
 
 
 class AlertsSettings(AppSettings):
@@ -162,9 +162,9 @@ def update_incidents(
         for key, one in before.items()
     }
     found = {key: one for key, one in known_now.items() if _is_remembered(one, now)}
-    for key, alert in list(alerts.items())[:MOST_INCIDENTS]:
+    for key, alert in list(alerts.items())[:MAX_INCIDENTS]:
         found[key] = found.pop(key, Incident(0.0)).lasting(alert, now, language)
-    return dict(list(found.items())[-2 * MOST_INCIDENTS :])
+    return dict(list(found.items())[-2 * MAX_INCIDENTS :])
 
 
 def _ended(incident: Incident, now: float) -> Incident:
@@ -198,7 +198,7 @@ class Alerts(App[AlertsSettings]):
             on_state = partial(self._on_gateway, gateway)
             node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
         node.create_service(Trigger, SEE_ALERTS.name, self._on_seen)
-        self._asked = BoundedMap[str, None](_MOST_ASKED)
+        self._asked = BoundedMap[str, None](_MAX_ASKED)
         node.create_subscription(OpenQuestions, OPEN_QUESTIONS, self._on_questions, qos_profile_latched)
         while True:
             await anyio.sleep(_GATHER)
@@ -268,7 +268,7 @@ class Alerts(App[AlertsSettings]):
             ("Over", [key for key in due if self._incidents[key].over_at]),
         ):
             alone = [key for key in keys if _kind_of(key).urgency == "high"]
-            groups = [[key] for key in alone[: _MOST_ALONE - 1]] + [alone[_MOST_ALONE - 1 :]]
+            groups = [[key] for key in alone[: _MAX_ALONE - 1]] + [alone[_MAX_ALONE - 1 :]]
             rest = [key for key in keys if key not in alone]
             kinds = dict.fromkeys(map(_kind_of, rest))
             groups += [[key for key in rest if _kind_of(key) is kind] for kind in kinds]
@@ -301,8 +301,8 @@ class Alerts(App[AlertsSettings]):
         """Tell people the news about *keys*; return False if that failed, to be tried again."""
         language, kind = self.settings.language, _kind_of(keys[0])
         texts = [one.end_text if one.over_at else one.text for one in map(self._incidents.__getitem__, keys)]
-        more = [say("… and {count} more", language, count=str(len(texts) - _MOST_LINES))]
-        text = "\n".join(texts[:_MOST_LINES] + (more if len(texts) > _MOST_LINES else []))
+        more = [say("… and {count} more", language, count=str(len(texts) - _MAX_LINES))]
+        text = "\n".join(texts[:_MAX_LINES] + (more if len(texts) > _MAX_LINES else []))
         sent = await self.context.notify(text, say(title, language), self.node.name, kind.urgency, kind.key)
         if not sent and self.context.notifies:
             return False

@@ -8,7 +8,7 @@ from homebot.errors import UsageError
 from homebot.features.bags.bag_topic import BagMessage
 from homebot.features.bags.bag_writer import BagWriter
 
-_MOST_BYTES: Final = 64 * 1024 * 1024
+_MAX_BYTES: Final = 64 * 1024 * 1024
 _EACH: Final = 200
 """Bytes that a waiting message takes beside its own."""
 
@@ -27,7 +27,7 @@ class BagThread:
         error: The error of the disk; None without one.
     """
 
-    def __init__(self, writer: BagWriter, most_bytes: int = _MOST_BYTES) -> None:
+    def __init__(self, writer: BagWriter, most_bytes: int = _MAX_BYTES) -> None:
         self.dropped = 0
         self.error: UsageError | None = None
         self._writer, self._most = writer, most_bytes

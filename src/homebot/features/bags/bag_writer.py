@@ -13,7 +13,7 @@ import yaml
 from homebot.errors import UsageError
 from homebot.features.bags.bag_topic import BagMessage
 from homebot.features.bags.mcap_file import CHUNK, McapWriter
-from homebot.support.new_file import create_file, told_if_not_created
+from homebot.support.new_file import create_file, explain_create_error
 
 _FLUSHED_EVERY: Final = 10_000_000_000
 """Nanoseconds of messages that a power cut may cost."""
@@ -43,7 +43,7 @@ class BagWriter:
         self._flushed_at = 0
         self._is_folder = path.suffix != ".mcap"
         if self._is_folder:
-            with told_if_not_created(path):
+            with explain_create_error(path):
                 path.mkdir(mode=0o700)
         elif max_size or max_duration:
             raise UsageError(f"{path} is one file; name a folder, without .mcap, for files of limited size or duration")

@@ -15,7 +15,7 @@ from homebot.devices.wording.journal_words import issuer_text
 from homebot.errors import HomebotError
 from homebot.features.goals import ACHIEVE, ACHIEVE_WORDS, CUT_OFF_GOALS
 from homebot.features.goals.achievement import Achievement
-from homebot.features.goals.house_now import HouseReader
+from homebot.features.goals.house_snapshot import HouseReader
 from homebot.features.goals.messages import (
     Achieve,
     AchieveFeedback,
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 CUT_OFF = "goals.cut_off"
 
-_MOST_DEVICES: Final = 200
-_LONGEST: Final = 500
+_MAX_DEVICES: Final = 200
+_MAX_CHARACTERS: Final = 500
 
 _Goal: TypeAlias = ServerGoal[AchieveGoal, AchieveResult, AchieveFeedback]
 
@@ -153,12 +153,12 @@ class AchieveServer:
 
     async def _keep(self, run: str, achievement: Achievement, issuer: str) -> None:
         before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
-        done = [f"after {one.text}: {one.outcome[:_LONGEST]}" for one in achievement.steps if one.outcome]
+        done = [f"after {one.text}: {one.outcome[:_MAX_CHARACTERS]}" for one in achievement.steps if one.outcome]
         self._kept[run] = {
             "goal": self._under_way[achievement],
             "issuer": issuer,
             "how_far": done[-1] if done else before["how_far"],
-            "devices": sorted(achievement.devices.union(before["devices"]))[:_MOST_DEVICES],
+            "devices": sorted(achievement.devices.union(before["devices"]))[:_MAX_DEVICES],
         }
         await self._flush()
 

@@ -14,13 +14,13 @@ from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.trigger import Trigger
 from homebot.errors import GoalAbortedError, HomebotError
-from homebot.features.goals.house_now import Assumed, HouseNow, HouseReader
-from homebot.features.goals.meanings import UnderstoodGoal, understood
+from homebot.features.goals.house_snapshot import Assumed, HouseReader, HouseSnapshot
+from homebot.features.goals.meanings import ParsedGoal, parse_goal
 from homebot.features.goals.messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
 from homebot.features.goals.obstacles import why_not
 from homebot.features.goals.operators import GoalProblem, Operator, PlanStep
 from homebot.features.goals.planner import find_plan
-from homebot.features.goals.problem_builder import Asker, Preview, build_problem
+from homebot.features.goals.problem_builder import GoalClient, Preview, build_problem
 from homebot.messages import Time
 from homebot.robots.drive import drive
 from homebot.words.steps import SendRobot
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
     from homebot.graph import Client
 
-_MOST_PLANS: Final = 4
+_MAX_PLANS: Final = 4
 """The first plan, and three more."""
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 _LOOK: Final = 1.0
 """Seconds after which the facts that a step needs are read again, such as the doors on a robot's way."""
 
@@ -73,9 +73,9 @@ class Achievement:
         self._fight, self._on_plan, self._record = fight, on_plan, record
         now = Time.from_seconds(self._node.graph.clock.now())
         self._trigger = Trigger(kind="goal", id=f"goal-{run}", text=request.goal[:200], at=now)
-        self._goal = UnderstoodGoal()
+        self._goal = ParsedGoal()
         self._blocked: dict[tuple[str, str], str] = {}
-        self._asker = Asker(request.issuer, request.scope, preview, self._blocked)
+        self._asker = GoalClient(request.issuer, request.scope, preview, self._blocked)
         self._assumed: Assumed = {}
         self._unseen: set[str] = set()
         self._tried: list[str] = []
@@ -88,10 +88,10 @@ class Achievement:
         """Reach the goal, or return the obstacle.
 
         Raises:
-            HomebotError: The goal is not understood, or the house cannot be read.
+            HomebotError: The goal is not parse_goal, or the house cannot be read.
         """
-        self._goal = await understood(self._request.goal, self._reader)
-        for _ in range(_MOST_PLANS):
+        self._goal = await parse_goal(self._request.goal, self._reader)
+        for _ in range(_MAX_PLANS):
             problem = build_problem(self._goal, await self._house(), self._unseen, self._asker)
             operators = await find_plan(problem)
             if operators is None or (problem.missing and not operators):
@@ -103,7 +103,7 @@ class Achievement:
                 return self._answer(f"has to wait: {against}")
             if (reached := await self._carry_out(moves)) is not None:
                 return reached
-        return self._answer(f"is not reached after {_MOST_PLANS} plans; the last one failed: {self._tried[-1]}")
+        return self._answer(f"is not reached after {_MAX_PLANS} plans; the last one failed: {self._tried[-1]}")
 
     @property
     def devices(self) -> set[str]:
@@ -141,10 +141,10 @@ class Achievement:
         wanted = kept.goal.keys() | frozenset[str]().union(*(one.needs for one in own))
         return next((repr(one) for one in sorted(wanted & lost)), "")
 
-    async def _house(self) -> HouseNow:
+    async def _house(self) -> HouseSnapshot:
         return await self._reader.read([(one.robot, one.room) for one in self._goal.drives], self._assumed)
 
-    def _facts(self, house: HouseNow) -> GoalProblem:
+    def _facts(self, house: HouseSnapshot) -> GoalProblem:
         return build_problem(self._goal, house, self._unseen)
 
     async def _left(self) -> str:
@@ -223,7 +223,7 @@ class Achievement:
             if step.kind == "scene":
                 with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
                     asked = ApplySceneRequest(name=step.place, issuer=issuer, scope=scope, trigger=self._trigger)
-                    answer = await client.call(asked, timeout=_LONGEST, cancel_with_caller=True)
+                    answer = await client.call(asked, timeout=_MAX_WAIT_S, cancel_with_caller=True)
                 return answer.message or _DONE, answer.success
             ((device, part, settings),) = step.parts
             request = CommandRequest(
@@ -236,7 +236,7 @@ class Achievement:
                 cause=self._trigger.id,
                 trigger=self._trigger,
             )
-            outcome = await self._commands.call(request, timeout=_LONGEST, cancel_with_caller=True)
+            outcome = await self._commands.call(request, timeout=_MAX_WAIT_S, cancel_with_caller=True)
         except HomebotError as exc:
             return str(exc), False
         return outcome.text, outcome.succeeded

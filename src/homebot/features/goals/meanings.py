@@ -8,17 +8,24 @@ from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.command_messages import CommandDevicesRequest
-from homebot.devices.obedience import fits as obeys
 from homebot.devices.places_messages import DoorInfo
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, InArea, Query, StateIs, type_is
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import fits as obeys
 from homebot.errors import RefusedError, UsageError
-from homebot.features.goals.house_now import HouseReader
+from homebot.features.goals.house_snapshot import HouseReader
 from homebot.support.folding import fold
 from homebot.words.suitable_parts import part_name, settings_by_part
-from homebot.words.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
+from homebot.words.wishes import (
+    GoalCondition,
+    RobotCondition,
+    RoomCondition,
+    SceneCondition,
+    StateCondition,
+    read_wishes,
+)
 
 _LEAVING: Final[Mapping[PlainValue, StateIs]] = {
     "closing": StateIs("movement", "=", "open"),
@@ -28,7 +35,7 @@ _LEAVING: Final[Mapping[PlainValue, StateIs]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Meant:
+class GoalPart:
     """A part that a wish is about.
 
     Attributes:
@@ -66,7 +73,7 @@ class Meant:
 
 
 @dataclass(frozen=True, slots=True)
-class UnderstoodGoal:
+class ParsedGoal:
     """The meaning of a goal.
 
     Attributes:
@@ -74,36 +81,36 @@ class UnderstoodGoal:
         scenes: The scenes of the house.
     """
 
-    wishes: tuple[tuple[Wish, tuple[Meant, ...]], ...] = ()
+    wishes: tuple[tuple[GoalCondition, tuple[GoalPart, ...]], ...] = ()
     scenes: tuple[SceneInfo, ...] = ()
 
     @property
-    def drives(self) -> list[RobotWish]:
+    def drives(self) -> list[RobotCondition]:
         """The wishes for robots."""
-        return [one for one, _ in self.wishes if isinstance(one, RobotWish)]
+        return [one for one, _ in self.wishes if isinstance(one, RobotCondition)]
 
 
-async def understood(text: str, reader: HouseReader) -> UnderstoodGoal:
+async def parse_goal(text: str, reader: HouseReader) -> ParsedGoal:
     """Return what the goal *text* means.
 
     Raises:
-        UsageError: A wish is not understood, or nothing fits it.
+        UsageError: A wish is not parse_goal, or nothing fits it.
         ServiceError: The directory does not answer.
     """
     scenes, doors = await reader.scenes(), (await reader.places()).doors
     meanings = _Meanings(reader)
-    found: list[tuple[Wish, tuple[Meant, ...]]] = []
+    found: list[tuple[GoalCondition, tuple[GoalPart, ...]]] = []
     for wish in read_wishes(text, await reader.names(scenes)):
         match wish:
-            case StateWish():
+            case StateCondition():
                 found.append((wish, await meanings.of_state(wish, doors)))
-            case RoomWish():
+            case RoomCondition():
                 found.append((wish, await meanings.of_room(wish)))
-            case SceneWish():
+            case SceneCondition():
                 found.append((wish, _of_scene(next(one for one in scenes if one.name == wish.scene))))
-            case RobotWish():
+            case RobotCondition():
                 found.append((wish, ()))
-    return UnderstoodGoal(tuple(found), scenes)
+    return ParsedGoal(tuple(found), scenes)
 
 
 @final
@@ -112,7 +119,7 @@ class _Meanings:
         self._lookup = reader.lookup
         self._targets = CommandTargets(reader.node, reader.lookup, lambda *_: "")
 
-    async def of_state(self, wish: StateWish, doors: Sequence[DoorInfo]) -> tuple[Meant, ...]:
+    async def of_state(self, wish: StateCondition, doors: Sequence[DoorInfo]) -> tuple[GoalPart, ...]:
         """Return the parts that *wish* is about.
 
         Raises:
@@ -127,7 +134,7 @@ class _Meanings:
             found = await self._targets.find(request)
         except (NoTargetError, UsageError) as exc:
             raise UsageError(f"{wish.text}: {exc}") from None
-        meant, problem = list[Meant](), "nothing takes it"
+        meant, problem = list[GoalPart](), "nothing takes it"
         for one in found:
             try:
                 meant += _meant(request, one, wish.states)
@@ -137,7 +144,7 @@ class _Meanings:
             raise UsageError(f"{wish.text}: {problem}")
         return tuple(meant)
 
-    async def of_room(self, wish: RoomWish) -> tuple[Meant, ...]:
+    async def of_room(self, wish: RoomCondition) -> tuple[GoalPart, ...]:
         """Return the lamps of an area.
 
         Raises:
@@ -148,7 +155,7 @@ class _Meanings:
         query = And((lights, InArea(fold(wish.area)))) if wish.area else lights
         state = StateIs("on_off", "=", wish.is_lit)
         found = tuple(
-            Meant(one.id, part.id, part_name(one, part), settings, (state,))
+            GoalPart(one.id, part.id, part_name(one, part), settings, (state,))
             for one in await self._lookup.devices(query)
             for part in one.parts
             if fits(lights, PartFacets(one, part)) and (settings := _switched(part, is_on=wish.is_lit)) is not None
@@ -165,7 +172,7 @@ def _door_device(door: DoorInfo, command: str) -> str:
     return door.lock if "lock" in command.casefold() else door.contact
 
 
-def _of_scene(scene: SceneInfo) -> tuple[Meant, ...]:
+def _of_scene(scene: SceneInfo) -> tuple[GoalPart, ...]:
     """Return the parts of *scene*; none for a native one that does not tell their values.
 
     Raises:
@@ -176,7 +183,7 @@ def _of_scene(scene: SceneInfo) -> tuple[Meant, ...]:
     if not all(one.settings for one in scene.parts):
         return ()
     return tuple(
-        Meant(
+        GoalPart(
             one.device,
             one.part,
             one.name,
@@ -187,7 +194,7 @@ def _of_scene(scene: SceneInfo) -> tuple[Meant, ...]:
     )
 
 
-def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs, ...]) -> Iterator[Meant]:
+def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs, ...]) -> Iterator[GoalPart]:
     """Yield the parts of a device that take the command; if none does, those that report such a state."""
     device, parts = target
     refused: RefusedError | None = None
@@ -197,7 +204,7 @@ def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs
             refused = parsed
         elif MOMENTARY.isdisjoint(parsed):
             is_taken = True
-            yield Meant(device.id, part.id, part_name(device, part), parsed, states)
+            yield GoalPart(device.id, part.id, part_name(device, part), parsed, states)
     if is_taken:
         return
     told = {one.capability for one in states}
@@ -205,7 +212,7 @@ def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs
     if not telling:
         raise refused or RefusedError(request.command, "it is done once, and does not last")
     for part in telling:
-        yield Meant(device.id, part.id, part_name(device, part), {}, states)
+        yield GoalPart(device.id, part.id, part_name(device, part), {}, states)
 
 
 def _switched(part: DevicePart, *, is_on: bool) -> dict[str, PlainValue] | None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from homebot.features.goals.operators import GoalProblem, Operator, reachable
 
-_MOST_NAMED = 3
+_MAX_NAMED = 3
 
 
 def why_not(problem: GoalProblem) -> str:
@@ -23,8 +23,8 @@ def why_not(problem: GoalProblem) -> str:
     reasons = [_refusal(problem, one) for one in blocked if one.needs <= with_all and not one.gives <= known]
     hopeless = [problem.contrary[one] for one in missing if one not in with_all]
     if hopeless:
-        return f"{'; '.join(hopeless[:_MOST_NAMED])}, and nothing here can change that"
-    return "; ".join(dict.fromkeys(reasons[:_MOST_NAMED]))
+        return f"{'; '.join(hopeless[:_MAX_NAMED])}, and nothing here can change that"
+    return "; ".join(dict.fromkeys(reasons[:_MAX_NAMED]))
 
 
 def _at_odds(problem: GoalProblem, operators: list[Operator]) -> Iterable[str]:

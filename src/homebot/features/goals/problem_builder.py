@@ -16,14 +16,14 @@ from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import target_of
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
-from homebot.features.goals.house_now import OPENINGS, HouseNow
-from homebot.features.goals.meanings import Meant, UnderstoodGoal
+from homebot.features.goals.house_snapshot import OPENINGS, HouseSnapshot
+from homebot.features.goals.meanings import GoalPart, ParsedGoal
 from homebot.features.goals.operators import GoalProblem, Operator, PartSettings, PlanStep, Settings
 from homebot.places.plan import OUTSIDE
 from homebot.support.folding import fold
 from homebot.words.rights import read_scope
 from homebot.words.suitable_parts import part_name
-from homebot.words.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
+from homebot.words.wishes import DOCK, GoalCondition, RobotCondition, RoomCondition, SceneCondition
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Refused
@@ -49,12 +49,12 @@ _DEEDS: Final[Mapping[str, Mapping[PlainValue, str]]] = {
 """Steps in words, by capability and value; others say the value."""
 
 _OF_DOORS: Final = ("lock", "movement", "position")
-_LEAST: Final = 2
+_MIN_PARTS: Final = 2
 """Parts from which on a scene is used that the goal does not name."""
 
 
 @dataclass(frozen=True, slots=True)
-class Asker:
+class GoalClient:
     """The client of a goal; ``preview`` says what it may not do now, ``blocked`` what has failed."""
 
     issuer: str
@@ -64,7 +64,7 @@ class Asker:
 
 
 def build_problem(
-    goal: UnderstoodGoal, house: HouseNow, unseen: Iterable[str], asker: Asker | None = None
+    goal: ParsedGoal, house: HouseSnapshot, unseen: Iterable[str], asker: GoalClient | None = None
 ) -> GoalProblem:
     """Return the problem; without *asker* only its facts, which takes less time.
 
@@ -74,7 +74,7 @@ def build_problem(
     facts = _FactBuilder(house)
     for wish, meant in goal.wishes:
         facts.add_parts(wish, meant)
-    named = {one.scene for one, _ in goal.wishes if isinstance(one, SceneWish)}
+    named = {one.scene for one, _ in goal.wishes if isinstance(one, SceneCondition)}
     for scene in goal.scenes:
         if scene.name in named and not _parts_of(scene):
             facts.add_applied(scene)
@@ -107,19 +107,19 @@ class _FactBuilder:
         excluded: For each robot the facts that it is not in a room, with that.
     """
 
-    def __init__(self, house: HouseNow) -> None:
+    def __init__(self, house: HouseSnapshot) -> None:
         self.problem, self.house = GoalProblem(), house
         self.tests: dict[str, _Facts] = {}
-        self.wished: dict[tuple[str, str], list[Meant]] = {}
+        self.wished: dict[tuple[str, str], list[GoalPart]] = {}
         self.follows: dict[str, str] = {}
         self.unlocked: dict[str, str] = {}
         self.closed: dict[str, str] = {}
         self.of_doors: set[str] = set()
         self.excluded: dict[str, dict[str, str]] = {}
 
-    def add_parts(self, wish: Wish, meant: Iterable[Meant]) -> None:
+    def add_parts(self, wish: GoalCondition, meant: Iterable[GoalPart]) -> None:
         """Add the facts that the wish is about."""
-        is_any = isinstance(wish, RoomWish) and wish.is_lit
+        is_any = isinstance(wish, RoomCondition) and wish.is_lit
         for one in meant:
             device, fact = self.house.devices.get(one.device), f"{one.name}: {wish.text}"
             self.wished.setdefault((one.device, one.part), []).append(one)
@@ -161,7 +161,7 @@ class _FactBuilder:
         self.problem.goal[fact] = None
         self.problem.contrary[fact] = f"what scene {scene.name} does is known only to its bridge"
 
-    def add_robot(self, wish: RobotWish) -> None:
+    def add_robot(self, wish: RobotCondition) -> None:
         """Add the room of a robot."""
         room, wished = self.house.robots.get(wish.robot, ""), _wished_room(wish)
         self.problem.goal[wished] = None
@@ -183,7 +183,7 @@ class _FactBuilder:
 
 @final
 class _StepBuilder:
-    def __init__(self, known: _FactBuilder, asker: Asker) -> None:
+    def __init__(self, known: _FactBuilder, asker: GoalClient) -> None:
         self._known, self._house, self._asker = known, known.house, asker
         self._rights = read_scope(asker.scope) if asker.scope else LOCAL_RIGHTS
 
@@ -197,7 +197,7 @@ class _StepBuilder:
     def add_scene(self, scene: SceneInfo, *, is_named: bool) -> None:
         """Add a scene, if the goal names it, or wishes all that it does."""
         parts = _parts_of(scene)
-        if not (is_named or (len(parts) >= _LEAST and all(map(self._is_wished, parts)))):
+        if not (is_named or (len(parts) >= _MIN_PARTS and all(map(self._is_wished, parts)))):
             return
         asks = next((one.asks for one in scene.parts if one.asks), "") or next(filter(None, map(self._asks, parts)), "")
         step = PlanStep("scene", f"apply scene {scene.name}", scene.id, parts, asks)
@@ -207,7 +207,7 @@ class _StepBuilder:
         why = self._blocked(step) or next(filter(None, refusals), "")
         self._known.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
 
-    def add_drives(self, wish: RobotWish) -> None:
+    def add_drives(self, wish: RobotCondition) -> None:
         """Add the ways of a robot."""
         robot, wished = wish.robot, _wished_room(wish)
         at, device = _at(robot, self._house.robots.get(robot, "")), self._house.called(robot)
@@ -348,7 +348,7 @@ def _value(device: Device, capability: str) -> PlainValue:
     return None if newest is None else newest.value.plain()
 
 
-def _told(device: Device, meant: Meant) -> str:
+def _told(device: Device, meant: GoalPart) -> str:
     known = [one for one in device.states if one.part == meant.part and one.capability in meant.capabilities]
     return ", ".join(value_text(one.capability, one.value.plain()) for one in known) or "in an unknown state"
 
@@ -357,5 +357,5 @@ def _at(robot: str, room: str) -> str:
     return f"{robot} is in {'its dock' if room == DOCK else room}"
 
 
-def _wished_room(wish: RobotWish) -> str:
+def _wished_room(wish: RobotCondition) -> str:
     return f"{wish.robot} is not in {wish.room}" if wish.is_not else _at(wish.robot, wish.room)

@@ -31,22 +31,22 @@ It reads the history and the journal; it changes nothing and sends nothing. `acc
 `manage`.
 """
 
-_LONGEST: Final = 120.0
-_MOST_DAYS: Final = 60
+_MAX_WAIT_S: Final = 120.0
+_MAX_DAYS: Final = 60
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _suggest, _EXAMPLES)
     parser.add_argument("decision", metavar="accept|reject", nargs="?", choices=("accept", "reject"), help="what to do")
     parser.add_argument("number", metavar="N", nargs="?", type=int, help="the number of a proposal")
-    days = partial(whole, most=_MOST_DAYS)
-    parser.add_argument("--days", type=days, default=28, metavar="N", help=f"1 to {_MOST_DAYS}; default: 28")
+    days = partial(whole, most=_MAX_DAYS)
+    parser.add_argument("--days", type=days, default=28, metavar="N", help=f"1 to {_MAX_DAYS}; default: 28")
     parser.add_argument("--each", action="store_true", help="print each occasion")
     parser.add_argument("--json", action="store_true", help="print a JSON list")
 
 
 def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
-    fields = door.call(SUGGEST_HABITS.name, {"days": options.days}, timeout=_LONGEST)
+    fields = door.call(SUGGEST_HABITS.name, {"days": options.days}, timeout=_MAX_WAIT_S)
     answer = cast("SuggestHabitsResponse", JsonMessage(fields))
     if not answer.success:
         raise PeerError(printable(answer.message, 2000))
@@ -88,7 +88,7 @@ def _decide(door: DoorClient, options: argparse.Namespace, answer: SuggestHabits
     if options.number is None or not 1 <= options.number <= count:
         raise UsageError(f"say which: a number from 1 to {count}" if count else "there is nothing to propose")
     request = {"id": answer.proposals[options.number - 1].id, "accept": options.decision == "accept"}
-    decided = door.call(DECIDE_HABIT.name, request, timeout=_LONGEST)
+    decided = door.call(DECIDE_HABIT.name, request, timeout=_MAX_WAIT_S)
     text = printable(str(decided["message"]), 2000)
     if not decided["success"]:
         raise PeerError(text)

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Final, final
 
 DAY: Final = 86_400.0
-LEAST_DAYS: Final = 5
+MIN_DAYS: Final = 5
 """Days on which people did something, for it to be a habit."""
 
 
@@ -78,9 +78,9 @@ class Days:
         return tuple(sorted({self.midnight(one.at) for one in self.events}))
 
     @cached_property
-    def by_text(self) -> Mapping[str, Happenings]:
+    def by_text(self) -> Mapping[str, EventSeries]:
         """The events of each trigger."""
-        kinds: defaultdict[str, Happenings] = defaultdict(Happenings)
+        kinds: defaultdict[str, EventSeries] = defaultdict(EventSeries)
         for one in self.events:
             kind = kinds[one.text]
             kind.text, kind.device, kind.what, kind.is_press = one.text, one.device, one.what, one.is_press
@@ -111,7 +111,7 @@ class Days:
         """Return the conditions that may narrow what is done with *device*."""
         return {text: one for text, one in self.conditions.items() if device in self.rooms.get(text, {device})}
 
-    def is_so(self, kind: Happenings, at: float) -> bool:
+    def is_so(self, kind: EventSeries, at: float) -> bool:
         """Return whether the place of *kind* had its value already before *at*."""
         times, texts = self._values[kind.device, kind.what]
         place = bisect_left(times, at)
@@ -132,7 +132,7 @@ class Days:
 
 
 @dataclass(slots=True)
-class Happenings:
+class EventSeries:
     """All events with the same text.
 
     Attributes:

@@ -73,14 +73,14 @@ class TriedHabit:
     def precision_range(self) -> tuple[float, float]:
         """The range of that with 90 % certainty."""
         done, of = self._known()
-        return sure_share(done, of), 1.0 - sure_share(of - done, of)
+        return wilson_lower_bound(done, of), 1.0 - wilson_lower_bound(of - done, of)
 
     def _known(self) -> tuple[int, int]:
         done, of = self.found.held_out
         return done + self.done, of + len(self.trial)
 
 
-def sure_share(done: int, of: int) -> float:
+def wilson_lower_bound(done: int, of: int) -> float:
     """Return the share that is at least so with 95 % certainty: the lower bound of E. B. Wilson (1927)."""
     if not of:
         return 0.0
@@ -90,6 +90,6 @@ def sure_share(done: int, of: int) -> float:
     return (share + z2 / (2 * of) - spread) / (1 + z2 / of)
 
 
-def luck(done: int, of: int, chance: float) -> float:
+def p_value(done: int, of: int, chance: float) -> float:
     """Return the probability of at least *done* hits *of* so many tries by *chance* alone."""
     return sum(comb(of, hits) * chance**hits * (1 - chance) ** (of - hits) for hits in range(done, of + 1))

@@ -25,8 +25,8 @@ from homebot.devices.app_messages import (
 )
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
-from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.history_messages import MAX_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
+from homebot.devices.journal_messages import MAX_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
 from homebot.errors import HomebotError, PeerError
 from homebot.features.habits import SUGGEST_HABITS
 from homebot.features.habits.days import DAY
@@ -40,7 +40,7 @@ from homebot.features.habits.messages import (
     SuggestHabitsResponse,
 )
 from homebot.features.habits.proposal import UNDONE, is_same, name_of, proposal_of, undone_commands
-from homebot.features.habits.recorded import MOST_HAPPENINGS, Home, recorded_days
+from homebot.features.habits.recorded import MAX_HAPPENINGS, Home, recorded_days
 from homebot.features.habits.trial import try_habits
 from homebot.features.habits.words import HabitWords
 from homebot.graph import Node
@@ -64,10 +64,10 @@ _REJECTED: Final = "habits/rejected"
 _FRESH: Final = 600.0
 """Seconds for which an answer is given again without a search."""
 
-_MOST_PAGES: Final = 100
+_MAX_PAGES: Final = 100
 """Pages of the journal, of a thousand entries each; older ones are left out."""
 
-_MOST_REJECTED: Final = 300
+_MAX_REJECTED: Final = 300
 _SLICE: Final = 0.05
 """Seconds of a search until it may be cancelled."""
 
@@ -126,7 +126,7 @@ class HabitServices:
             return ChangeRoutineResponse(success=False, message=message)
         if request.accept:
             return await self._follow(found, request.issuer)
-        for oldest in list(self._rejected)[: max(0, len(self._rejected) + 1 - _MOST_REJECTED)]:
+        for oldest in list(self._rejected)[: max(0, len(self._rejected) + 1 - _MAX_REJECTED)]:
             del self._rejected[oldest]
         self._rejected[found.id] = {"when": found.when, "do": found.do}
         await self._write_stores()
@@ -185,7 +185,7 @@ class HabitServices:
                 capability=name,
                 since=Time.from_seconds(since),
                 until=Time.from_seconds(until),
-                points=MOST_POINTS,
+                points=MAX_POINTS,
             )
             answer = await self._history.call(request)
             if not answer.success:
@@ -197,8 +197,8 @@ class HabitServices:
         """Return the entries about persons and commands, oldest first: the newest hundred thousand."""
         pages: list[list[JournalEntry]] = []
         until = Time(sec=0, nanosec=0)
-        for _ in range(_MOST_PAGES):
-            request = ReadJournalRequest(since=Time.from_seconds(since), until=until, limit=MOST_ENTRIES)
+        for _ in range(_MAX_PAGES):
+            request = ReadJournalRequest(since=Time.from_seconds(since), until=until, limit=MAX_ENTRIES)
             page = await self._journal.call(request)
             if not page.success:
                 raise PeerError(page.message)
@@ -243,7 +243,7 @@ def _search(
         watched=tuple(watched),
         searched=len(days.events),
         by_persons=sum(bool(one.step) for one in days.events),
-        left_out=max(0, sum(len(one.words) for one in series) - MOST_HAPPENINGS),
+        left_out=max(0, sum(len(one.words) for one in series) - MAX_HAPPENINGS),
         unnamed=sum(not words.reference(one.id) for one in devices),
     )
     yield from _free(series)

@@ -13,8 +13,8 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.words.routine_text import routine_text
 from homebot.words.times import DaysAndTime, SunMoment
 
-_LONGEST: Final = 100
-_MOST_OCCASIONS: Final = 100
+_MAX_CHARACTERS: Final = 100
+_MAX_OCCASIONS: Final = 100
 _AGAINST: Final = 600.0
 """Seconds in which a person's change of the same value undoes a command."""
 
@@ -33,7 +33,7 @@ class Undone(NamedTuple):
 def name_of(habit: FoundHabit) -> str:
     """Return the name of the routine for *habit*."""
     first, *others = f"{habit.do} {'at' if _is_timed(habit.when) else 'after'} {habit.when}".split('name="')
-    return "".join((first, *(text.replace('"', "", 1) for text in others)))[:_LONGEST]
+    return "".join((first, *(text.replace('"', "", 1) for text in others)))[:_MAX_CHARACTERS]
 
 
 def proposal_of(tried: TriedHabit) -> HabitProposal:
@@ -61,7 +61,7 @@ def proposal_of(tried: TriedHabit) -> HabitProposal:
         trial_done=tried.done,
         trial_total=len(tried.trial),
         recall=round(habit.recall, 3),
-        occasions=tuple(occasions[-_MOST_OCCASIONS:]),
+        occasions=tuple(occasions[-_MAX_OCCASIONS:]),
     )
 
 

@@ -19,10 +19,10 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.value import PlainValue
-from homebot.features.habits.days import DAY, LEAST_DAYS, Days, Happening
+from homebot.features.habits.days import DAY, MIN_DAYS, Days, Happening
 from homebot.features.habits.words import HabitWords, WatchedRoom, rounded
 
-MOST_HAPPENINGS: Final = 200_000
+MAX_HAPPENINGS: Final = 200_000
 """The largest number that is searched, about 40 MB; the newest count."""
 
 _SAME: Final = 30.0
@@ -56,7 +56,7 @@ def recorded_days(
     happenings = _changes(words, series)
     by_persons = (one for one in entries if is_persons(one) and (not one.command or one.command not in refused))
     deeds = [deed for one in by_persons for deed in _deeds(words, one)]
-    known = sorted(_with_deeds(happenings, deeds), key=lambda one: one.at)[-MOST_HAPPENINGS:]
+    known = sorted(_with_deeds(happenings, deeds), key=lambda one: one.at)[-MAX_HAPPENINGS:]
     midnights = _midnights(known[0].at, known[-1].at, home.zone) if known else [0.0]
     rooms = words.rooms()
     conditions = {**dict(_calendar(midnights, home)), **dict(_presence(words, rooms, series))}
@@ -126,7 +126,7 @@ def _calendar(midnights: Sequence[float], home: Home) -> Iterator[tuple[str, Cal
     """Yield the conditions of the days and of the sun; a day of the week only if it came often enough."""
     weekdays = [datetime.fromtimestamp(at + DAY / 2, home.zone).weekday() for at in midnights]
     spans = {"on weekdays": frozenset(range(5)), "on weekends": frozenset({5, 6})}
-    spans |= {f"on {_NAMES[day]}": frozenset({day}) for day in range(7) if weekdays.count(day) >= LEAST_DAYS}
+    spans |= {f"on {_NAMES[day]}": frozenset({day}) for day in range(7) if weekdays.count(day) >= MIN_DAYS}
 
     def is_on(days: frozenset[int], at: float) -> bool:
         return weekdays[_index(midnights, at)] in days

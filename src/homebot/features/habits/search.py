@@ -15,8 +15,8 @@ from itertools import islice
 from statistics import median
 from typing import Final
 
-from homebot.features.habits.days import DAY, LEAST_DAYS, Days, Happenings
-from homebot.features.habits.habit import FoundHabit, Occasion, luck, sure_share
+from homebot.features.habits.days import DAY, MIN_DAYS, Days, EventSeries
+from homebot.features.habits.habit import FoundHabit, Occasion, p_value, wilson_lower_bound
 
 _WITHIN: Final = (60.0, 300.0, 900.0)
 """Seconds within which people act after a trigger."""
@@ -36,36 +36,36 @@ _TOLERANCE: Final = 1200.0
 _ROUND: Final = 300.0
 """Times of day are whole multiples of it."""
 
-_LEAST_OF_DAYS: Final = 0.4
+_MIN_OF_DAYS: Final = 0.4
 """The share of days on which it is done at a time of day: it may be so already on the others."""
 
-_LEAST_PRECISION: Final = 0.7
+_MIN_PRECISION: Final = 0.7
 """On days that were not used to find it: fewer than all, so of 12 days out of 16 they show less."""
 
-_LEAST_SURE: Final = 0.5
-_LEAST_RECENT: Final = 1 / 3
+_MIN_SURE: Final = 0.5
+_MIN_RECENT: Final = 1 / 3
 """In the last days, which are few: what is done in 7 of 10 cases comes in 2 of 5 there by chance."""
 
 _ABOVE_CHANCE: Final = 0.35
-_MOST_LUCK: Final = 0.01
-"""The probability that any proposal of a house without habits is mere luck."""
+_MAX_LUCK: Final = 0.01
+"""The probability that any proposal of a house without habits is mere p_value."""
 
 _RECENT: Final = 7
 _FOLDS: Final = 6
 """The rule of five sixths of the days is mostly that of all; that of two thirds is often none."""
 
-_LEAST_NEW: Final = LEAST_DAYS * (_FOLDS - 1) // _FOLDS
-_SIMPLER: Final = 0.02
-_SOONER: Final = 0.05 / 900
+_MIN_NEW: Final = MIN_DAYS * (_FOLDS - 1) // _FOLDS
+_CONDITION_PENALTY: Final = 0.02
+_LATENCY_PENALTY: Final = 0.05 / 900
 """Per second: of two triggers that are as good, the nearer one is the cause."""
 
-_WORTH_A_LOOK: Final = 0.8 * _LEAST_SURE
+_WORTH_A_LOOK: Final = 0.8 * _MIN_SURE
 """The sure share that scores; what is done less often does not reach it."""
 
-_MOST_TRIGGERS: Final = 12
-_MOST_TIMES: Final = 3
-_MOST_CONDITIONS: Final = 2
-_MOST_PER_STEP: Final = 3
+_MAX_TRIGGERS: Final = 12
+_MAX_TIMES: Final = 3
+_MAX_CONDITIONS: Final = 2
+_MAX_PER_STEP: Final = 3
 _OTHER_DAYS: Final = (-2.0, -1.0, 1.0, 2.0)
 _OTHER_HOURS: Final = (-3 / 24, -1.5 / 24, 1.5 / 24, 3 / 24)
 
@@ -73,7 +73,7 @@ _OTHER_HOURS: Final = (-3 / 24, -1.5 / 24, 1.5 / 24, 3 / 24)
 def find_habits(days: Days) -> Iterator[FoundHabit | None]:
     """Yield habits, and None after each slice of work."""
     steps = list(_steps(days))
-    unlikely = _MOST_LUCK / max(1, len(steps))  # each step is a try that luck has
+    unlikely = _MAX_LUCK / max(1, len(steps))  # each step is a try that p_value has
     changed: list[str] = []
     for done in steps:
         found = 0
@@ -88,10 +88,10 @@ def find_habits(days: Days) -> Iterator[FoundHabit | None]:
             yield from _habits_of(recent, done, unlikely)
 
 
-def _steps(days: Days) -> Iterator[Happenings]:
+def _steps(days: Days) -> Iterator[EventSeries]:
     """Yield what people did on several days."""
     for done in days.by_text.values():
-        if done.step and len({days.midnight(at) for at in done.done}) >= LEAST_DAYS:
+        if done.step and len({days.midnight(at) for at in done.done}) >= MIN_DAYS:
             yield done
 
 
@@ -133,57 +133,57 @@ class _Rule:
         return [one for one in self.tried if one.held.issuperset(self.conditions)]
 
 
-def _habits_of(days: Days, done: Happenings, unlikely: float) -> Iterator[FoundHabit | None]:
+def _habits_of(days: Days, done: EventSeries, unlikely: float) -> Iterator[FoundHabit | None]:
     """Yield the habits of one step: the best one, and then those that explain deeds that the ones before do not."""
     rules: list[_Rule] = []
     for rule in (*_after_events(days, done), *_at_times(days, done)):
         rules.append(rule)
         yield None
     left = set(done.done)
-    for _ in range(_MOST_PER_STEP):
+    for _ in range(_MAX_PER_STEP):
         best = _best(rules, left, range(len(days.midnights)))
         yield None
         if best is None:
             return
         habit = _proved(rules, days, best, left, done, unlikely)
         followed = {one.occasion.done_at for one in best.occasions}
-        if habit is None or len(followed & left) < LEAST_DAYS:
+        if habit is None or len(followed & left) < MIN_DAYS:
             return
         yield habit
         left -= followed
 
 
-def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
+def _after_events(days: Days, done: EventSeries) -> Iterator[_Rule]:
     """Yield the rules of frequent events before."""
     before: Counter[str] = Counter()
     for at in done.done:
         texts = {one.text for one in days.between(at - _WITHIN[-1], at) if one.device != done.device}
         before.update(texts)
-    least = max(LEAST_DAYS, 0.25 * len(done.done))
+    least = max(MIN_DAYS, 0.25 * len(done.done))
     common = [(text, count) for text, count in before.items() if count >= least]
     common.sort(key=lambda pair: (-pair[1] / len(days.by_text[pair[0]].times) ** 0.5, pair[0]))
-    for text, _ in common[:_MOST_TRIGGERS]:
+    for text, _ in common[:_MAX_TRIGGERS]:
         yield _rule(days, done, text, _within(days.by_text[text].times, done))
 
 
-def _within(times: Sequence[float], done: Happenings) -> float:
+def _within(times: Sequence[float], done: EventSeries) -> float:
     """Return the shortest span within which most of the deeds follow."""
     gaps = [at - times[place - 1] for at in done.done if (place := bisect_left(times, at))]
     followed = [sum(gap <= span for gap in gaps) for span in _WITHIN]
     return next(span for span, count in zip(_WITHIN, followed, strict=True) if count >= 0.9 * followed[-1])
 
 
-def _at_times(days: Days, done: Happenings) -> Iterator[_Rule]:
+def _at_times(days: Days, done: EventSeries) -> Iterator[_Rule]:
     """Yield the rules of the times of day, and of the sun, around which most of it is done."""
     for offset in _common_times([at - days.midnight(at) for at in done.done]):
         yield _rule(days, done, f"{int(offset // 3600) % 24:02}:{int(offset // 60) % 60:02}", _TOLERANCE)
     for text in days.moments:
         moments = days.moments_of(text)
-        if len(moments) < LEAST_DAYS:
+        if len(moments) < MIN_DAYS:
             continue
         gaps = [min((at - one for one in moments), key=abs) for at in done.done]
         near = [gap for gap in gaps if abs(gap) <= 3600]
-        if len(near) >= LEAST_DAYS:
+        if len(near) >= MIN_DAYS:
             shift = round(median(near) / _ROUND) * _ROUND
             sign = "" if not shift else f" {'+' if shift > 0 else '-'} {abs(shift) / 60:g}m"
             yield _rule(days, done, text + sign, _TOLERANCE)
@@ -192,11 +192,11 @@ def _at_times(days: Days, done: Happenings) -> Iterator[_Rule]:
 def _common_times(offsets: Sequence[float]) -> Iterable[float]:
     """Return the times of day around which most is done, rounded: two for a deed of twice a day."""
     hours = Counter(round(one / 3600) for one in offsets)
-    near = ([one for one in offsets if abs(one - hour * 3600) <= 3600] for hour, _ in hours.most_common(_MOST_TIMES))
+    near = ([one for one in offsets if abs(one - hour * 3600) <= 3600] for hour, _ in hours.most_common(_MAX_TIMES))
     return dict.fromkeys(round(median(one) / _ROUND) * _ROUND for one in near)
 
 
-def _rule(days: Days, done: Happenings, when: str, within: float, *, is_found: bool = False) -> _Rule:
+def _rule(days: Days, done: EventSeries, when: str, within: float, *, is_found: bool = False) -> _Rule:
     """Return the rule of a trigger: people do it *within* so many seconds after it, or before and after a time.
 
     Nothing is tried of one that is not *found* yet and cannot score.
@@ -213,19 +213,19 @@ def _rule(days: Days, done: Happenings, when: str, within: float, *, is_found: b
     return _Rule(when, begins, span, late, shifts, tried)
 
 
-def _is_worth_a_look(days: Days, done: Happenings, occasions: Iterable[Occasion]) -> bool:
+def _is_worth_a_look(days: Days, done: EventSeries, occasions: Iterable[Occasion]) -> bool:
     """Return whether it is done often enough to score: always, or where one condition holds."""
     hits = [one.at for one in occasions if one.done_at is not None]
     others = [one.at for one in occasions if one.done_at is None]
     for holds in (lambda _: True, *days.conditions_on(done.device).values()):
         count = sum(map(holds, hits))
         most = int(count / _WORTH_A_LOOK) - count
-        if count >= _LEAST_NEW and len([*islice(filter(holds, others), most + 1)]) <= most:
+        if count >= _MIN_NEW and len([*islice(filter(holds, others), most + 1)]) <= most:
             return True
     return False
 
 
-def _occasions(days: Days, done: Happenings, begins: Iterable[float], span: float, late: float) -> list[Occasion]:
+def _occasions(days: Days, done: EventSeries, begins: Iterable[float], span: float, late: float) -> list[Occasion]:
     """Return when a routine would have acted: not again soon, nor where it is so already."""
     found: list[Occasion] = []
     last = float("-inf")
@@ -236,7 +236,7 @@ def _occasions(days: Days, done: Happenings, begins: Iterable[float], span: floa
     return found
 
 
-def _tried(days: Days, done: Happenings, occasions: Iterable[Occasion]) -> tuple[_Tried, ...]:
+def _tried(days: Days, done: EventSeries, occasions: Iterable[Occasion]) -> tuple[_Tried, ...]:
     conditions = days.conditions_on(done.device).items()
     return tuple(
         _Tried(one, days.number(one.at), frozenset(text for text, holds in conditions if holds(one.at)))
@@ -244,7 +244,7 @@ def _tried(days: Days, done: Happenings, occasions: Iterable[Occasion]) -> tuple
     )
 
 
-def _by_chance(days: Days, done: Happenings, rule: _Rule) -> float:
+def _by_chance(days: Days, done: EventSeries, rule: _Rule) -> float:
     """Return how often it is done after other times, such as those of other days, under the same conditions."""
     first, last = days.events[0].at, days.events[-1].at
     moved = ([at + shift * DAY for at in rule.begins] for shift in rule.shifts)
@@ -274,13 +274,13 @@ def _best(rules: Iterable[_Rule], left: set[float], chosen: Iterable[int]) -> _R
         own = [one for one in rule.tried if one.day in numbers]
         known = sorted(frozenset[str]().union(*(one.held for one in own)))
         conditions: tuple[str, ...] = ()
-        for count in range(_MOST_CONDITIONS + 1):
+        for count in range(_MAX_CONDITIONS + 1):
             wider = [(*conditions, one) for one in known if one not in conditions] if count else [conditions]
-            scores = [_score(own, one, left) - _SOONER * (rule.span - rule.late) for one in wider]
+            scores = [_score(own, one, left) - _LATENCY_PENALTY * (rule.span - rule.late) for one in wider]
             if not scores:
                 break
             conditions = wider[scores.index(max(scores))]
-            if max(scores) > most + _SIMPLER * (1 + count):
+            if max(scores) > most + _CONDITION_PENALTY * (1 + count):
                 best, most = replace(rule, conditions=conditions), max(scores)
     return best
 
@@ -289,14 +289,14 @@ def _score(tried: Sequence[_Tried], conditions: tuple[str, ...], left: set[float
     own = [one.occasion for one in tried if one.held.issuperset(conditions)]
     followed = {one.done_at for one in own if one.done_at is not None}
     new = len(followed & left)
-    if new < _LEAST_NEW:
+    if new < _MIN_NEW:
         return 0.0
-    sure = sure_share(len(followed), len(own))
+    sure = wilson_lower_bound(len(followed), len(own))
     return sure + 0.3 * new / len(left) if sure >= _WORTH_A_LOOK else 0.0
 
 
 def _proved(
-    rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], done: Happenings, unlikely: float
+    rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], done: EventSeries, unlikely: float
 ) -> FoundHabit | None:
     """Return the habit if it holds on days that were not used to find it; None otherwise."""
     tried = best.occasions
@@ -307,11 +307,11 @@ def _proved(
     precision = (proved[0] + 0.5) / (proved[1] + 1)  # H. Jeffreys (1946)
     chance = _by_chance(days, done, best)
     is_habit = (
-        len({one.day for one in hits}) >= max(LEAST_DAYS, _LEAST_OF_DAYS * _chances(days, best))
-        and sure_share(len(hits), len(tried)) >= _LEAST_SURE
-        and precision >= max(_LEAST_PRECISION, chance + _ABOVE_CHANCE)
-        and luck(*proved, chance) <= unlikely
-        and _share(recent) >= _LEAST_RECENT
+        len({one.day for one in hits}) >= max(MIN_DAYS, _MIN_OF_DAYS * _chances(days, best))
+        and wilson_lower_bound(len(hits), len(tried)) >= _MIN_SURE
+        and precision >= max(_MIN_PRECISION, chance + _ABOVE_CHANCE)
+        and p_value(*proved, chance) <= unlikely
+        and _share(recent) >= _MIN_RECENT
         and not _is_automatic(days, best, hits)
     )
     if not is_habit:

@@ -23,7 +23,7 @@ from homebot.words.steps import Do, read_step
 from homebot.words.suitable_parts import settings_by_part
 from homebot.words.triggers import Becomes, PersonMoves, Press, read_trigger
 
-_LONGEST: Final = 80
+_MAX_CHARACTERS: Final = 80
 _STEPS: Final = {"%": 5.0, "°C": 0.5}
 _PEOPLE: Final = {"x_person": ("{} has left", "{} arrives"), "x_household": ("everybody has left", "somebody arrives")}
 _NO_TIME: Final = Time(sec=0, nanosec=0)
@@ -80,7 +80,13 @@ class HabitWords:
         """Return the words that mean this device alone: its name if that is clear, or ``name="…"``."""
         device = self._devices.get(device_id)
         name = "" if device is None else " ".join(device.name.split())
-        if not name or len(name) > _LONGEST or '"' in name or not name.isprintable() or self._named[fold(name)] != 1:
+        if (
+            not name
+            or len(name) > _MAX_CHARACTERS
+            or '"' in name
+            or not name.isprintable()
+            or self._named[fold(name)] != 1
+        ):
             return ""
         try:
             query = parse_query(name)

@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from homebot.devices.device import Device, DeviceChange, StateChange
     from homebot.devices.value import PlainValue
 
-MOST_WAITING: Final = 100_000
+MAX_WAITING: Final = 100_000
 """The limit of values that wait for the disk; beyond it the oldest are lost and counted. 18 bytes each."""
 
 _LOST_AT_ONCE: Final = 1000
-_MOST_STATES: Final = 60
+_MAX_STATES: Final = 60
 """The limit of changes of a word or flag in one batch, after which only the newest counts, and of events, after which
 none does: some texts change with each message."""
 
-_MOST_WAITING_STATES: Final = 20_000
-_LONGEST_WORD: Final = 100
+_MAX_WAITING_STATES: Final = 20_000
+_MAX_WORD: Final = 100
 
 
 @final
@@ -169,9 +169,9 @@ class Collector(HouseWatcher):
             return
         match value:
             case str() if capability in EVENTS:
-                self._record_event(followed, value[:_LONGEST_WORD], at)
+                self._record_event(followed, value[:_MAX_WORD], at)
             case bool() | str():
-                word = int(value) if isinstance(value, bool) else value[:_LONGEST_WORD]
+                word = int(value) if isinstance(value, bool) else value[:_MAX_WORD]
                 self._record_state(followed, word, at)
             case float():
                 self._record_number(followed, value, at)
@@ -199,7 +199,7 @@ class Collector(HouseWatcher):
             if followed.value == value:
                 return
             followed.changes += 1
-            if followed.changes > _MOST_STATES:
+            if followed.changes > _MAX_STATES:
                 self.folded += 1
                 followed.value = value
                 self.batch.states[followed.opened_at, followed.series.number] = StateRow(None, value)
@@ -209,7 +209,7 @@ class Collector(HouseWatcher):
 
     def _record_event(self, followed: _CollectedValue, word: str, at: int) -> None:
         followed.changes += 1
-        if followed.changes > _MOST_STATES:
+        if followed.changes > _MAX_STATES:
             self.folded += 1
             return
         self._open_state(followed, word, at)
@@ -219,7 +219,7 @@ class Collector(HouseWatcher):
         states, number = self.batch.states, followed.series.number
         while (at, number) in states:
             at += 1
-        if len(states) >= _MOST_WAITING_STATES:
+        if len(states) >= _MAX_WAITING_STATES:
             del states[next(iter(states))]
             self.lost += 1
         states[at, number] = StateRow(None, value)
@@ -236,7 +236,7 @@ class Collector(HouseWatcher):
     def _add(self, followed: _CollectedValue, at: int, value: float) -> None:
         followed.told_at = at
         self.batch.add(followed.series.number, at, value)
-        if len(self.batch.times) > MOST_WAITING:
+        if len(self.batch.times) > MAX_WAITING:
             self.batch.drop_oldest(_LOST_AT_ONCE)
             self.lost += _LOST_AT_ONCE
 

@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 
 _ROWS = 24
 _MATCHES = 50
-_MOST = 5000
+_MAX_POINTS = 5000
 _NARROWEST, _WIDEST = 40, 120
 _DAY = 86_400.0
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _PLOT_LINES = 8
 _LABEL = 9
-_LONGEST_TIME = 8
+_MAX_TIME = 8
 """Characters of a time without a date."""
 _SEE_VALUES = "`homebot show DEVICE` lists those of a device"
 _EXAMPLES = """\
@@ -100,8 +100,8 @@ def _check_options(text: str, options: argparse.Namespace) -> None:
 
 def _points(options: argparse.Namespace) -> int:
     """Return the largest number of points of a series."""
-    usual = _WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS
-    return min(options.points or usual, _MOST)
+    usual = _WIDEST if options.plot else _MAX_POINTS if options.csv or options.json else _ROWS
+    return min(options.points or usual, _MAX_POINTS)
 
 
 def _correct(door: DoorClient, options: argparse.Namespace) -> int:
@@ -130,7 +130,7 @@ def _correct(door: DoorClient, options: argparse.Namespace) -> int:
 def _moment(text: str, now: datetime) -> float:
     """Return a local time as seconds since the Unix epoch; one without a date is of today."""
     try:
-        if len(text) <= _LONGEST_TIME:
+        if len(text) <= _MAX_TIME:
             return datetime.combine(now.date(), time_of_day.fromisoformat(text), now.tzinfo).timestamp()
         return datetime.fromisoformat(text).timestamp()
     except ValueError:

@@ -24,7 +24,7 @@ from homebot.features.history.sealing import BITS, HOURS, MASK, key_of, points_o
 from homebot.features.history.settings import HistorySettings, KeepSettings
 from homebot.graph import Node
 from homebot.log import LogLimit
-from homebot.support.kept_file import KeptFile
+from homebot.support.managed_file import ManagedFile
 from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema
 
 HISTORY_SCHEMA: Final = SqliteSchema(
@@ -227,7 +227,7 @@ class HistoryStore:
         self._clock = clock = node.graph.clock
         self._settings = settings
         self.file = HistoryFile(path, settings.keep)
-        self.kept = KeptFile(
+        self.kept = ManagedFile(
             self.file, "the history", "no history is kept", node.log, clock.now, LogLimit(clock).allows, self._renew
         )
         self._is_new = False

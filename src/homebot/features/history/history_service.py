@@ -39,7 +39,7 @@ _NOTHING: Final = (
 CORRECTED: Final = "history.corrected"
 _DAY: Final = 86_400.0
 _POINTS: Final = 500
-_MOST_SERIES: Final = 50
+_MAX_SERIES: Final = 50
 _DIGITS: Final = 6
 _NOT_YET: Final = "the history has not begun yet, or is not kept now; `homebot doctor` says why"
 
@@ -83,14 +83,14 @@ class HistoryService:
             wanted = _fitting(found.series, request)
             span = Span(round(since * 1000), round(until * 1000), request.points or _POINTS)
             series = await self._store.read(
-                self.collector, lambda reader: _read(reader, wanted[:_MOST_SERIES], found.names, span)
+                self.collector, lambda reader: _read(reader, wanted[:_MAX_SERIES], found.names, span)
             )
         except (LinkError, ServiceError) as exc:
             return ReadHistoryResponse(success=False, message=str(exc))
         return ReadHistoryResponse(
             success=True,
             series=tuple(series),
-            left_out=max(len(wanted) - _MOST_SERIES, 0),
+            left_out=max(len(wanted) - _MAX_SERIES, 0),
             since=Time.from_seconds(since),
             until=Time.from_seconds(until),
         )

@@ -15,7 +15,7 @@ from homebot.features.history.settings import KeepSettings
 
 _DAY: Final = HOUR * HOURS
 _HOUR_SECONDS: Final = 3600
-_MOST_STATES: Final = 5000
+_MAX_STATES: Final = 5000
 
 
 class Span(NamedTuple):
@@ -154,7 +154,7 @@ class HistoryReader:
         """Return the states in *span*, including the one at its start; only the newest if there are too many."""
         query = "SELECT k, until, value FROM state WHERE k & ? = ? AND k >= ? AND k < ? ORDER BY k DESC LIMIT ?"
         since, until = key_of(span.since, 0), key_of(span.until + 1, 0)
-        limit = min(span.points, _MOST_STATES)
+        limit = min(span.points, _MAX_STATES)
         rows = self.connection.execute(query, (MASK, series, since, until, limit + 1)).fetchall()
         rows += self.connection.execute(query, (MASK, series, 0, since, 1)).fetchall()
         found = {key >> BITS: StateRow(ends, value) for key, ends, value in rows}

@@ -16,7 +16,7 @@ from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.services import SubscribeToTopicResponse
 from homebot.errors import HomebotError, PeerError, ServiceGoneError, ServiceTimeoutError
 from homebot.features.machine.messages import (
-    LONGEST_QUIET,
+    MAX_QUIET,
     MAX_SILENCE_S,
     CallGateway,
     CallGatewayRequest,
@@ -29,7 +29,7 @@ from homebot.features.machine.messages import (
     GetGatewaysResponse,
     machine_name,
 )
-from homebot.features.machine.waiting_news import WaitingNews
+from homebot.features.machine.pending_updates import PendingUpdates
 from homebot.graph import EntityKind, Node
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.support.bounded_map import BoundedMap
@@ -38,13 +38,13 @@ if TYPE_CHECKING:
     from homebot.features.machine.wire import MachineWire
     from homebot.messages.message import Message
 
-_MOST_AT_ONCE: Final = 50
+_MAX_AT_ONCE: Final = 50
 """Messages in an answer: a millisecond or two of writing."""
 
 _PAUSE: Final = 0.01
 """Seconds between two answers that are not full: many devices that report at once share one."""
 
-_MOST_CALLS: Final = 10_000
+_MAX_CALLS: Final = 10_000
 """Calls that are remembered, so that none is carried out twice; older ones are late."""
 
 
@@ -88,16 +88,16 @@ class _GatewayExport:
         self._node, self._session, self._names = node, session, GatewayNames(gateway)
         self._now = node.graph.clock.monotonic
         self._news = anyio.Event()
-        self._waiting = WaitingNews(node, gateway, self._wake)
+        self._waiting = PendingUpdates(node, gateway, self._wake)
         self._follower, self._number, self._full_at = "", 0, 0.0
         self._out = node.create_publisher(RawCommand, self._names.out, 1000)
-        self._calls: BoundedMap[tuple[str, int], None] = BoundedMap(_MOST_CALLS)
+        self._calls: BoundedMap[tuple[str, int], None] = BoundedMap(_MAX_CALLS)
         self._asked_at = -inf
 
     @property
     def is_followed(self) -> bool:
         """True if its news were asked for lately."""
-        return self._now() < self._asked_at + 3 * LONGEST_QUIET
+        return self._now() < self._asked_at + 3 * MAX_QUIET
 
     async def follow(self, asked: FollowGatewayRequest) -> FollowGatewayResponse:
         """Return the news since the answer with the number *asked* has, or the first part of everything."""
@@ -110,12 +110,12 @@ class _GatewayExport:
             whole = {**self._waiting.begin(), "services": self._services()}
         elif not self._waiting:
             self._news = anyio.Event()
-            with anyio.move_on_after(LONGEST_QUIET):
+            with anyio.move_on_after(MAX_QUIET):
                 await self._news.wait()
         await anyio.sleep(max(0.0, self._full_at - self._now()))
         if number != self._number:
             raise PeerError("it was asked again before it could answer")
-        messages = self._waiting.pop(_MOST_AT_ONCE)
+        messages = self._waiting.pop(_MAX_AT_ONCE)
         self._full_at = self._now() + (0.0 if self._waiting else _PAUSE)
         fields: dict[str, Any] = {**whole, **messages}
         return FollowGatewayResponse(number=number, session=self._session, now=self._now(), is_whole=is_whole, **fields)

@@ -23,7 +23,7 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.devices.value import UNKNOWN
 from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, UnansweredError, UsageError
 from homebot.features.machine.machine_link import MachineLink
-from homebot.features.machine.waiting_news import MOST_OF_EACH
+from homebot.features.machine.pending_updates import MAX_OF_EACH
 from homebot.features.machine.wire import MachineWire
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.pairing import Pair, PairResponse, Unpair
@@ -68,8 +68,8 @@ class Mirror:
         self._clock = node.graph.clock
         self._answers = node.create_publisher(CommandAnswer, names.answers, 1000)
         self._quarantines = node.create_publisher(Quarantine, names.quarantine, _NEWEST_OF_EACH)
-        self._devices: BoundedMap[str, Sighting] = BoundedMap(MOST_OF_EACH)
-        self._reports: BoundedMap[str, Report] = BoundedMap(MOST_OF_EACH)
+        self._devices: BoundedMap[str, Sighting] = BoundedMap(MAX_OF_EACH)
+        self._reports: BoundedMap[str, Report] = BoundedMap(MAX_OF_EACH)
         self.refused = 0
 
     def publish(self, news: FollowGatewayResponse, later: float) -> None:

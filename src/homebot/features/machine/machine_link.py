@@ -11,7 +11,7 @@ import anyio
 
 from homebot.errors import LinkError, UnansweredError, UsageError
 from homebot.features.machine.messages import (
-    LONGEST_QUIET,
+    MAX_QUIET,
     MAX_SILENCE_S,
     CallGateway,
     CallGatewayRequest,
@@ -61,7 +61,7 @@ class MachineLink:
         """
         if not self._gateway:
             name = machine_name(self._home, self._machine, "gateways")
-            names = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), MAX_SILENCE_S - LONGEST_QUIET)).names
+            names = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), MAX_SILENCE_S - MAX_QUIET)).names
             if len(names) != 1:
                 has = (
                     f"its machine has the gateways {', '.join(names)}; name"

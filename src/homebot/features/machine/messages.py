@@ -2,7 +2,7 @@
 
 A machine serves ``/HOME/MACHINE/gateways``, and ``follow`` and ``call`` below ``/HOME/MACHINE/GATEWAY``. The homebot
 that follows asks again and again: each answer has what is new since the one before, at the latest after
-:data:`LONGEST_QUIET`. So there is one answer on its way at most, nothing is lost without notice, and a slow link gets
+:data:`MAX_QUIET`. So there is one answer on its way at most, nothing is lost without notice, and a slow link gets
 the newest of each device.
 """
 
@@ -18,7 +18,7 @@ from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.names import escape_token
 
 __all__ = [
-    "LONGEST_QUIET",
+    "MAX_QUIET",
     "MAX_SILENCE_S",
     "CallGateway",
     "CallGatewayRequest",
@@ -32,7 +32,7 @@ __all__ = [
     "machine_name",
 ]
 
-LONGEST_QUIET: Final = 1.0
+MAX_QUIET: Final = 1.0
 """Seconds after which an answer comes although there is no news."""
 
 MAX_SILENCE_S: Final = 3.0

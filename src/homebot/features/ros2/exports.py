@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from homebot.bridges.zenoh.tokens import EntityToken
     from homebot.features.ros2.health import LinkHealth
 
-_MOST_CALLS = 100
+_MAX_CALLS = 100
 """Calls at a time, as of one client of the door."""
 
 _FIRST_TURNS = 3
@@ -151,8 +151,8 @@ class Exports:
         entity = self._own.declare(info, type_hash(service_type))
 
         def asked(query: WireQuery) -> None:
-            if self._running >= _MOST_CALLS:
-                query.refuse(f"{_MOST_CALLS} calls are at work; ask again later")
+            if self._running >= _MAX_CALLS:
+                query.refuse(f"{_MAX_CALLS} calls are at work; ask again later")
                 return
             self._running += 1
             self._node.create_task(partial(self._begin, name, query))

@@ -10,7 +10,7 @@ from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.counters import Severity
 
-_MOST_SHOWN = 20
+_MAX_SHOWN = 20
 
 NOT_IMPORTED = "ros2.not_imported"
 MESSAGE_REFUSED = "ros2.message_refused"
@@ -22,7 +22,7 @@ class LinkHealth:
 
     def __init__(self, node: Node) -> None:
         self._node, self._each = node, LogLimit(node.graph.clock)
-        self._all = LogLimit(node.graph.clock, burst=_MOST_SHOWN)
+        self._all = LogLimit(node.graph.clock, burst=_MAX_SHOWN)
         self._refused = Counter({MESSAGE_REFUSED: 0, CALL_REFUSED: 0, NOT_IMPORTED: 0})
 
     def refused(self, event: str, subject: str, problem: str) -> None:
@@ -37,9 +37,9 @@ class LinkHealth:
 
         def answer(_request: HealthRequest) -> HealthResponse:
             found = sorted(problems())
-            more = [f"{len(found) - _MOST_SHOWN} more do not pass"] if len(found) > _MOST_SHOWN else []
+            more = [f"{len(found) - _MAX_SHOWN} more do not pass"] if len(found) > _MAX_SHOWN else []
             refused = {event.removeprefix("ros2."): count for event, count in self._refused.items()}
             counts = (*Count.each(refused, Severity.FAULT), *Count.each({"lost": lost()}, Severity.LOSS))
-            return HealthResponse(counts=counts, troubles=(*found[:_MOST_SHOWN], *more))
+            return HealthResponse(counts=counts, troubles=(*found[:_MAX_SHOWN], *more))
 
         self._node.create_service(GetHealth, "~/health", answer)

@@ -30,18 +30,18 @@ if TYPE_CHECKING:
 
 KeyT = TypeVar("KeyT")
 
-_MOST_TOKENS = 10_000
+_MAX_TOKENS = 10_000
 """Tokens of others that are kept; a robot with Nav2 has some 700."""
 
 MAX_TOKENS_OF_ONE = 2000
 """Of these, those of one process: one that goes wrong leaves room for the others."""
 
-_MOST_OPEN = 1000
+_MAX_OPEN = 1000
 """Topics and services that are imported: with more, Zenoh takes 20 ms and longer for each."""
 
 _LATEST_TOKEN = 1.0  # seconds
 
-_LONGEST_ANSWER = 600.0
+_MAX_ANSWER = 600.0
 """Seconds after which a query ends, as with rmw_zenoh; the time limit of the caller is shorter."""
 
 _ENDLESS = 1e9
@@ -111,8 +111,8 @@ class Imports:
                 f"a process of a robot has more than {MAX_TOKENS_OF_ONE} entities, the rest of which are unknown here"
             )
             raise PeerError(self._problems[token.session])
-        if len(self._tokens) >= _MOST_TOKENS:
-            raise PeerError(f"of robots, only {_MOST_TOKENS} entities are known")
+        if len(self._tokens) >= _MAX_TOKENS:
+            raise PeerError(f"of robots, only {_MAX_TOKENS} entities are known")
         self._tokens[text] = token
         self._sizes[token.session] += 1
         kind, name = token.info.kind, token.info.name
@@ -130,10 +130,8 @@ class Imports:
         if (present := self._open.get((kind, name))) is not None:
             present[0].add(text)
             return
-        if len(self._open) >= _MOST_OPEN:
-            raise PeerError(
-                f"{_MOST_OPEN} topics and services are imported, and no more; name fewer in import of [ros]"
-            )
+        if len(self._open) >= _MAX_OPEN:
+            raise PeerError(f"{_MAX_OPEN} topics and services are imported, and no more; name fewer in import of [ros]")
         access.check_publishing(name)
         entity = self._topic(token, access) if kind is EntityKind.PUBLISHER else self._service(token)
         self._open[kind, name] = ({text}, entity)
@@ -187,7 +185,7 @@ class Imports:
         service_type = service_type_of(node.graph, info.name, info.ros_type)
         entity = self._entity(EntityKind.CLIENT, token, type_hash(service_type))
         response_type: type[Message] = service_type.Response
-        longest = _ENDLESS if info.name.endswith("/_action/get_result") else _LONGEST_ANSWER
+        longest = _ENDLESS if info.name.endswith("/_action/get_result") else _MAX_ANSWER
 
         async def ask(request: Message) -> Message:
             asked = entity.attachment()

@@ -17,7 +17,7 @@ from homebot.errors import HomebotError
 from homebot.features.routines.http import ProposalAnswer, RoutineList
 from homebot.features.routines.text import read_routines
 
-_MOST_LINES: Final = 40
+_MAX_LINES: Final = 40
 
 
 class _Trial(Answer):
@@ -80,7 +80,7 @@ async def _trial(api: HouseApi, text: str, days: float) -> list[str]:
     async with _one_at_a_time():
         done = await run_process((sys.executable, *trial), input=routines.encode(), env=env, check=False)
     lines = done.stdout.decode(errors="replace").splitlines()
-    return lines[-_MOST_LINES:] if done.returncode == 0 else [f"no trial: {done.stderr.decode(errors='replace')[:500]}"]
+    return lines[-_MAX_LINES:] if done.returncode == 0 else [f"no trial: {done.stderr.decode(errors='replace')[:500]}"]
 
 
 @cache

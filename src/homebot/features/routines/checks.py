@@ -36,9 +36,9 @@ from homebot.words.suitable_parts import part_name, settings_by_part
 from homebot.words.tokens import quoted
 from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 
-_MOST: Final = 200
+_MAX_DEVICES: Final = 200
 """Devices with events that are compared with that of a trigger."""
-_MOST_NAMED: Final = 3
+_MAX_NAMED: Final = 3
 _UNTIL: Final = "wait until "
 _BUSY: Final = {"clear": "occupied", "unoccupied": "occupied", "off": "on", "closed": "open", "dry": "wet"}
 """Words for the rest of a device, each with that for the contrary."""
@@ -133,9 +133,9 @@ class HouseChecks:
     async def named(self, query: str) -> str:
         """Return the names of the devices that *query* finds; *query* itself if these are many, or none."""
         with suppress(UsageError):
-            asked = QueryDevicesRequest(query=query_terms(parse_query(query)), limit=_MOST_NAMED + 1)
+            asked = QueryDevicesRequest(query=query_terms(parse_query(query)), limit=_MAX_NAMED + 1)
             devices = [result.device for result in (await self._query.call(asked)).results]
-            if 0 < len(devices) <= _MOST_NAMED:
+            if 0 < len(devices) <= _MAX_NAMED:
                 return ", ".join(device.name or device.id for device in devices)
         return query
 
@@ -221,7 +221,7 @@ class HouseChecks:
 
     async def _unknown_event(self, press: Press) -> str:
         """Return that no device that fits has the button, or tells of the event, of *press*; empty if one may."""
-        devices = [one.device for one in (await self._ask(press.query, _MOST)).results]
+        devices = [one.device for one in (await self._ask(press.query, _MAX_DEVICES)).results]
         parts = [[part for part in device.parts if _has_events(part)] for device in devices]
         buttons = [part for part in chain.from_iterable(parts) if press.is_of(part)]
         if any(parts) and not buttons:
@@ -234,12 +234,12 @@ class HouseChecks:
 
     async def _others(self, text: str, query: Query) -> str:
         """Return that *query* means others as well, if *text* begins with the name of one device, as in a command."""
-        devices = [one.device for one in (await self._ask(lasting(query), _MOST)).results]
+        devices = [one.device for one in (await self._ask(lasting(query), _MAX_DEVICES)).results]
         begin = f"{fold(text.removeprefix(_UNTIL))} "
         named = [one for one in devices if one.name and begin.startswith(f"{fold(one.name)} ")]
         if len(named) != 1 or len(devices) == 1:
             return ""
-        others = ", ".join([one.name or one.id for one in devices if one != named[0]][:_MOST_NAMED])
+        others = ", ".join([one.name or one.id for one in devices if one != named[0]][:_MAX_NAMED])
         return f"this is about {others} as well; for {named[0].name} alone begin with name={quoted(named[0].name)}"
 
     async def _one_suffices(self, state: Becomes, query: Query) -> str:
@@ -252,10 +252,10 @@ class HouseChecks:
         busy = " ".join(parts)
         if not state.lasting or state.is_none or busy == words:
             return ""
-        devices = [one.device.name or one.device.id for one in (await self._ask(lasting(query), _MOST)).results]
+        devices = [one.device.name or one.device.id for one in (await self._ask(lasting(query), _MAX_DEVICES)).results]
         if len(devices) <= 1:
             return ""
-        named = f"{' or '.join(devices[:_MOST_NAMED])}{', …' if len(devices) > _MOST_NAMED else ''}"
+        named = f"{' or '.join(devices[:_MAX_NAMED])}{', …' if len(devices) > _MAX_NAMED else ''}"
         return f"one of {named} suffices; for all of them write 'no {busy} for {length}'"
 
     async def _command(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:

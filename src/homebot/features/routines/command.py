@@ -53,7 +53,7 @@ if = []       # all of: "sun is down", "nobody in study", "after 22:00"
 do = [""]     # "hall lamp on, 20 %", "wait 5m", "wait until hall motion clear for 2m, at most 30m", "undo"
 """
 
-_LONGEST = 60.0
+_MAX_WAIT_S = 60.0
 """Seconds: an app may take ten to stop and ten to start, twice if it is rolled back."""
 
 _CHANGES = {
@@ -115,7 +115,7 @@ def _try(options: argparse.Namespace) -> int:
 
 
 def _routines(door: DoorClient) -> RoutinesResponse:
-    return cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"check": True}, _LONGEST)))
+    return cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"check": True}, _MAX_WAIT_S)))
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
@@ -246,7 +246,7 @@ def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
 
 
 def _ask(door: DoorClient, request: dict[str, object], file: str = "") -> int:
-    answer = door.call(CHANGE_ROUTINE, request, timeout=_LONGEST)
+    answer = door.call(CHANGE_ROUTINE, request, timeout=_MAX_WAIT_S)
     lines = [printable(line, 2000) for line in str(answer["message"]).splitlines()]
     if not answer["success"]:
         raise PeerError("\n".join(line.replace("the text:", f"{file or 'the text'}:", 1) for line in lines))

@@ -35,8 +35,8 @@ and its event, and needs the right `manage`. `homebot show 'Hall button'` lists 
 
 _ANY: Final = "any"
 _DIMS: Final = frozenset({"dim", "brighten", "darken"})
-_LONGEST: Final = 60.0
-_MOST: Final = 20
+_MAX_WAIT_S: Final = 60.0
+_MAX_EVENTS: Final = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +57,7 @@ def _bind(door: DoorClient, options: argparse.Namespace) -> int:
         step = f"{step} while {button}{event}"
     name = f"{options.button} {options.event}".removesuffix(f" {_ANY}")
     text = routine_text({"name": name, "when": [f"{button} press{event}"], "do": [step]})
-    answer = door.call(CHANGE_ROUTINE, {"change": "new", "text": text}, timeout=_LONGEST)
+    answer = door.call(CHANGE_ROUTINE, {"change": "new", "text": text}, timeout=_MAX_WAIT_S)
     if not answer["success"]:
         raise PeerError(printable(str(answer["message"]), 2000))
     first, *hints = str(answer["message"]).splitlines()
@@ -104,7 +104,7 @@ def _check_event(named: Sequence[_Button], text: str, event: str) -> None:
 
 
 def _buttons(door: DoorClient, query: str) -> list[_Button]:
-    answer = cast("QueryDevicesResponse", JsonMessage(door.call(QUERY_DEVICES, {"query": query, "limit": _MOST})))
+    answer = cast("QueryDevicesResponse", JsonMessage(door.call(QUERY_DEVICES, {"query": query, "limit": _MAX_EVENTS})))
     if not answer.success:
         raise UsageError(answer.message)
     found = [

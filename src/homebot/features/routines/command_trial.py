@@ -30,7 +30,7 @@ from homebot.recording.recording import Recording, load_recording
 from homebot.replay.replay import Replayed, replay
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
-from homebot.units import LONGEST_WAIT, parse_duration
+from homebot.units import MAX_WAIT, parse_duration
 from homebot.words.triggers import RobotArrival
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _seconds(source: str) -> float:
     if source in LAST or (source and Path(source).exists()):
         return LAST.get(source, 0.0)
     with suppress(UsageError):
-        if seconds := parse_duration(source, most=LONGEST_WAIT):
+        if seconds := parse_duration(source, most=MAX_WAIT):
             return seconds
     raise UsageError(f"--on {source!r}: neither a recording nor a time; write it like last-week, last-day, 3d or 12h")
 

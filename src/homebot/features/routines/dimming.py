@@ -15,7 +15,7 @@ from homebot.graph import Node
 from homebot.words.house_queries import WordsQuery
 from homebot.words.steps import Dim
 
-MOST_DIMMED: Final = 10.0
+MAX_DIMMED: Final = 10.0
 """Seconds; a release may get lost."""
 
 _REPEATED: Final = "repeat"
@@ -28,7 +28,7 @@ _DARKEST, _MIDDLE, _BRIGHTEST = 1.0, 50.0, 100.0
 
 
 async def dim(node: Node, step: Dim, devices: Sequence[Device], set_level: Callable[[float], Awaitable[bool]]) -> None:
-    """Change the level until the button reports anything else than that it is held, at most :data:`MOST_DIMMED`.
+    """Change the level until the button reports anything else than that it is held, at most :data:`MAX_DIMMED`.
 
     Args:
         devices: The devices of the house, for the present level of the lamps.
@@ -45,7 +45,7 @@ async def dim(node: Node, step: Dim, devices: Sequence[Device], set_level: Calla
     held = {step.held.value, _REPEATED}
     watch = PressWatch(node, replace(step.held, value=""), on_press)
     try:
-        with anyio.move_on_after(MOST_DIMMED):
+        with anyio.move_on_after(MAX_DIMMED):
             while not over.is_set() and level != (_BRIGHTEST if is_up else _DARKEST):
                 level = min(_BRIGHTEST, max(_DARKEST, level + (_STEP if is_up else -_STEP)))
                 async with anyio.create_task_group() as tasks:

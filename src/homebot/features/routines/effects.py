@@ -10,11 +10,11 @@ from homebot.devices.always_ask import always_asks
 from homebot.devices.capabilities import LIGHTS_UP, acts_each_time
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import Device, State, target_of
-from homebot.devices.obedience import changes, related
 from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.matching import compares, fits
 from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
+from homebot.devices.value_comparison import changes, related
 from homebot.words.conditions import Condition, exclude_each_other
 from homebot.words.times import DaysAndTime, read_days, read_time
 from homebot.words.triggers import Becomes, PersonMoves, Press, Trigger

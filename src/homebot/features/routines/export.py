@@ -13,7 +13,7 @@ from homebot.support.folding import words_of
 
 _TAKEN: Final = frozenset({"homebot", "pytest"})
 _INDENT: Final = " " * 8
-_MOST_CHOICES: Final = 3
+_MAX_CHOICES: Final = 3
 """Choices of which the test takes every way; of more, only two."""
 
 
@@ -63,7 +63,7 @@ def pytest_text(routine: RoutineSettings, module: str) -> str:
     name = class_name(routine)
     choices = [*_choices(routine.do)]
     ways = list(product((True, False), repeat=len(choices)))
-    ways = ways if len(choices) <= _MOST_CHOICES else [ways[0], ways[-1]]
+    ways = ways if len(choices) <= _MAX_CHOICES else [ways[0], ways[-1]]
     checks = dict(_way(routine.do, one) for one in ways)
     lines = [
         f'"""The app {name} takes the steps of the routine."""',

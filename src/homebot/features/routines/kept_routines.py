@@ -11,8 +11,8 @@ from homebot.devices.client_rights import EDIT_ROUTINE
 from homebot.errors import ConfigError, UsageError
 from homebot.features.routines.text import WrittenRoutine, read_routines
 
-_MOST: Final = 300
-_MOST_PROPOSED: Final = 20
+_MAX_ROUTINES: Final = 300
+_MAX_PROPOSED: Final = 20
 
 
 @final
@@ -58,12 +58,12 @@ class KeptRoutines:
             UsageError: There are too many, or too many proposals.
         """
         is_new = routine.app not in self
-        if is_new and len(self._store) >= _MOST:
+        if is_new and len(self._store) >= _MAX_ROUTINES:
             raise UsageError(
-                f"{_MOST} routines are kept, which is the limit; remove one, or write it into homebot.toml"
+                f"{_MAX_ROUTINES} routines are kept, which is the limit; remove one, or write it into homebot.toml"
             )
-        if is_new and proposed_by and sum(bool(self.proposed_by(one)) for one in self) >= _MOST_PROPOSED:
-            raise UsageError(f"{_MOST_PROPOSED} proposals wait for the owner, which is the limit")
+        if is_new and proposed_by and sum(bool(self.proposed_by(one)) for one in self) >= _MAX_PROPOSED:
+            raise UsageError(f"{_MAX_PROPOSED} proposals wait for the owner, which is the limit")
         self._store[routine.app] = {"text": routine.text, "by": proposed_by} | (
             {"habit": True} if of_habit or self.is_of_habit(routine.app) else {}
         )

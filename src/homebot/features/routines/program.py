@@ -9,11 +9,11 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
 from homebot.words.conditions import Condition, read_condition
-from homebot.words.steps import MOST, Step, read_step
+from homebot.words.steps import MAX_LINES, Step, read_step
 
-_LONGEST = 300
+_MAX_CHARACTERS = 300
 
-Text = Annotated[str, Field(min_length=1, max_length=_LONGEST)]
+Text = Annotated[str, Field(min_length=1, max_length=_MAX_CHARACTERS)]
 
 
 def _condition(text: str) -> str:
@@ -43,9 +43,9 @@ class Choice(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
-    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", min_length=1, max_length=MOST)]
-    do: Annotated[tuple[_StepText, ...], Field(min_length=1, max_length=MOST)]
-    otherwise: Annotated[tuple["StepSetting", ...], Field(alias="else", max_length=MOST)] = ()
+    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", min_length=1, max_length=MAX_LINES)]
+    do: Annotated[tuple[_StepText, ...], Field(min_length=1, max_length=MAX_LINES)]
+    otherwise: Annotated[tuple["StepSetting", ...], Field(alias="else", max_length=MAX_LINES)] = ()
 
     def __str__(self) -> str:
         otherwise = f", else: {'; '.join(map(str, self.otherwise))}" if self.otherwise else ""
@@ -59,9 +59,11 @@ def _step_or_choice(value: object) -> str | Choice:
             return parse_settings(Choice, value, "", "")
         except ConfigError as exc:
             raise ValueError(f"{exc.key}: {exc.reason}") from exc
-    if isinstance(value, str) and 0 < len(value) <= _LONGEST:
+    if isinstance(value, str) and 0 < len(value) <= _MAX_CHARACTERS:
         return _step(value)
-    raise ValueError(f"must be a text of at most {_LONGEST} characters, or a choice {{ if = [...], do = [...] }}")
+    raise ValueError(
+        f"must be a text of at most {_MAX_CHARACTERS} characters, or a choice {{ if = [...], do = [...] }}"
+    )
 
 
 def _written(step: str | Choice) -> object:

@@ -20,7 +20,7 @@ from homebot.messages import Time
 from homebot.support.isolation import error_text
 from homebot.words.routine_text import routine_text
 
-_MOST_RUNS_KEPT: Final = 10
+_MAX_RUNS_KEPT: Final = 10
 _KEPT: Final = "waiting"
 """The runs, in the store, each with the step that it takes."""
 
@@ -133,4 +133,4 @@ class Routine(RoutineBase[RoutineSettings]):
     def record(self, text: str) -> None:
         """Add a line to the last runs in the store."""
         runs = [*self.store.get("runs", []), [self.clock.now(), text]]
-        self.store["runs"] = runs[-_MOST_RUNS_KEPT:]
+        self.store["runs"] = runs[-_MAX_RUNS_KEPT:]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 import anyio
 
 from homebot.apps import AppContext
-from homebot.command_words.earlier_values import EarlierValues, known_states
+from homebot.command_words.undo_record import UndoRecord, known_states
 from homebot.devices import Devices, KeyValue
 from homebot.devices.batch import perform_all
 from homebot.devices.command_messages import (
@@ -34,7 +34,7 @@ from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, Wa
 if TYPE_CHECKING:
     from homebot.features.routines.checks import HouseChecks
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
 
@@ -82,7 +82,7 @@ class RoutineRun:
 
     Args:
         program: All steps of the routine; without it, an app calls :meth:`take`.
-        before: The values before the earlier steps, as :class:`EarlierValues` has them; it is updated.
+        before: The values before the earlier steps, as :class:`UndoRecord` has them; it is updated.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class RoutineRun:
         self._owner = owner
         self._program = program
         self._clock = owner.node.graph.clock
-        self._before = EarlierValues(before)
+        self._before = UndoRecord(before)
         self._is_undone = not program or any(isinstance(one.step, Undo) for one in program)
 
     async def perform(self, first: int = 0, until: float = 0.0) -> None:
@@ -168,7 +168,7 @@ class RoutineRun:
             trigger=current_trigger(),
         )
         try:
-            answer = await self._owner.commands.call(request, timeout=_LONGEST)
+            answer = await self._owner.commands.call(request, timeout=_MAX_WAIT_S)
         except ServiceError as exc:
             answer = CommandDevicesResponse(success=False, message=str(exc))
         if not answer.success:
@@ -216,6 +216,6 @@ class RoutineRun:
 
 async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:
     try:
-        return await client.call(request, timeout=_LONGEST)
+        return await client.call(request, timeout=_MAX_WAIT_S)
     except ServiceError as exc:
         return NoAnswer(0.0, str(exc))

@@ -11,7 +11,7 @@ from homebot.config import value_errors
 from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
 from homebot.words.conditions import Condition, SunIs, check_possible, single_conditions
-from homebot.words.steps import MOST, Dim, Do, Undo, WaitUntil
+from homebot.words.steps import MAX_LINES, Dim, Do, Undo, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, Trigger, read_trigger
 
@@ -44,9 +44,9 @@ class RoutineSettings(AppSettings):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
     name: Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_line)]
-    when: Annotated[tuple[Annotated[Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=MOST)]
-    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MOST)] = ()
-    do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MOST)]
+    when: Annotated[tuple[Annotated[Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=MAX_LINES)]
+    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MAX_LINES)] = ()
+    do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MAX_LINES)]
     mode: RunMode = "single"
     enabled: bool = True
 

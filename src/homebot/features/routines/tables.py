@@ -8,7 +8,7 @@ from homebot.config import Config, Table, parse_settings
 from homebot.errors import ConfigError
 from homebot.support.folding import words_of
 
-_LONGEST_APP = 100
+_MAX_APP = 100
 _UNNAMED = "routine"
 
 
@@ -31,7 +31,7 @@ def app_of_routine(name: object) -> str:
     """Return the name of the app of the routine *name*; empty if that is no name."""
     if not isinstance(name, str) or not name.strip():
         return ""
-    app = "_".join(words_of(name))[:_LONGEST_APP]
+    app = "_".join(words_of(name))[:_MAX_APP]
     if not app or not app.isascii():  # names of nodes have only Latin letters
         return f"{_UNNAMED}_{crc32(name.encode()):x}"
     return app if app[0].isalpha() else f"{_UNNAMED}_{app}"

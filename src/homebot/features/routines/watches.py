@@ -28,8 +28,8 @@ from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
 
-_MOST_ROBOTS: Final = 100
-_MOST_PEOPLE: Final = 100
+_MAX_ROBOTS: Final = 100
+_MAX_PEOPLE: Final = 100
 
 
 class Begun(NamedTuple):
@@ -196,7 +196,7 @@ class PersonWatch(HouseWatcher):
     def __init__(self, node: Node, move: PersonMoves, on_start: OnStart) -> None:
         self._move = move
         self._on_start = on_start
-        self._was_home: BoundedMap[str, bool] = BoundedMap(_MOST_PEOPLE)
+        self._was_home: BoundedMap[str, bool] = BoundedMap(_MAX_PEOPLE)
         self._view = HouseView.of(node)
         self._view.add(self)
         self._view.names.add(move.query, move.text)
@@ -230,7 +230,7 @@ class ArrivalWatch:
     def __init__(self, node: Node, arrival: RobotArrival, on_start: OnStart) -> None:
         self._arrival = arrival
         self._on_start = on_start
-        self._rooms: BoundedMap[str, str] = BoundedMap(_MOST_ROBOTS)
+        self._rooms: BoundedMap[str, str] = BoundedMap(_MAX_ROBOTS)
         node.create_subscription(RobotPose, ROBOT_POSES, self._on_pose, qos_profile_latched)
 
     def _on_pose(self, pose: RobotPose) -> None:

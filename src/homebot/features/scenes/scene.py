@@ -15,7 +15,7 @@ from homebot.devices.device import is_commanded, target_of
 from homebot.devices.scene_messages import SceneInfo, ScenePart
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
-from homebot.features.scenes.scene_book import KeptScene, SceneBook
+from homebot.features.scenes.scene_book import SavedScene, SceneBook
 from homebot.features.scenes.scene_words import values_text
 from homebot.messages import Time
 from homebot.support.folding import fold
@@ -27,7 +27,7 @@ Place: TypeAlias = tuple[str, str]
 
 _RECALL: Final = "scene"
 _BUTTONS: Final = frozenset({"x_scene", "x_setting", "generic_switch"})
-_MOST_NAMED: Final = 8
+_MAX_NAMED: Final = 8
 _NAME: Final = attrgetter("name")
 
 
@@ -122,7 +122,7 @@ class HouseScenes:
             one for one in native if fold(name) in (fold(one.name), fold(one.full_name))
         ]
         if len(found) > 1:
-            ids = " or ".join(repr(one.full_name) for one in found[:_MOST_NAMED])
+            ids = " or ".join(repr(one.full_name) for one in found[:_MAX_NAMED])
             raise UsageError(f"{len(found)} scenes are called {name!r}; name one: {ids}")
         if not found:
             known = [
@@ -141,7 +141,7 @@ class HouseScenes:
         if (found := names.get(fold(name))) is not None:
             raise UsageError(f"{found.id} keeps a scene {found.name!r}, which this would hide; choose another name")
 
-    def current(self, scene: KeptScene) -> KeptScene:
+    def current(self, scene: SavedScene) -> SavedScene:
         """Return *scene* with the present ids and routes of its parts; those that are not there now keep theirs."""
         parts, routes = dict[str, Mapping[str, PlainValue]](), dict[str, tuple[str, ...]]()
         for target, values in scene.parts.items():

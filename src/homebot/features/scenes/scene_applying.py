@@ -7,7 +7,7 @@ from itertools import starmap
 from typing import Final, final
 
 from homebot.command_words.command_service import UNNAMED_CLIENT
-from homebot.command_words.earlier_values import known_states
+from homebot.command_words.undo_record import known_states
 from homebot.devices import DevicePart
 from homebot.devices.batch import perform_all
 from homebot.devices.client_rights import CLIENT
@@ -30,7 +30,7 @@ from homebot.features.scenes.scene import HouseScenes, Place, Scene, place_of
 from homebot.features.scenes.scene_book import SceneBook
 from homebot.graph import Node
 
-_LONGEST: Final = 900.0
+_MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
 _NOT_DONE: Final = frozenset({Refused.kind, Gone.kind, NoAnswer.kind})
@@ -129,7 +129,7 @@ class SceneApplying:
 
     async def _outcome(self, request: CommandRequest) -> Outcome:
         try:
-            return await self._perform.call(request, timeout=_LONGEST)
+            return await self._perform.call(request, timeout=_MAX_WAIT_S)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
 

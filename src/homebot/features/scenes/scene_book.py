@@ -5,19 +5,19 @@ from typing import Any, Final, final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from homebot.command_words.earlier_values import EarlierValues
+from homebot.command_words.undo_record import UndoRecord
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 
-_MOST_SCENES: Final = 300
-_MOST_PARTS: Final = 10_000
-_MOST_APPLIED: Final = 100
-_LONGEST: Final = 100
+_MAX_SCENES: Final = 300
+_MAX_PARTS: Final = 10_000
+_MAX_APPLIED: Final = 100
+_MAX_CHARACTERS: Final = 100
 
 
-class KeptScene(BaseModel):
+class SavedScene(BaseModel):
     """A scene of the owner.
 
     Attributes:
@@ -37,7 +37,7 @@ class AppliedScene(BaseModel):
 
     Attributes:
         at: When it was applied, in seconds since the Unix epoch.
-        before: See :class:`homebot.command_words.earlier_values.EarlierValues`.
+        before: See :class:`homebot.command_words.undo_record.UndoRecord`.
         is_undone: Whether it was undone since.
     """
 
@@ -51,7 +51,7 @@ class AppliedScene(BaseModel):
 class _BookRecord(BaseModel):
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
-    scenes: tuple[KeptScene, ...] = ()
+    scenes: tuple[SavedScene, ...] = ()
     applied: dict[str, AppliedScene] = {}
 
 
@@ -78,7 +78,7 @@ class SceneBook:
         """Return everything as text."""
         return _BookRecord(scenes=tuple(self.scenes.values()), applied=self.applied).model_dump_json()
 
-    def put(self, scene: KeptScene) -> None:
+    def put(self, scene: SavedScene) -> None:
         """Add a scene, in place of one of the same name.
 
         Raises:
@@ -88,12 +88,12 @@ class SceneBook:
         name = scene.name
         check_scene_name(name)
         others = [one for key, one in self.scenes.items() if key != fold(name)]
-        if len(others) >= _MOST_SCENES or sum(len(one.parts) for one in (scene, *others)) > _MOST_PARTS:
-            limits = f"there may be {_MOST_SCENES} with {_MOST_PARTS:,} parts in all; remove one first"
+        if len(others) >= _MAX_SCENES or sum(len(one.parts) for one in (scene, *others)) > _MAX_PARTS:
+            limits = f"there may be {_MAX_SCENES} with {_MAX_PARTS:,} parts in all; remove one first"
             raise RefusedError(f"the scene {name!r}", limits)
         self.scenes[fold(name)] = scene
 
-    def rename(self, known: KeptScene, name: str) -> KeptScene:
+    def rename(self, known: SavedScene, name: str) -> SavedScene:
         """Give a scene another name; raise as :meth:`put`, or UsageError if another scene has it."""
         if fold(name) != fold(known.name) and fold(name) in self.scenes:
             raise UsageError(f"there is a scene {name!r} already")
@@ -112,17 +112,19 @@ class SceneBook:
         """Forget the scene with this folded name."""
         self.applied.pop(self.scenes.pop(name).name, None)
 
-    def begin(self, scene_id: str, at: float) -> EarlierValues:
+    def begin(self, scene_id: str, at: float) -> UndoRecord:
         """Return the values before the scene with this id, for those before another time."""
         applied = self.applied.pop(scene_id, None) or AppliedScene(at=at)
         applied.at, applied.is_undone = at, False
         self.applied[scene_id] = applied
-        while len(self.applied) > _MOST_APPLIED:
+        while len(self.applied) > _MAX_APPLIED:
             del self.applied[next(iter(self.applied))]
-        return EarlierValues(applied.before)
+        return UndoRecord(applied.before)
 
 
 def check_scene_name(name: str) -> None:
     """Raise UsageError if *name* cannot name a scene."""
-    if not fold(name) or name != name.strip() or printable(name, _LONGEST) != name:
-        raise UsageError(f"{name[:_LONGEST]!r} cannot name a scene: give 1 to {_LONGEST} printable characters")
+    if not fold(name) or name != name.strip() or printable(name, _MAX_CHARACTERS) != name:
+        raise UsageError(
+            f"{name[:_MAX_CHARACTERS]!r} cannot name a scene: give 1 to {_MAX_CHARACTERS} printable characters"
+        )

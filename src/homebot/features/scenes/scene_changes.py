@@ -11,11 +11,11 @@ from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import target_of
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.scene_messages import MOST_PARTS, ChangeSceneRequest
+from homebot.devices.scene_messages import MAX_PARTS, ChangeSceneRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.features.scenes.scene import HouseScenes, Scene, place_of
-from homebot.features.scenes.scene_book import KeptScene, SceneBook
+from homebot.features.scenes.scene_book import SavedScene, SceneBook
 from homebot.features.scenes.scene_words import present_values, read_values
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
@@ -23,7 +23,7 @@ from homebot.support.folding import fold
 from homebot.words.names import find_name, no_such
 from homebot.words.suitable_parts import part_name
 
-_MOST_NAMED: Final = 5
+_MAX_NAMED: Final = 5
 _NOW: Final = "now"
 """The word for the present values, in place of values in words."""
 
@@ -38,7 +38,7 @@ class SceneChanges:
 
     async def make(
         self, request: ChangeSceneRequest, house: HouseScenes, book: SceneBook
-    ) -> tuple[KeptScene | None, tuple[KeyValue, ...]]:
+    ) -> tuple[SavedScene | None, tuple[KeyValue, ...]]:
         """Make a change; return the scene, None if it was removed, and the parts that were left out, with the reasons.
 
         Raises:
@@ -78,8 +78,8 @@ class SceneChanges:
         return Scene(settings.name, settings.name, values, is_configured=True, problems=problems)
 
     async def _save(
-        self, name: str, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes, book: SceneBook
-    ) -> tuple[KeptScene, tuple[KeyValue, ...]]:
+        self, name: str, request: ChangeSceneRequest, known: SavedScene | None, house: HouseScenes, book: SceneBook
+    ) -> tuple[SavedScene, tuple[KeyValue, ...]]:
         if known is None and (request.target or request.values or fold(name) not in house.configured):
             house.check_hides_none(name)
         parts, left_out = dict[str, Mapping[str, PlainValue]](), list[KeyValue]()
@@ -90,15 +90,15 @@ class SceneChanges:
             elif problem:
                 left_out.append(KeyValue(key=part_name(device, part), value=problem))
         if not (parts or request.values):
-            reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MOST_NAMED])
+            reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MAX_NAMED])
             raise UsageError(f"there is nothing to save; {reasons or 'nothing of that has values to bring back'}")
         edited = await self._edited(parts, request.values, house)
-        scene = house.current(KeptScene(name=name, parts=edited))
+        scene = house.current(SavedScene(name=name, parts=edited))
         book.put(scene)
         return scene, tuple(left_out)
 
     async def _scope(
-        self, name: str, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
+        self, name: str, request: ChangeSceneRequest, known: SavedScene | None, house: HouseScenes
     ) -> Sequence[tuple[Device, DevicePart]]:
         """Return the parts whose present values are saved: those of the target, or else those of the scene so far."""
         if request.target:
@@ -126,8 +126,8 @@ class SceneChanges:
                     parts[target] = wanted
                 else:
                     parts.pop(target, None)
-        if not 0 < len(parts) <= MOST_PARTS:
-            raise UsageError(f"a scene has 1 to {MOST_PARTS} parts, and this would have {len(parts)}")
+        if not 0 < len(parts) <= MAX_PARTS:
+            raise UsageError(f"a scene has 1 to {MAX_PARTS} parts, and this would have {len(parts)}")
         return parts
 
     async def _valued(self, target: str, words: str) -> list[tuple[str, dict[str, PlainValue]]]:

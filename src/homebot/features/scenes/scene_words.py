@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from homebot.command_words.earlier_values import RESTORED
+from homebot.command_words.undo_record import RESTORED
 from homebot.control.journal.given_codes import without_codes
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY

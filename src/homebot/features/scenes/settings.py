@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from homebot.config import Config, parse_settings, value_errors
-from homebot.devices.scene_messages import MOST_PARTS
+from homebot.devices.scene_messages import MAX_PARTS
 from homebot.errors import ConfigError, UsageError
 from homebot.features.scenes.scene_book import check_scene_name
 from homebot.support.folding import fold
@@ -21,7 +21,7 @@ def _without_code(words: str) -> str:
 
 
 _Values = Annotated[
-    dict[_Words, Annotated[_Words, AfterValidator(_without_code)]], Field(min_length=1, max_length=MOST_PARTS)
+    dict[_Words, Annotated[_Words, AfterValidator(_without_code)]], Field(min_length=1, max_length=MAX_PARTS)
 ]
 
 

@@ -33,7 +33,7 @@ REFILL_EVERY = 0.1
 """Seconds between checks of the waiting messages."""
 
 _QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_LONGEST = 300
+_MAX_CHARACTERS = 300
 """Characters kept of a source or a reason."""
 
 MAX_BYTES = 16 * 1024 * 1024
@@ -195,9 +195,9 @@ class PeerQuarantine(Generic[MessageT]):
 
     def record_offence(self, source: str, length: int, event: str, why: str) -> None:
         """Log a message of *length* bytes that broke a rule, and charge it to the payer of its source."""
-        name, why = source[:_LONGEST], why[:_LONGEST]
+        name, why = source[:_MAX_CHARACTERS], why[:_MAX_CHARACTERS]
         self.log_limited(event, f"{name}: {why}", source=name)
-        self.budgets.charge(source, length, f"{name}: {why}"[:_LONGEST], self._reporter.now)
+        self.budgets.charge(source, length, f"{name}: {why}"[:_MAX_CHARACTERS], self._reporter.now)
 
     async def serve(self, read_next: Callable[[Iterator[MessageT]], Awaitable[bool]]) -> None:
         """Read waiting messages whenever the budgets allow, until cancelled.
@@ -227,19 +227,21 @@ class PeerQuarantine(Generic[MessageT]):
         """
         error = crash_of(f"the convention {convention}", error)
         self._counters.failures += 1
-        self.log_limited(CONVENTION_FAILED, f"{source[:_LONGEST]}: the convention {convention} failed", source=source)
+        self.log_limited(
+            CONVENTION_FAILED, f"{source[:_MAX_CHARACTERS]}: the convention {convention} failed", source=source
+        )
         if self._limit.allows(f"{CONVENTION_FAILED} {convention}") is not None:
             self._node.log.error(
                 CONVENTION_FAILED,
                 message=f"the convention {convention} failed",
                 exc_info=error,
-                **{self._log_key: source[:_LONGEST]},
+                **{self._log_key: source[:_MAX_CHARACTERS]},
             )
 
     def log_limited(self, event: str, words: str, source: str, about: str = "") -> None:
         """Log a warning at a limited rate: per source and what it is *about*, and in total."""
-        source = source[:_LONGEST]
-        repeated = self._limit.allows(f"{event} {source} {about[:_LONGEST]}")
+        source = source[:_MAX_CHARACTERS]
+        repeated = self._limit.allows(f"{event} {source} {about[:_MAX_CHARACTERS]}")
         if repeated is None or (suppressed := self._flood_limit.allows(event)) is None:
             return
         held_back = repeated + suppressed
@@ -265,8 +267,8 @@ class PeerQuarantine(Generic[MessageT]):
         self._events.publish(self._message(budget))
         self.log_limited(
             QUARANTINED,
-            f"{payer[:_LONGEST]} breaks the rules too often; it is quarantined, and read slowly, until that stops; "
-            f"the last offence: {budget.why}",
+            f"{payer[:_MAX_CHARACTERS]} breaks the rules too often; it is quarantined, and read slowly, until "
+            f"that stops; the last offence: {budget.why}",
             source=payer,
         )
 
@@ -282,14 +284,14 @@ class PeerQuarantine(Generic[MessageT]):
             return
         budget.is_quarantined = False
         self._events.publish(self._message(budget).model_copy(update={"is_over": True}))
-        self._events.dispose(payer[:_LONGEST])
+        self._events.dispose(payer[:_MAX_CHARACTERS])
 
     def _message(self, budget: WorkBudget) -> Quarantine:
         passed = self._node.graph.clock.monotonic() - budget.since
         since = self._node.graph.clock.now() - passed
         return Quarantine(
             gateway=self._node.name,
-            offender=budget.name[:_LONGEST],
+            offender=budget.name[:_MAX_CHARACTERS],
             why=budget.why,
             offences=budget.offences,
             since=Time.from_seconds(since),

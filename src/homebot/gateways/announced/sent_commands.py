@@ -10,10 +10,10 @@ from homebot.devices.text.states import bounds_of
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, WrongCodeError
 
-MOST_LINES = 64
+MAX_LINES = 64
 """Settings shown of one part; no more are tried, as a template may take milliseconds."""
 
-_LONGEST = 200
+_MAX_CHARACTERS = 200
 _CODE = "CODE"
 _COLOR = (0.0, 100.0)
 
@@ -30,12 +30,12 @@ def sent_commands(described: DescribedPart) -> Iterator[str]:
         yield f"{label}{', '.join(part.writes)}: what is sent depends on what the device reported"
         return
     settings = [(one, value) for one in part.capabilities if one.settable for value in _samples(one)]
-    for capability, value in settings[:MOST_LINES]:
+    for capability, value in settings[:MAX_LINES]:
         sent = _sent(described.codec, capability.name, value)
         if sent is not None:
             yield f"{label}{capability.name}={_spelt(value)}: {sent}"
-    if len(settings) > MOST_LINES:
-        yield f"{label}and {len(settings) - MOST_LINES} further settings"
+    if len(settings) > MAX_LINES:
+        yield f"{label}and {len(settings) - MAX_LINES} further settings"
 
 
 def _samples(capability: Capability) -> tuple[PlainValue, ...]:
@@ -72,7 +72,7 @@ def _shown(publications: Publications) -> str:
     texts = []
     for topic, payload, _, retain in publications:
         text = payload.decode(errors="backslashreplace")
-        shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(payload):,} bytes)"
+        shown = text if len(text) <= _MAX_CHARACTERS else f"{text[:_MAX_CHARACTERS]}… ({len(payload):,} bytes)"
         texts.append(f"{topic} {shown}{' (retained)' if retain else ''}".rstrip())
     return ", ".join(texts) or "nothing"
 

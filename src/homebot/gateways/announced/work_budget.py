@@ -30,7 +30,7 @@ TOTAL_RATE = 4 * RATE
 TOTAL_BURST = 8 * BURST
 """Of the budget that all sources with devices also draw on."""
 
-LONGEST_WAIT = 1.0
+MAX_WAIT = 1.0
 """Most seconds for which a budget is used up, however long the last message was."""
 
 CALM = 10.0
@@ -85,7 +85,7 @@ class WorkBudget:
 
 
 def _limit(rate: float, burst: float) -> RateLimit:
-    return RateLimit(rate, burst, most_ahead=rate * LONGEST_WAIT)
+    return RateLimit(rate, burst, most_ahead=rate * MAX_WAIT)
 
 
 def _one_group(source: str) -> str:

@@ -62,7 +62,7 @@ DEVICE_INFORMATION = {
     "hardware": full_uuid("2a27"),
 }
 _BACKOFF = Backoff(first=1.0, factor=2.0, cap=30.0, late_cap=120.0, late_after=300.0)
-_LONGEST = 100
+_MAX_CHARACTERS = 100
 _FULL = 100
 
 
@@ -236,7 +236,7 @@ class Connections:
             if link.has(characteristic, "read"):
                 text = (await link.read(characteristic)).decode(errors="replace").strip("\0 ")
                 if text.isprintable() and text:
-                    kept.device.connected_facts[fact] = text[:_LONGEST]
+                    kept.device.connected_facts[fact] = text[:_MAX_CHARACTERS]
         kept.device.has_battery = link.has(BATTERY_LEVEL, "read")
         self._on_described(kept.device)
         for characteristic in (BATTERY_LEVEL, *((kept.profile.reported_by,) if kept.profile.report else ())):

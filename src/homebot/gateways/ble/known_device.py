@@ -14,7 +14,7 @@ from homebot.gateways.ble.settings import BleDeviceSettings
 BATTERY = "battery"
 SIGNAL = "signal"
 DISTANCE = "distance"
-_LONGEST_NAME = 100
+_MAX_NAME = 100
 _FREE_SPACE_1M = 41.0
 """dB that are lost on the first metre at 2.4 GHz."""
 
@@ -71,7 +71,7 @@ class KnownDevice:
         addresses = () if self.key.startswith(("ibeacon:", "eddystone:")) else (self.address,)
         return GatewayDevice(
             self.key,
-            self._declared.name or (said.name or self._name)[:_LONGEST_NAME] or self.key,
+            self._declared.name or (said.name or self._name)[:_MAX_NAME] or self.key,
             (*own, *said.parts, *self._battery_part(), *(_SIGNAL_PARTS if signal else ())),
             metadata={"address": self.address, **facts, **(_UNCERTAINTY if signal else {})},
             identifiers=identifiers((*addresses, *said.identifiers, *self._serial_number())),

@@ -45,7 +45,7 @@ MAX_ADDRESSES = 64
 MAX_PLANNED = 10_000
 """Records after which a browser plans no more queries: as many as the library keeps of all hosts."""
 
-LONGEST_TTL = 4500.0
+MAX_TTL = 4500.0
 """Seconds: the longest time to live that RFC 6762, section 10, recommends for any record."""
 
 UNKNOWN_TTL = 120.0
@@ -288,7 +288,7 @@ class MdnsNetwork(ServiceNetwork):
         if not records:
             return UNKNOWN_TTL, UNKNOWN_TTL
         newest = max(records, key=lambda record: record.get_remaining_ttl(now))
-        return min(float(newest.ttl), LONGEST_TTL), min(float(newest.get_remaining_ttl(now)), LONGEST_TTL)
+        return min(float(newest.ttl), MAX_TTL), min(float(newest.get_remaining_ttl(now)), MAX_TTL)
 
     async def _close(self) -> None:
         for browser in self._browsers.values():

@@ -31,7 +31,7 @@ ANSWER_WITHIN = 2.0
 ASK_EVERY = 5.0
 """Seconds until an observing homebot asks again."""
 
-_LONGEST = 1000
+_MAX_CHARACTERS = 1000
 
 
 class _LeaseMessage(BaseModel):
@@ -87,7 +87,7 @@ class ActingLease:
 
     def on_message(self, message: MqttMessage) -> None:
         """Handle a lease message of another homebot; retained ones are ignored."""
-        if message.retain or len(message.payload) > _LONGEST:
+        if message.retain or len(message.payload) > _MAX_CHARACTERS:
             return
         if message.topic == self._connection.status_topic:
             if message.payload == OFFLINE:  # the will of another homebot of the same name

@@ -24,12 +24,12 @@ from homebot.support.counters import fault
 COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
 
-MOST_AWAITED: Final = 1000
+MAX_AWAITED: Final = 1000
 """Most commands that await a response; the oldest is forgotten, and its response is then unknown."""
 
 _TOKEN: Final = 8  # bytes, as 16 hexadecimal digits: easy to copy in scripts, hard to guess
-_LONGEST: Final = 4096  # bytes of a response
-_LONGEST_REASON: Final = 200
+_MAX_BYTES: Final = 4096  # bytes of a response
+_MAX_REASON: Final = 200
 
 
 @dataclass(slots=True)
@@ -59,7 +59,7 @@ class Responses:
         self._gateway = gateway
         self._clock = clock
         self._publish = publish
-        self._awaited: BoundedMap[bytes, tuple[Command, float]] = BoundedMap(MOST_AWAITED)
+        self._awaited: BoundedMap[bytes, tuple[Command, float]] = BoundedMap(MAX_AWAITED)
 
     def request(self, command: Command, properties: Properties) -> Properties:
         """Return *properties* for a message with *command*, with a request for a response if a caller waits for one."""
@@ -106,17 +106,17 @@ def problem_of(response: bytes) -> str:
     No standard defines responses: one with an error, as Zigbee2MQTT and Shelly send, is a refusal; any other accepts.
     """
     try:
-        fields = parse_object(response[:_LONGEST])
+        fields = parse_object(response[:_MAX_BYTES])
     except WireError:
         return ""
     error = fields.get("error")
     if not (error or fields.get("status") == "error" or fields.get("success") is False):
         return ""
     text = error.get("message") if isinstance(error, dict) else error or fields.get("message")
-    return clean_text(text, _LONGEST_REASON) if isinstance(text, str) and text.strip() else "the device refuses"
+    return clean_text(text, _MAX_REASON) if isinstance(text, str) and text.strip() else "the device refuses"
 
 
-_LEAST_QOS: Final = 1
+_MIN_QOS: Final = 1
 """QoS of commands, so that the broker acknowledges them."""
 
 
@@ -205,7 +205,7 @@ class CommandPublisher:
         is_unkept = command.repeated and not self._connection.expires_messages
         publish, is_heard = self._connection.publish, False
         for publication in publications:
-            qos = 0 if is_unkept else max(publication.qos, _LEAST_QOS)
+            qos = 0 if is_unkept else max(publication.qos, _MIN_QOS)
             reason = await publish(
                 publication.topic, publication.payload, qos=qos, retain=publication.retain, properties=properties
             )

@@ -37,7 +37,7 @@ _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
 
 _Reader: TypeAlias = AnnouncedPart | AvailabilityReader
 
-_MOST = 256
+_MAX_READERS = 256
 """Most readers of a topic with commands, so that each message is little work."""
 
 
@@ -88,7 +88,10 @@ class CommandTopics:
         first = next(iter(parts.values()))
         names = _names_of(first.stored)
         return tuple(
-            islice((reader for reader in readers if _is_of(reader, names) or _is_before(reader, first, topic)), _MOST)
+            islice(
+                (reader for reader in readers if _is_of(reader, names) or _is_before(reader, first, topic)),
+                _MAX_READERS,
+            )
         )
 
     def _is_approved(self, part: AnnouncedPart) -> bool:

@@ -26,7 +26,7 @@ EMBEDDED = "embedded"
 RECEIVE_MAXIMUM = 2048
 """Messages that may wait for our acknowledgement.
 
-Together with the 1,000 that Mosquitto queues by default, this is how many retained messages the first subscription
+GroupBatcher with the 1,000 that Mosquitto queues by default, this is how many retained messages the first subscription
 receives without loss.
 """
 

@@ -8,7 +8,7 @@ from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 from homebot.mqtt.topics import validate_filter
 
 MAX_TOPICS = 100_000
-LONGEST = 1000
+MAX_CHARACTERS = 1000
 LITERAL_LEVELS = 2
 """Fewest literal levels of a filter that begins with a wildcard; Theengs Gateway: ``+/+/BTtoMQTT/A4C138000011``."""
 
@@ -74,8 +74,8 @@ class StateTopics:
         return is_other and not has_wildcard(topic_filter)
 
     def _check(self, topic_filter: str) -> None:
-        if len(topic_filter) > LONGEST:
-            raise WireError(f"a state topic of {len(topic_filter)} characters is over the limit of {LONGEST}")
+        if len(topic_filter) > MAX_CHARACTERS:
+            raise WireError(f"a state topic of {len(topic_filter)} characters is over the limit of {MAX_CHARACTERS}")
         try:
             validate_filter(topic_filter)
         except InvalidNameError as exc:

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Final
 
-_BUSY, _MOST_SHOWN = 3, 5
+_BUSY, _MAX_SHOWN = 3, 5
 _OWN: Final = "homebot"
 
 
@@ -26,8 +26,8 @@ def unread_notes(
     groups = _unread_groups(counts, is_read, levels, programs)
     busy = [(group, count) for group, count in groups.most_common() if count >= _BUSY]
     if busy:
-        shown = ", ".join(f"{group[:100]} ({count})" for group, count in busy[:_MOST_SHOWN])
-        more = f" and {len(busy) - _MOST_SHOWN} more" if len(busy) > _MOST_SHOWN else ""
+        shown = ", ".join(f"{group[:100]} ({count})" for group, count in busy[:_MAX_SHOWN])
+        more = f" and {len(busy) - _MAX_SHOWN} more" if len(busy) > _MAX_SHOWN else ""
         yield (
             f"nothing here reads the topics that begin with {shown}{more}, counted for a minute: programs publish "
             "there that announce no devices, or under a prefix that is not configured (docs/conventions.md)"

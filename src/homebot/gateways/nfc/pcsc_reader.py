@@ -17,7 +17,7 @@ from homebot.gateways.nfc.reader import ReaderDesk, TagReader
 _ANY_CHANGE: Final = "\\\\?PnP?\\Notification"
 """The name under which the service reports that a reader was plugged in or out."""
 
-_LONGEST_WAIT: Final = 200
+_MAX_WAIT: Final = 200
 """Milliseconds after which the thread checks whether it should end, or write a tag."""
 
 _TRIES: Final = 3
@@ -80,7 +80,7 @@ class _Session:
         self._find_readers(is_first=True)
         while not self._desk.is_stopped:
             asked = [(_ANY_CHANGE, self._any_change), *((name, slot.state) for name, slot in self._slots.items())]
-            result, states = self._scard.SCardGetStatusChange(self._context, _LONGEST_WAIT, asked)
+            result, states = self._scard.SCardGetStatusChange(self._context, _MAX_WAIT, asked)
             if result == self._scard.SCARD_E_TIMEOUT:
                 self._work()
             elif result in {self._scard.SCARD_E_UNKNOWN_READER, self._scard.SCARD_E_READER_UNAVAILABLE}:

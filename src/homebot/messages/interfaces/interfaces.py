@@ -38,16 +38,16 @@ _PACKAGES: Final = (
 _CLASSES: Final = {one: f"{_HOME}.{one}" for one in _PACKAGES.split()} | {"diagnostic_msgs": f"{_HOME}.key_value"}
 """The modules with classes of packages that homebot itself uses, which take precedence over text definitions."""
 
-_MOST_DEFINED: Final = 200
+_MAX_DEFINED: Final = 200
 """The limit of types of one client."""
 
-_LONGEST_TEXT: Final = 65_536
-_MOST_FIELDS: Final = 300
+_MAX_TEXT: Final = 65_536
+_MAX_FIELDS: Final = 300
 _DEEPEST: Final = 20
-_MOST_VALUES: Final = 100_000
+_MAX_VALUES: Final = 100_000
 """The limit of values in a message, not counting variable-length arrays: nested fixed arrays could be huge."""
 
-_LONGEST_NAME: Final = 100
+_MAX_NAME: Final = 100
 
 
 class Interfaces:
@@ -146,10 +146,10 @@ class Interfaces:
             UsageError: The definition is invalid, too large, or differs from the known one; the client has too many
             types, or the package belongs to homebot.
         """
-        key, texts = _split(ros_type[:_LONGEST_NAME], definition)
+        key, texts = _split(ros_type[:_MAX_NAME], definition)
         parsed = {name: parse_interface(name, text) for name, text in texts.items()}
-        if sum(len(message.fields) for messages in parsed.values() for message in messages) > _MOST_FIELDS:
-            raise UsageError(f"{key}: the definition has more than {_MOST_FIELDS} fields")
+        if sum(len(message.fields) for messages in parsed.values() for message in messages) > _MAX_FIELDS:
+            raise UsageError(f"{key}: the definition has more than {_MAX_FIELDS} fields")
         new = {}
         for name, messages in parsed.items():
             if self._is_known(name):
@@ -159,10 +159,8 @@ class Interfaces:
                 raise UsageError(f"{name}: the package {package} is not for types of clients; {hint}")
             else:
                 new[name] = texts[name]
-        if new and self._defined[client] + len(new) > _MOST_DEFINED:
-            raise UsageError(
-                f"{key}: this client has defined {self._defined[client]} types, of {_MOST_DEFINED} at most"
-            )
+        if new and self._defined[client] + len(new) > _MAX_DEFINED:
+            raise UsageError(f"{key}: this client has defined {self._defined[client]} types, of {_MAX_DEFINED} at most")
         self._add(new, parsed)
         self._defined[client] += len(new)
         return self._resolve(key)
@@ -179,7 +177,7 @@ class Interfaces:
             raise
 
     def _find(self, ros_type: str, kind: str) -> Any:
-        shown = ros_type[:_LONGEST_NAME]
+        shown = ros_type[:_MAX_NAME]
         key = interface_key(shown, kind)
         if not key or not self._is_known(key):
             raise UnknownTypeError(shown, _KIND_NAMES[kind], self._similar(key or shown, kind))
@@ -237,16 +235,16 @@ def _split(ros_type: str, definition: str) -> tuple[str, dict[str, str]]:
     key = interface_key(ros_type, kind)
     if not key:
         raise UsageError(f"{ros_type!r} is not a type; write package/msg/Name, or with srv or action")
-    if len(definition) > _LONGEST_TEXT:
-        raise UsageError(f"{key}: the definition has {len(definition)} characters, at most {_LONGEST_TEXT} are read")
+    if len(definition) > _MAX_TEXT:
+        raise UsageError(f"{key}: the definition has {len(definition)} characters, at most {_MAX_TEXT} are read")
     return key, split_definitions(key, definition)
 
 
 def _check_size(key: str, messages: Iterable[type[Message]]) -> None:
     for values, depth in map(_size, messages):
-        if values > _MOST_VALUES or depth > _DEEPEST:
+        if values > _MAX_VALUES or depth > _DEEPEST:
             raise UsageError(
-                f"{key} holds {values} values in {depth} levels, at most {_MOST_VALUES} in {_DEEPEST} are possible"
+                f"{key} holds {values} values in {depth} levels, at most {_MAX_VALUES} in {_DEEPEST} are possible"
             )
 
 

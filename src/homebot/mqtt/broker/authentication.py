@@ -17,11 +17,11 @@ _NOBODYS = bytes(32)
 
 _FREE: Final = 3  # wrong secrets without a delay: people mistype
 _FIRST: Final = 0.5
-_LONGEST: Final = 8.0
+_MAX_DELAY_S: Final = 8.0
 """Seconds; less than a CONNECT may wait, so that an honest client on the same host gets its chance."""
 
 _FORGOTTEN: Final = 600.0  # seconds after the last wrong secret
-_MOST: Final = 1000
+_MAX_HOSTS: Final = 1000
 
 
 class _Guesses:
@@ -35,7 +35,7 @@ class _Guesses:
     def delay(self) -> float:
         """Seconds after the last failure without another attempt."""
         excess = self.failures - _FREE
-        return 0.0 if excess <= 0 else min(_FIRST * 2.0 ** min(excess - 1, 10), _LONGEST)
+        return 0.0 if excess <= 0 else min(_FIRST * 2.0 ** min(excess - 1, 10), _MAX_DELAY_S)
 
 
 @final
@@ -47,7 +47,7 @@ class GuessDelays:
     """
 
     def __init__(self) -> None:
-        self._guesses: BoundedMap[str, _Guesses] = BoundedMap(_MOST)
+        self._guesses: BoundedMap[str, _Guesses] = BoundedMap(_MAX_HOSTS)
 
     def __len__(self) -> int:
         return len(self._guesses)
@@ -106,7 +106,7 @@ class Authentication:
         return hmac.digest(self._key, password, "sha256")
 
 
-_MOST_KNOWN: Final = 2000
+_MAX_KNOWN: Final = 2000
 _LONG: Final = 16  # bytes of a password too long to guess
 
 
@@ -130,7 +130,7 @@ class LoginThrottle:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._guessers = GuessDelays()
-        self._known: BoundedMap[Applicant, bool] = BoundedMap(_MOST_KNOWN)  # whether it has been right since
+        self._known: BoundedMap[Applicant, bool] = BoundedMap(_MAX_KNOWN)  # whether it has been right since
 
     def __len__(self) -> int:
         return len(self._guessers)

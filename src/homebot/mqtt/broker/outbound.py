@@ -23,7 +23,7 @@ from homebot.mqtt.packets import (
 from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-_LONGEST_ALIASED = 512  # characters; each client remembers its topics
+_MAX_ALIASED = 512  # characters; each client remembers its topics
 
 
 @final
@@ -103,7 +103,7 @@ class Outbound:
 
     def _alias_for(self, topic: str) -> int:
         """Return the alias of *topic*, old or new; 0 for none."""
-        if len(topic) > _LONGEST_ALIASED:
+        if len(topic) > _MAX_ALIASED:
             return 0
         known = self._aliases.get(topic)
         if known:

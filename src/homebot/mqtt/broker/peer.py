@@ -28,7 +28,7 @@ from homebot.mqtt.packets import (
 )
 
 _CONNECT = b"\x10"
-_MOST_DEFERRED = 16 * 1024  # bytes waiting for a later turn
+_MAX_DEFERRED = 16 * 1024  # bytes waiting for a later turn
 _CUT_BY_A_READ = 4096  # bytes: one read may leave about that much of a packet
 _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
 
@@ -93,7 +93,7 @@ class Peer:
             self._fail(error)
             return
         if self._is_deferred:
-            if self._reader.held >= _MOST_DEFERRED:
+            if self._reader.held >= _MAX_DEFERRED:
                 self._link.pause_reading()
         elif self._state.turn.has_time():
             self._go_on()

@@ -24,7 +24,7 @@ from homebot.support.logger import get_logger
 from homebot.support.turn_budget import SHARE, TurnBudget
 
 _WARNINGS = 20  # per event in ten seconds: enough to distinguish a few clients
-_LONGEST_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
+_MAX_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
 _log = get_logger()
 
 
@@ -195,4 +195,4 @@ def _refuse_unread(client: ConnectedClient) -> None:
 
 def short(text: str) -> str:
     """Return *text*, cut to 100 characters."""
-    return text if len(text) <= _LONGEST_TEXT else f"{text[: _LONGEST_TEXT - 1]}…"
+    return text if len(text) <= _MAX_TEXT else f"{text[: _MAX_TEXT - 1]}…"

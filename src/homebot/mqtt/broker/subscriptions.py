@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from homebot.mqtt.broker.session import BrokerSession
 
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond that the cache starts afresh
-_MOST_CACHED = 50_000  # targets of all cached topics
-_LONGEST_CACHED = 512  # characters of a topic
+_MAX_CACHED = 50_000  # targets of all cached topics
+_MAX_CACHED = 512  # characters of a topic
 
 
 class Target(NamedTuple):
@@ -139,8 +139,8 @@ class SubscriptionTree:
         route = self._cache.get(topic)
         if route is None:
             route = self._find(topic)
-            if len(topic) <= _LONGEST_CACHED:
-                if self._cached >= _MOST_CACHED or len(self._cache) >= _MAX_CACHED_TOPICS:
+            if len(topic) <= _MAX_CACHED:
+                if self._cached >= _MAX_CACHED or len(self._cache) >= _MAX_CACHED_TOPICS:
                     self.forget_routes()
                 self._cache[topic] = route
                 self._cached += len(route.targets) + len(route.groups)

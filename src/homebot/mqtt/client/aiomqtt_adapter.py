@@ -108,7 +108,7 @@ class _AiomqttLink(ClientLink):
 
     async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
         extra = None if properties is NO_PROPERTIES or not self._is_v5 else values.publish_properties(properties)
-        qos = min(qos, values.MOST_QOS)
+        qos = min(qos, values.MAX_QOS)
         self._check_granted(topic, len(payload) + values.packed_size(extra), qos, retain=retain)
         if qos:
             return await self._publish_and_wait(topic, payload, qos, extra, retain=retain)

@@ -17,7 +17,7 @@ from homebot.mqtt.client.login import MqttVersion, SessionGrant
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import MqttSubscription, Properties
 
-MOST_QOS: Final = 1
+MAX_QOS: Final = 1
 """The highest QoS to publish with."""
 
 # The libraries log peers' mistakes without a limit; our errors and events contain the facts.
@@ -107,7 +107,7 @@ def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: PahoPro
     return SessionGrant(
         resumed=bool(flags.session_present),
         protocol=version,
-        maximum_qos=min(getattr(properties, "MaximumQoS", MOST_QOS), MOST_QOS),
+        maximum_qos=min(getattr(properties, "MaximumQoS", MAX_QOS), MAX_QOS),
         retain_available=bool(getattr(properties, "RetainAvailable", 1)),
         receive_maximum=getattr(properties, "ReceiveMaximum", 65_535),
         maximum_packet_size=getattr(properties, "MaximumPacketSize", None),

@@ -94,8 +94,8 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
     while cursor.position < stop:
         number = cursor.varint()
         row = _row_of(number, packet, cursor)
-        if len(users) + len(identifiers) == _MOST_REPEATED:
-            raise PacketError(f"more than {_MOST_REPEATED} properties", cursor.body, ReasonCode.QUOTA_EXCEEDED)
+        if len(users) + len(identifiers) == _MAX_REPEATED:
+            raise PacketError(f"more than {_MAX_REPEATED} properties", cursor.body, ReasonCode.QUOTA_EXCEEDED)
         if row.kind is _PAIR:
             users.append((cursor.text(), cursor.text()))
             continue
@@ -235,7 +235,7 @@ _MESSAGE = _in(_P.PUBLISH, _P.WILL)
 _SIGN_IN = _in(_P.CONNECT, _P.CONNACK)
 _ANSWERS = (_P.CONNACK, _P.PUBACK, _P.PUBREC, _P.PUBREL, _P.PUBCOMP, _P.SUBACK, _P.UNSUBACK)
 _SUBSCRIPTION_IDENTIFIER = 0x0B
-_MOST_REPEATED = 1000  # each takes some hundred bytes and a microsecond
+_MAX_REPEATED = 1000  # each takes some hundred bytes and a microsecond
 
 _TABLE = (
     _Row(0x01, "payload_format_indicator", _UINT8, _MESSAGE, _flag),

@@ -144,7 +144,7 @@ ENCODERS: dict[type, Callable[..., bytes]] = {
     Unsuback: _encode_unsuback,
 }
 
-_MOST_FILTERS: Final = 5000  # of one packet, which is read in one piece
+_MAX_FILTERS: Final = 5000  # of one packet, which is read in one piece
 
 _COMMON_REASONS = by_number(
     ReasonCode.SUCCESS,
@@ -190,8 +190,8 @@ def _close(
 
 
 def _check_number(filters: Sequence[object], body: bytes) -> None:
-    if len(filters) == _MOST_FILTERS:
-        raise PacketError(f"more than {_MOST_FILTERS} filters", body, ReasonCode.QUOTA_EXCEEDED)
+    if len(filters) == _MAX_FILTERS:
+        raise PacketError(f"more than {_MAX_FILTERS} filters", body, ReasonCode.QUOTA_EXCEEDED)
 
 
 def _filter(cursor: Cursor) -> str:

@@ -7,10 +7,10 @@ from tests.gateways.checked_command import checked_command
 from tests.integrations.homekit.gateway.fake_accessories import accessory, characteristic, service
 
 from homebot.conventions.capability_row import writer_of
-from homebot.devices.obedience import fits
 from homebot.devices.part import Capability
 from homebot.devices.query.terms import OPENING_TAGS
 from homebot.devices.value import PlainValue
+from homebot.devices.value_comparison import fits
 from homebot.errors import RefusedError, WireError
 from homebot.integrations.homekit.formats.accessory import parse_accessories, short_type
 from homebot.integrations.homekit.formats.parts import HomekitPart, parts_of

@@ -21,7 +21,7 @@ from homebot.integrations.homeassistant.automations.triggers import read_trigger
 from homebot.support.located import Located
 from homebot.words.automations import ImportedRoutines, Refusal, RoutineCheck
 from homebot.words.routine_text import routine_text
-from homebot.words.steps import MOST, Do, Notify, read_step
+from homebot.words.steps import MAX_LINES, Do, Notify, read_step
 
 Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
@@ -149,9 +149,9 @@ class Actions:
         fields.end()
         is_plain = all(isinstance(step, str) and not step.startswith("wait until") for step in steps)
         times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
-        if not is_plain or not 0 < times * max(len(steps), 1) <= MOST:  # before they are written
+        if not is_plain or not 0 < times * max(len(steps), 1) <= MAX_LINES:  # before they are written
             raise NotCarriedError(
-                f"action repeat: carried over are commands and delays with a `count`, at most {MOST} together"
+                f"action repeat: carried over are commands and delays with a `count`, at most {MAX_LINES} together"
             )
         return steps * times
 

@@ -49,14 +49,14 @@ _VIVID_HUE: Final = 30.0
 _VIVID_SATURATION: Final = (-10.0, 35.0)
 """How far the nearest colour that a lamp can show may be from a vivid one: most lamps are less saturated."""
 
-_FEWEST_SPEEDS: Final = 2
-_MOST_SPEEDS: Final = 10
+_MIN_SPEEDS: Final = 2
+_MAX_SPEEDS: Final = 10
 _SPEED_ROUNDING: Final = 0.005
 """For speeds: 33 % is the first of three, and 34 % the second."""
 
 _HALF: Final = 0.5
 
-_LONGEST_TEXT: Final = 40
+_MAX_TEXT: Final = 40
 
 
 def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
@@ -139,7 +139,7 @@ def _is_next_speed(wanted: float, seen: float) -> bool:
     """Return whether *seen* is the speed to which a fan with few speeds rounds *wanted*: the next higher one."""
     if not 0 < wanted <= seen <= 100:
         return False
-    for speeds in range(_FEWEST_SPEEDS, _MOST_SPEEDS + 1):
+    for speeds in range(_MIN_SPEEDS, _MAX_SPEEDS + 1):
         speed = math.ceil(wanted * speeds / 100 - _SPEED_ROUNDING)
         if -_HALF <= speed * 100 / speeds - seen < 1:  # for 66.7 % some report 66 and others 67
             return True
@@ -226,7 +226,7 @@ def value_text(value: PlainValue) -> str:
             return ", ".join(map(_number_text, value))
         case None:
             return "unknown"
-    return value[:_LONGEST_TEXT]
+    return value[:_MAX_TEXT]
 
 
 def _number_text(value: float) -> str:

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 _QOS: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST: Final = {GatewayState: 1, CommandAnswer: 1000, RawMessage: 1000}
-MOST_OF_EACH: Final = 500_000
+MAX_OF_EACH: Final = 500_000
 """Devices and reports: as many as a gateway may keep for late joiners."""
 
 
-class WaitingNews:
+class PendingUpdates:
     """The newest of each device and report of a gateway, and its other news, since they were last taken.
 
     Args:
@@ -97,4 +97,4 @@ class WaitingNews:
 
 
 def _most(kind: type[Message]) -> int:
-    return _MOST.get(kind, MOST_OF_EACH)
+    return _MOST.get(kind, MAX_OF_EACH)

@@ -9,12 +9,12 @@ from homebot.devices.capabilities import LIGHTS_UP
 from homebot.devices.device import State
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import GET_PLACES, WHERE_IS_ROBOT
-from homebot.devices.obedience import END_POSITIONS
 from homebot.devices.places_messages import DoorInfo, GetPlaces, GetPlacesResponse
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.scene_client import Scenes
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
+from homebot.devices.value_comparison import END_POSITIONS
 from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.features.goals.operators import PlanStep
 from homebot.graph import EntityKind, Node
@@ -32,7 +32,7 @@ _DRIVE_ACTIONS: Final = ("/navigate_to_pose", "/dock_robot")
 
 
 @dataclass(frozen=True, slots=True)
-class HouseNow:
+class HouseSnapshot:
     """The house at a moment.
 
     Attributes:
@@ -56,7 +56,7 @@ class HouseNow:
         fitting = (one for one in self.devices.values() if wanted in map(fold, (one.name, *one.names)))
         return min(fitting, key=lambda one: one.id, default=None)
 
-    def after(self, steps: Iterable[PlanStep]) -> "HouseNow":
+    def after(self, steps: Iterable[PlanStep]) -> "HouseSnapshot":
         """Return the house as it is when *steps* are done."""
         devices, robots = dict(self.devices), dict(self.robots)
         for step in steps:
@@ -109,7 +109,7 @@ class HouseReader:
             [one.name for one in rooms], [one for one in areas if one], robots, [one.name for one in scenes]
         )
 
-    async def read(self, robots: Iterable[tuple[str, str]], assumed: Assumed) -> HouseNow:
+    async def read(self, robots: Iterable[tuple[str, str]], assumed: Assumed) -> HouseSnapshot:
         """Return the house with *robots*, each with the room that it is to reach.
 
         Raises:
@@ -128,7 +128,7 @@ class HouseReader:
                 await check_move(self.node, SendRobot("", robot, room))
             except UsageError as exc:
                 problems[robot] = str(exc)
-        return HouseNow(devices, (await self.places()).doors, at, lost, problems)
+        return HouseSnapshot(devices, (await self.places()).doors, at, lost, problems)
 
     async def _robot(self, robot: str) -> WhereIsRobotResponse:
         try:

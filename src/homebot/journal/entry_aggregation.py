@@ -13,25 +13,25 @@ IN_FULL: Final = 10
 _STEPS: Final = frozenset({"judged", "sent", "acknowledged", "reported", "reverted", "would"})
 """Steps of a command other than its request and its outcome."""
 
-MOST_OF_ISSUER: Final = 1000
+MAX_OF_ISSUER: Final = 1000
 """Commands of one issuer that are stored in each minute; further ones are folded as if all were to one part."""
 
 _MINUTE: Final = 60.0
-_MOST_COUNTED: Final = 30_000
+_MAX_COUNTED: Final = 30_000
 """Issuers, their parts, and the outcomes there."""
 
 _Notes: TypeAlias = list[JournalNote]
 
 
 @final
-class CommandFolding:
+class EntryAggregation:
     """Filter in front of the store: a flood of equal commands becomes a few entries a minute.
 
     An entry without an issuer passes. At most 1,000 commands of one issuer are stored in a minute.
     """
 
     def __init__(self) -> None:
-        self._counted = Limiter[tuple[str, ...], _Notes](_MINUTE, _MOST_COUNTED, self._on_over)
+        self._counted = Limiter[tuple[str, ...], _Notes](_MINUTE, _MAX_COUNTED, self._on_interval_end)
         self._ended: _Notes = []
 
     def add(self, notes: Sequence[JournalNote]) -> Sequence[JournalNote]:
@@ -53,7 +53,7 @@ class CommandFolding:
         """Return whether to store *notes*; if not, they take the place of the command before with the same outcome."""
         first, last, of = notes[0], notes[-1], self._counted.of
         issuer = of((first.issuer,), last.at)
-        is_flood = issuer.passed >= MOST_OF_ISSUER  # the named devices may not exist
+        is_flood = issuer.passed >= MAX_OF_ISSUER  # the named devices may not exist
         key = (first.issuer, "", "") if is_flood else (first.issuer, first.device, first.part)
         part = of(key, last.at)
         if part.passed >= IN_FULL - 1 and not of((*key, _outcome(last)), last.at).admit(1, list(notes)):
@@ -62,7 +62,7 @@ class CommandFolding:
         part.passed += 1
         return True
 
-    def _on_over(self, _key: object, interval: LimitInterval[_Notes]) -> None:
+    def _on_interval_end(self, _key: object, interval: LimitInterval[_Notes]) -> None:
         self._ended += _folded(*interval.release())
 
 

@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
 
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.entrance import LOG_IN
+from homebot.bridges.rosbridge.handshake import LOG_IN
 
 SETTINGS = DoorSettings(port=0, max_arriving_bytes_of_all=100_000)
 

@@ -18,10 +18,10 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import references
-from homebot.devices.obedience import is_same
 from homebot.devices.outcomes import Refused
 from homebot.devices.part import check_setting
 from homebot.devices.query.terms import FactIs, type_is
+from homebot.devices.value_comparison import is_same
 from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class _Batch:
 
 
 @final
-class Together:
+class GroupBatcher:
     """Finds a group for commands that one issuer gave at once."""
 
     def __init__(

@@ -31,7 +31,7 @@ def _do_nothing() -> None:
 
 
 @final
-class KeptFile(Generic[F]):
+class ManagedFile(Generic[F]):
     """A file, used by one task at a time.
 
     In place of a damaged one, which is moved aside, and of one that was removed, the next use begins a new one. One

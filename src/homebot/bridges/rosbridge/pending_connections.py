@@ -6,10 +6,10 @@ from typing import Final, Protocol, final
 
 from homebot.support.byte_account import ByteAccount
 
-_MOST_ARRIVING: Final = 64
+_MAX_ARRIVING: Final = 64
 """Most connections without a session; one more closes the oldest."""
 
-_MOST_OF_ONE: Final = 131_072
+_MAX_OF_ONE: Final = 131_072
 """Most bytes of a connection without a session: of a request to the HTTP API, and of a page that must log in."""
 
 
@@ -43,7 +43,7 @@ class Arrivals:
         """Add a connection without a session."""
         self._bytes.setdefault(connection, 0)
         self._without_session[connection] = None
-        if len(self._without_session) > _MOST_ARRIVING:
+        if len(self._without_session) > _MAX_ARRIVING:
             self._cut(next(iter(self._without_session)))
 
     def has_session(self, connection: Arrival) -> None:
@@ -55,7 +55,7 @@ class Arrivals:
         if connection in self._bytes:
             self._bytes[connection] += size
             self._account.add(size)
-            if connection in self._without_session and self._bytes[connection] > _MOST_OF_ONE:
+            if connection in self._without_session and self._bytes[connection] > _MAX_OF_ONE:
                 self._cut(connection)
 
     def remove(self, connection: Arrival) -> None:

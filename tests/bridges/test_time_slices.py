@@ -4,7 +4,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.time_slices import ServerTurns
 
 
 class WorkClock:

@@ -11,7 +11,7 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, target_of
 from homebot.devices.journal_messages import GetCauses, GetCausesRequest, KnownCause
 from homebot.devices.names import GET_CAUSES
-from homebot.devices.obedience import fits
+from homebot.devices.value_comparison import fits
 from homebot.errors import ServiceError
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ async def known_states(node: Node, devices: Iterable[Device], *, from_journal: b
 
 
 @final
-class EarlierValues:
+class UndoRecord:
     """The values before some commands.
 
     Args:

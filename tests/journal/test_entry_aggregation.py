@@ -13,7 +13,7 @@ from homebot import Light
 from homebot.devices.command_messages import CommandRequest
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.outcomes import AlreadySo, NoAnswer
-from homebot.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
+from homebot.journal.entry_aggregation import IN_FULL, MAX_OF_ISSUER, EntryAggregation
 from homebot.journal.store import JournalNote, JournalStore
 
 FLOOD = 200
@@ -30,7 +30,7 @@ def command(
     ]
 
 
-def stored(folding: CommandFolding, notes: list[JournalNote]) -> list[tuple[str, str, int]]:
+def stored(folding: EntryAggregation, notes: list[JournalNote]) -> list[tuple[str, str, int]]:
     return [(one.kind, one.command, one.folded) for one in folding.add(notes)]
 
 
@@ -39,7 +39,7 @@ def in_full(number: int, folded: int = 0) -> list[tuple[str, str, int]]:
 
 
 def test_equal_commands_of_a_minute_leave_the_newest_and_their_number() -> None:
-    folding = CommandFolding()
+    folding = EntryAggregation()
     for number in range(IN_FULL):
         assert stored(folding, command(number)) == in_full(number)
     for number in range(IN_FULL, FLOOD):
@@ -50,7 +50,7 @@ def test_equal_commands_of_a_minute_leave_the_newest_and_their_number() -> None:
 
 
 def test_another_outcome_in_the_same_minute_is_kept() -> None:
-    folding = CommandFolding()
+    folding = EntryAggregation()
     for number in range(FLOOD):
         stored(folding, command(number))
     assert stored(folding, command(FLOOD, "no_answer")) == in_full(FLOOD)
@@ -58,7 +58,7 @@ def test_another_outcome_in_the_same_minute_is_kept() -> None:
 
 
 def test_others_and_what_has_no_issuer_pass() -> None:
-    folding = CommandFolding()
+    folding = EntryAggregation()
     for number in range(FLOOD):
         stored(folding, command(number))
     assert stored(folding, command(FLOOD, issuer="/app")) == in_full(FLOOD)
@@ -67,14 +67,14 @@ def test_others_and_what_has_no_issuer_pass() -> None:
 
 
 def test_a_flood_of_leases_is_folded_too() -> None:
-    folding = CommandFolding()
+    folding = EntryAggregation()
     notes = [JournalNote("held", NOW, "lamp", issuer="client:a") for _ in range(FLOOD)]
     assert sum(len(stored(folding, [note])) for note in notes) == IN_FULL
     assert [one.folded for one in folding.waiting()] == [FLOOD - IN_FULL - 1]
 
 
 def test_a_command_that_is_filed_before_its_outcome_leaves_no_more_than_another() -> None:
-    folding = CommandFolding()
+    folding = EntryAggregation()
     begun = [command(number)[:2] for number in range(FLOOD)]
     ended = [command(number)[2:] for number in range(FLOOD)]
     assert sum(len(stored(folding, notes)) for notes in (*begun, *ended)) == 2 * IN_FULL + 1
@@ -113,12 +113,12 @@ async def test_folded_commands_are_read_at_their_time_and_not_at_that_of_their_s
 
 
 def test_a_flood_of_commands_to_ever_new_devices_is_folded_too() -> None:
-    folding = CommandFolding()
+    folding = EntryAggregation()
     commands = [[note._replace(device=f"d{number}") for note in command(number)] for number in range(5000)]
-    assert sum(len(stored(folding, notes)) for notes in commands) == 3 * (MOST_OF_ISSUER + IN_FULL)
+    assert sum(len(stored(folding, notes)) for notes in commands) == 3 * (MAX_OF_ISSUER + IN_FULL)
     assert stored(folding, command(9999, issuer="/app")) == in_full(9999)
     assert {one.device: one.folded for one in folding.waiting() if one.kind == "requested"} == {
-        "d4999": 5000 - MOST_OF_ISSUER - IN_FULL - 1
+        "d4999": 5000 - MAX_OF_ISSUER - IN_FULL - 1
     }
 
 

@@ -10,8 +10,8 @@ from structlog.testing import capture_logs
 from structlog.typing import EventDict
 
 from homebot.errors import LinkError
-from homebot.support.kept_file import KeptFile
 from homebot.support.logger import get_logger
+from homebot.support.managed_file import ManagedFile
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
 WORDS = SqliteSchema("file of words", 1, ("CREATE TABLE words (one)",), ("SELECT one FROM words",))
@@ -37,7 +37,7 @@ class Kept:
 
     def __init__(self, path: Path) -> None:
         self.renewals = self.ends = 0
-        self.file = KeptFile(
+        self.file = ManagedFile(
             WordFile(path),
             "the words",
             "words are lost",

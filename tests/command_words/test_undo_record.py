@@ -1,6 +1,6 @@
 """What was before commands comes back, unless something else has changed it since."""
 
-from homebot.command_words.earlier_values import EarlierValues, KnownStates, KnownValue
+from homebot.command_words.undo_record import KnownStates, KnownValue, UndoRecord
 from homebot.devices.command_messages import CommandedPart, CommandResult, Setting
 from homebot.devices.device import State
 from homebot.devices.journal_messages import KnownCause
@@ -39,7 +39,7 @@ def by_hand(**values: PlainValue) -> KnownStates:
 
 def undone(before: KnownStates, now: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
     """Undo the command *c1*."""
-    earlier = EarlierValues()
+    earlier = UndoRecord()
     earlier.add_parts(before, {LAMP: {}}, ["c1"])
     return earlier.due(now)
 
@@ -75,7 +75,7 @@ def test_a_cover_goes_back_to_its_position_without_a_word_for_its_movement() -> 
 
 
 def test_a_second_command_keeps_what_was_before_the_first() -> None:
-    earlier = EarlierValues()
+    earlier = UndoRecord()
     earlier.add_parts(lamp(level=20.0), {LAMP: {}}, ["c1"])
     earlier.add_parts(lamp("c1", level=80.0), {LAMP: {}}, ["c2"])
     assert earlier.due(lamp("c2", level=50.0)) == {LAMP: (Setting.of("level", 20.0),)}
@@ -83,7 +83,7 @@ def test_a_second_command_keeps_what_was_before_the_first() -> None:
 
 
 def test_it_can_be_kept_as_json() -> None:
-    earlier = EarlierValues({"lamp color": [[120.0, 50.0], ["c1"], None]})
+    earlier = UndoRecord({"lamp color": [[120.0, 50.0], ["c1"], None]})
     assert earlier.due(lamp("c1", color=(0.0, 100.0))) == {LAMP: (Setting.of("color", (120.0, 50.0)),)}
 
 
@@ -94,7 +94,7 @@ def commanded(outcome: Outcome, command: str = "c1") -> CommandedPart:
 
 def undone_after(outcome: Outcome, now: KnownStates) -> list[tuple[str, str]]:
     """Undo the command *c1*, which turned the lamp on, with this outcome."""
-    earlier = EarlierValues()
+    earlier = UndoRecord()
     earlier.add(lamp(on_off=False, level=20.0), [commanded(outcome)])
     return list(earlier.due(now))
 
@@ -120,7 +120,7 @@ def test_after_a_restart_a_value_comes_back_if_it_is_as_it_was_reported() -> Non
 
 
 def test_a_second_command_that_changed_nothing_keeps_what_the_first_one_was_reported_for_a_restart() -> None:
-    earlier = EarlierValues()
+    earlier = UndoRecord()
     confirmed = Confirmed(0.5, Evidence.REPORTED, reported={"on_off": True})
     earlier.add(lamp(on_off=False), [commanded(confirmed)])
     earlier.add(lamp("c1", on_off=True), [commanded(AlreadySo(), "c2")])
