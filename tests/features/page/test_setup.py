@@ -12,7 +12,7 @@ from tests.discovery.directory_house import directory
 
 from homebot.config import load_config
 from homebot.devices.app_messages import ChangeAppResponse, Reload, ReloadRequest
-from homebot.features.page.setup import Setup
+from homebot.features.page.page import offer_setup
 from homebot.features.page.setup_messages import (
     ChangeSetup,
     ChangeSetupRequest,
@@ -64,7 +64,7 @@ async def wizard(folder: Path) -> AsyncIterator[Wizard]:
     graph = Graph()
     async with Node(graph, "page") as page, Node(graph, "homebot") as main, Node(graph, "screen") as screen:
         made = Wizard(screen, file)
-        Setup(page, lambda: file if file.exists() else None).serve()
+        offer_setup(page, lambda: file if file.exists() else None)
         main.create_service(Reload, "/homebot/reload", made.reload)
         yield made
 
@@ -141,7 +141,7 @@ async def test_a_token_has_no_more_rights_than_who_makes_it(
 async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
     facts = {"needs_gateway": "hue", "next_step": "press its button"}
     async with directory() as house, Node(house.asker.graph, "page") as page:
-        Setup(page, lambda: None).serve()
+        offer_setup(page, lambda: None)
         await house.hears(
             announce("l", part_of("light", "on_off", id="p"), ids=("id:l",), name="Lamp", at=1.0),
             announce("b", part_of("x_unknown", id="p"), ids=("id:b",), name="Bridge", facts=facts, at=1.0),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Final, Protocol, final
 
 import anyio
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from homebot.feature_context import FeatureContext
+    from homebot.features.page.setup import Setup
 
 UNREADABLE: Final = "page.unreadable"
 
@@ -68,13 +69,13 @@ def offer_setup(node: Node, file: Callable[[], Path | None]) -> None:
     """Offer the services of the setup, which is loaded with the first call."""
 
     @cache
-    def start() -> None:
+    def setup() -> Setup:
         from homebot.features.page.setup import Setup  # noqa: PLC0415 - few runs are set up
 
-        Setup(node, file).serve()
+        return Setup(node, file)
 
     for service in (FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN):
-        node.offer_service(service.ros_type, service.name, start)
+        node.offer_service(service.ros_type, service.name, partial(lambda name: setup().serve(name), service.name))
 
 
 @final

@@ -16,7 +16,7 @@ from homebot.devices.app_messages import Reload, ReloadRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, gateway_of
 from homebot.errors import HomebotError, UsageError
-from homebot.features.page import CHANGE_SETUP, FIND_UNUSED, MAKE_TOKEN
+from homebot.features.page import CHANGE_SETUP, FIND_UNUSED
 from homebot.features.page.setup_messages import (
     ChangeSetup,
     ChangeSetupRequest,
@@ -54,11 +54,14 @@ class Setup:
         self._last: tuple[str, str] | None = None
         """The text before the last change, and after it."""
 
-    def serve(self) -> None:
-        """Create the services."""
-        self._node.create_service(FindUnused, FIND_UNUSED.name, self._find, concurrent=True)
-        self._node.create_service(ChangeSetup, CHANGE_SETUP.name, self._change)
-        self._node.create_service(MakeToken, MAKE_TOKEN.name, self._make_token)
+    def serve(self, name: str) -> None:
+        """Create the service *name*."""
+        if name == FIND_UNUSED.name:
+            self._node.create_service(FindUnused, name, self._find, concurrent=True)
+        elif name == CHANGE_SETUP.name:
+            self._node.create_service(ChangeSetup, name, self._change)
+        else:
+            self._node.create_service(MakeToken, name, self._make_token)
 
     async def _find(self, _: FindUnusedRequest) -> FindUnusedResponse:
         found: dict[tuple[str, str], dict[str, str]] = {}
