@@ -122,7 +122,7 @@ async def test_two_robots_go_one_after_the_other_in_the_house_of_the_family_with
     log = await to_thread.run_sync(run)
     first, second = sorted(("robot", "rosie"), key=lambda name: log.index(f"robots/{name} → text 'go kitchen'"))
     steps = (
-        f"before robots/{first} drives: confirmed",
+        "kitchen_lamp → on",  # by this app, or by follow_me where somebody moved
         f"robots/{first} → text 'go kitchen'",
         f"robots/{first} is in the kitchen",
         f"kitchen_door#cover is no longer held open by robots/{first}",
