@@ -370,7 +370,7 @@ async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() ->
         (lambda app: app.daily("22:00", app.note, days="monkey"), "days: there is no day 'monkey'; did you mean mon"),
         (
             lambda app: app.daily("22:00", app.note, days="mon-"),
-            "days: there is no day ''; write it like mon-fri or sat,sun",
+            "days: there is no day ''; write it like mon-fri, sat,sun, 24 dec or may-sep",
         ),
         (lambda app: app.daily(22, app.note), "22 is not a time of day; write it like 22:00"),
         (lambda app: app.at(None, app.note), "there is no event None of the sun"),

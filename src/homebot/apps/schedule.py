@@ -18,7 +18,8 @@ from homebot.apps.wall_time import TimeOfDay
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
 from homebot.units import MAX_WAIT, parse_duration
-from homebot.words.times import MAX_OFFSET_S, read_days, read_time
+from homebot.words.days import read_days
+from homebot.words.times import MAX_OFFSET_S, read_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine

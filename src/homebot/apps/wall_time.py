@@ -7,18 +7,20 @@ from dataclasses import dataclass
 from datetime import date, datetime, time, tzinfo
 from typing import final
 
+from homebot.words.days import Days
+
 
 @final
 @dataclass(frozen=True, slots=True)
 class TimeOfDay:
-    """A time on some days of the week."""
+    """A time on some days."""
 
     time: time
-    days: frozenset[int]
+    days: Days
 
     def on(self, day: date, zone: tzinfo) -> float | None:
         """Return the moment on *day*, in seconds since the Unix epoch; None if the day is not among its days."""
-        return moment_of(day, self.time, zone) if day.weekday() in self.days else None
+        return moment_of(day, self.time, zone) if self.days.has(day) else None
 
 
 def moment_of(day: date, at: time, zone: tzinfo) -> float:

@@ -9,9 +9,10 @@ from typing import Final, TypeAlias
 
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
+from homebot.words.days import Days, read_days_after_word
 from homebot.words.people import check_known, read_person
 from homebot.words.phrases import NOBODY, NOT
-from homebot.words.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
+from homebot.words.times import SunSpan, TimeSpan, longest, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
@@ -32,7 +33,6 @@ _EXAMPLES: Final = {
     "time": "write it like 'after 22:00' or 'between 22:00 and 6:30'",
     "sun": "write it like 'sun is down' or 'after sunset - 30m'",
 }
-_ALL_DAYS: Final = frozenset(range(7))
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +44,9 @@ class SunIs:
 
 @dataclass(frozen=True, slots=True)
 class OnDays:
-    """It is one of these days of the week; Monday is 0."""
+    """It is one of these days."""
 
-    days: frozenset[int]
+    days: Days
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ def exclude_each_other(one: Condition, other: Condition) -> bool:
         case SunIs(), SunIs():
             return one != other
         case OnDays(), OnDays():
-            return one.days.isdisjoint(other.days)
+            return one.days.excludes(other.days)
         case ((TimeSpan() | SunSpan()), (TimeSpan() | SunSpan())):
             return not longest(one).overlaps(longest(other))
         case Matches(), Matches():
@@ -143,7 +143,7 @@ def _of_time(text: str) -> Condition | None:
         return None if found is None else _denied(found)
     if (is_up := SUN.get(text)) is not None:
         return SunIs(is_up)
-    if (days := read_days_of_week(text)) is not None:
+    if (days := read_days_after_word(text)) is not None:
         return OnDays(days)
     return read_span(text)
 
@@ -170,8 +170,8 @@ def _denied(condition: Condition) -> Condition:
     match condition:
         case SunIs():
             return SunIs(not condition.is_up)
-        case OnDays() if len(condition.days) < len(_ALL_DAYS):
-            return OnDays(_ALL_DAYS - condition.days)
+        case OnDays() if (others := condition.days.others()) is not None:
+            return OnDays(others)
         case TimeSpan() if condition.begin != condition.end:
             return TimeSpan(condition.end, condition.begin)
         case SunSpan() if condition.begin != condition.end:

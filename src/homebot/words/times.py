@@ -1,13 +1,14 @@
-"""Lengths of time, times of the day and of the sun, and days of the week. Pure."""
+"""Lengths of time, and times of the day and of the sun. Pure."""
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from datetime import time
 from typing import Final, NamedTuple
 
 from homebot.errors import UsageError
-from homebot.support.similar import did_you_mean
 from homebot.units import MAX_WAIT, parse_duration
+from homebot.words.days import EVERY_DAY, days_text, read_days, read_days_after_word
 
 MAX_OFFSET_S: Final = 43_200.0
 """Seconds from an event of the sun, so that each stays on its own day."""
@@ -15,17 +16,10 @@ MAX_OFFSET_S: Final = 43_200.0
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
 _SUN_HOURS: Final = {"dawn": (1, 9), "sunrise": (2, 10), "noon": (11, 14), "sunset": (14, 23), "dusk": (15, 24)}
 """The earliest and the latest hour of each event."""
-_DAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
-_MIN_DAY_LETTERS: Final = 3
-_SEVERAL_DAYS: Final = {
-    **dict.fromkeys(("weekdays", "weekday"), "mon-fri"),
-    **dict.fromkeys(("weekends", "weekend"), "sat,sun"),
-    **dict.fromkeys(("every day", "all days", "daily"), ""),
-}
 _ALIKE: Final = 0.8
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?: ?(?P<sign>[+-]) ?(?P<offset>.+))?")
 _TIME: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
-_CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?: on (?P<days>.+))?")
+_CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?: (?P<days>(?:on|in|from) .+))?")
 _OTHER_CLOCK: Final = re.compile(
     r"(?:(?:every(?! day) |on )?(?P<first>(?!at\b)[a-z]\D*?) )?(?:at )?(?P<hour>\d{1,2})"
     r"(?:[:.h](?P<minute>\d\d))? ?(?P<half>[ap]m|o'?clock|h)?(?: (?:every(?! day) |on )?(?P<days>\D+))?"
@@ -45,22 +39,6 @@ def read_time(text: object) -> time:
         raise UsageError(f"{text!r} is not a time of day; write it like {example}")
     hour, minute, second = (int(part or 0) for part in found.groups())
     return time(hour, minute, second)
-
-
-def read_days(text: str) -> frozenset[int]:
-    """Return the days of the week *text*, such as ``mon-fri`` or ``weekdays``; Monday is 0, and empty text is all.
-
-    Raises:
-        UsageError: A day does not exist.
-    """
-    if type(text) is not str:
-        raise UsageError(f"days: {text!r} is not a text; write it like mon-fri or sat,sun")
-    found: set[int] = set()
-    for part in filter(None, _days_text(text).replace(" ", "").split(",")):
-        first, dash, last = part.partition("-")
-        begin = _day(first)
-        found |= {(begin + one) % 7 for one in range((_day(last) - begin) % 7 + 1 if dash else 1)}
-    return frozenset(found or range(7))
 
 
 class SunMoment(NamedTuple):
@@ -92,25 +70,29 @@ class SunMoment(NamedTuple):
 
 
 class DaysAndTime(NamedTuple):
-    """A time of day, such as ``22:00``, on some days, such as ``mon-fri``; empty for all."""
+    """A time of day, such as ``22:00``, on some days, such as ``mon-fri`` or ``24 dec``; empty for all."""
 
     time: str
     days: str
 
     @classmethod
     def read(cls, text: str) -> "DaysAndTime | None":
-        """Return the time *text*, such as ``22:00 on weekdays``; None if it is none.
+        """Return the time *text*, such as ``22:00 on weekdays`` or ``on 24 Dec``; None if it is none.
+
+        Days of the year without a time begin at midnight.
 
         Raises:
             UsageError: There is no such time or day, or it is written otherwise.
         """
         found = _CLOCK.fullmatch(text)
+        if found is None and _is_date(text.casefold()):
+            return cls("0:00", days_text(text.casefold().removeprefix("on ")))
         if found is None:
             if meant := _meant_time(text.casefold()):
                 raise UsageError(f"{text!r}: write a time like '22:00 on weekdays', here {meant!r}")
             return None
         read_time(found["time"])
-        days = _days_text(found["days"] or "")
+        days = days_text((found["days"] or "").removeprefix("on "))
         read_days(days)
         return cls(found["time"], days)
 
@@ -172,16 +154,6 @@ def read_span(text: str) -> TimeSpan | SunSpan | None:
     return TimeSpan(begin, end) if isinstance(begin, time) and isinstance(end, time) else SunSpan(begin, end)
 
 
-def read_days_of_week(text: str) -> frozenset[int] | None:
-    """Return the days ``on weekdays`` or ``on sat,sun``, Monday being 0; None if *text* has no such form.
-
-    Raises:
-        UsageError: There is no such day.
-    """
-    word, _, days = text.partition(" ")
-    return read_days(days) if word == "on" and days else None
-
-
 def time_kind(text: str) -> str:
     """Return ``time`` or ``sun`` if *text* seems to mean a time or a moment of the sun; else empty."""
     if re.search(r"\b\d{1,2}[:.]\d\d\b", text):
@@ -208,12 +180,14 @@ def read_duration(text: str, whole: str = "", unit: str = "m") -> float:
     return parse_duration(text, most=MAX_WAIT)
 
 
-def _day(name: str) -> int:
-    for number, day in enumerate(_DAYS):
-        if len(name) >= _MIN_DAY_LETTERS and f"{day}s".startswith(name):
-            return number
-    hint = did_you_mean(name, [day[:_MIN_DAY_LETTERS] for day in _DAYS], "write it like mon-fri or sat,sun")
-    raise UsageError(f"days: there is no day {name!r}; {hint}")
+def _is_date(text: str) -> bool:
+    """Return whether *text* is ``on`` and single days of the year."""
+    if not text.startswith("on ") or text.isdecimal():
+        return False
+    with suppress(UsageError):  # `on lamps` are no days
+        days = read_days_after_word(text)
+        return days is not None and days.dates != EVERY_DAY.dates
+    return False
 
 
 def _meant_time(text: str) -> str:
@@ -230,9 +204,4 @@ def _meant_time(text: str) -> str:
         read_days(days)
     except UsageError:
         return ""
-    return f"{at} on {days}" if _days_text(days) else at
-
-
-def _days_text(days: str) -> str:
-    given = re.split(r" ?(?:,|\band\b) ?", days.strip().lower())
-    return ",".join(_SEVERAL_DAYS.get(one, one) for one in given)
+    return f"{at} on {days}" if days_text(days) else at

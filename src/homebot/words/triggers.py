@@ -12,10 +12,11 @@ from homebot.devices.device import DevicePart
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.words.days import read_days_after_word
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import ALL, ARRIVAL, INTERVAL, LASTING, LIMIT, MOTION, NO, NOBODY, PLACED_LIMIT, PRESS
 from homebot.words.queries import parse_query
-from homebot.words.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
+from homebot.words.times import DaysAndTime, SunMoment, read_duration, read_span, time_kind
 from homebot.words.tokens import split_at
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
@@ -162,7 +163,7 @@ def is_time_or_person(text: str) -> bool:
     if plain in SUN or NOBODY.match(plain) or read_span(plain) or _read_other(plain):
         return True
     with suppress(UsageError):  # `on lamps` are no days
-        return read_days_of_week(plain) is not None
+        return read_days_after_word(plain) is not None
     return False
 
 

@@ -126,7 +126,7 @@ class RoutineBase(App[SettingsT_co]):
             case SunIs():
                 return self.sun_is_up() is condition.is_up
             case OnDays():
-                return self.now().weekday() in condition.days
+                return condition.days.has(self.now().date())
             case TimeSpan():
                 return condition.has(self.now().time())
             case SunSpan():

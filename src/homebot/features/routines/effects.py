@@ -16,7 +16,8 @@ from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.value_comparison import changes, related
 from homebot.words.conditions import Condition, exclude_each_other
-from homebot.words.times import DaysAndTime, read_days, read_time
+from homebot.words.days import read_days
+from homebot.words.times import DaysAndTime, read_time
 from homebot.words.triggers import Becomes, PersonMoves, Press, Trigger
 
 _NEAR: Final = 0.01
@@ -166,7 +167,7 @@ def _may_meet(one: RoutineEffects, other: RoutineEffects) -> bool:
 def _may_coincide(one: Trigger, other: Trigger) -> bool:
     match one, other:
         case DaysAndTime(), DaysAndTime():
-            return read_time(one.time) == read_time(other.time) and not read_days(one.days).isdisjoint(
+            return read_time(one.time) == read_time(other.time) and not read_days(one.days).excludes(
                 read_days(other.days)
             )
         case Press(), Press():

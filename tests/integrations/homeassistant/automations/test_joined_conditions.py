@@ -62,7 +62,7 @@ def holds_here(condition: Condition, facts: dict[str, bool], at: datetime) -> bo
             span = condition.on_day(lambda one: time(SUN[one.event] + round(one.seconds / HOUR)))
             return span is not None and span.has(at.time())
         case OnDays():
-            return at.weekday() in condition.days
+            return condition.days.has(at)
         case Matches():
             states = {LAMP: facts["lamp"], PLUG: not facts["plug"]}
             house = [
