@@ -8,13 +8,13 @@ from pydantic import ValidationError
 from homebot.errors import UsageError
 from homebot.features.routines.settings import RoutineSettings
 from homebot.words.conditions import AnyOf, Matches, OnDays, SunIs, check_possible, read_condition
-from homebot.words.days import Days
+from homebot.words.days import CalendarDays
 from homebot.words.times import SunMoment, SunSpan, TimeSpan
 
 
 def test_the_sun_days_and_times() -> None:
     assert read_condition("sun is down") == SunIs(is_up=False)
-    assert read_condition("on weekends") == OnDays(Days(frozenset({5, 6})))
+    assert read_condition("on weekends") == OnDays(CalendarDays(frozenset({5, 6})))
     assert read_condition("after 22:00") == read_condition("After 22:00") == TimeSpan(time(22), time())
     assert read_condition("On weekdays") == read_condition("on weekdays")
     assert read_condition("after sunset - 30m") == SunSpan(SunMoment("sunset", "-30m"), time())
@@ -67,9 +67,9 @@ def test_a_press_is_not_denied(text: str) -> None:
 
 def test_not_denies_times_days_and_the_sun() -> None:
     assert read_condition("not sun is down") == SunIs(is_up=True)
-    assert read_condition("not on weekdays") == OnDays(Days(frozenset({5, 6})))
+    assert read_condition("not on weekdays") == OnDays(CalendarDays(frozenset({5, 6})))
     assert read_condition("not between 22:00 and 6:30") == TimeSpan(time(6, 30), time(22))
-    assert read_condition("on sat and sun") == OnDays(Days(frozenset({5, 6})))
+    assert read_condition("on sat and sun") == OnDays(CalendarDays(frozenset({5, 6})))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from homebot.devices.value import PlainValue
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import parse_command_words
 from homebot.words.conditions import Matches, OnDays, read_condition
-from homebot.words.days import Days, read_days
+from homebot.words.days import CalendarDays, read_days
 from homebot.words.exact_queries import parse_exact_query
 from homebot.words.patterns import read_pattern
 from homebot.words.queries import parse_query
@@ -134,11 +134,11 @@ def test_a_length_of_time_and_days_are_the_same_in_all_grammars() -> None:
         assert read_step(f"scene Film, over {length}").transition == 1800.0  # type: ignore[union-attr]
         assert SunMoment.seconds.fget(read_trigger(f"sunset - {length}")) == -1800.0  # type: ignore[attr-defined]
     for days in TABLE["days"]:
-        assert read_days(days) == Days(frozenset({5, 6}))
-        assert read_condition(f"on {days}") == OnDays(Days(frozenset({5, 6})))
+        assert read_days(days) == CalendarDays(frozenset({5, 6}))
+        assert read_condition(f"on {days}") == OnDays(CalendarDays(frozenset({5, 6})))
         moment = read_trigger(f"22:00 on {days}")
         assert isinstance(moment, DaysAndTime)
-        assert read_days(moment.days) == Days(frozenset({5, 6}))
+        assert read_days(moment.days) == CalendarDays(frozenset({5, 6}))
 
 
 def test_an_exact_name_is_the_same_in_all_grammars() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from homebot.units import parse_duration
 from homebot.words.conditions import OnDays, read_condition
-from homebot.words.days import Days, read_days
+from homebot.words.days import CalendarDays, read_days
 from homebot.words.steps import Wait, read_step
 from homebot.words.times import TimeSpan
 from homebot.words.triggers import Becomes, read_trigger
@@ -22,7 +22,7 @@ def test_a_length_of_time_is_the_same_for_all(text: str) -> None:
 
 @pytest.mark.parametrize("text", ["weekdays", "mon-fri", "mon, tue, wed, thu and fri"])
 def test_days_are_the_same_for_all(text: str) -> None:
-    assert read_condition(f"on {text}") == OnDays(read_days(text)) == OnDays(Days(frozenset(range(5))))
+    assert read_condition(f"on {text}") == OnDays(read_days(text)) == OnDays(CalendarDays(frozenset(range(5))))
 
 
 def test_a_span_whose_ends_are_one_is_a_whole_day() -> None:

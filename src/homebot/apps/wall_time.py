@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import date, datetime, time, tzinfo
 from typing import final
 
-from homebot.words.days import Days
+from homebot.words.days import CalendarDays
 
 
 @final
@@ -16,7 +16,7 @@ class TimeOfDay:
     """A time on some days."""
 
     time: time
-    days: Days
+    days: CalendarDays
 
     def on(self, day: date, zone: tzinfo) -> float | None:
         """Return the moment on *day*, in seconds since the Unix epoch; None if the day is not among its days."""

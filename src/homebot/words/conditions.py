@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
-from homebot.words.days import Days, read_days_after_word
+from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.people import check_known, read_person
 from homebot.words.phrases import NOBODY, NOT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_span
@@ -46,7 +46,7 @@ class SunIs:
 class OnDays:
     """It is one of these days."""
 
-    days: Days
+    days: CalendarDays
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ _DATE: Final = re.compile(r"(?P<before>\d{0,2})\.?(?P<month>[a-z]+)(?P<after>\d{
 _EXAMPLE: Final = "write it like mon-fri, sat,sun, 24 dec or may-sep"
 
 
-class Days(NamedTuple):
+class CalendarDays(NamedTuple):
     """Some days of the week, Monday being 0, as far as they are among some days of the year, as (month, day)."""
 
     weekdays: frozenset[int] = frozenset(range(7))
@@ -55,16 +55,16 @@ class Days(NamedTuple):
         """Return all other days; None if there are none, or if these depend on both the week and the year."""
         if self.dates == EVERY_DAY.dates:
             weekdays = EVERY_DAY.weekdays - self.weekdays
-            return Days(weekdays) if weekdays else None
+            return CalendarDays(weekdays) if weekdays else None
         if self.weekdays == EVERY_DAY.weekdays:
-            return Days(dates=EVERY_DAY.dates - self.dates)
+            return CalendarDays(dates=EVERY_DAY.dates - self.dates)
         return None
 
 
-EVERY_DAY: Final = Days()
+EVERY_DAY: Final = CalendarDays()
 
 
-def read_days(text: str) -> Days:
+def read_days(text: str) -> CalendarDays:
     """Return the days *text*: ``mon-fri``, ``weekdays``, ``24 dec``, ``may-sep``, ``sat from May to September``.
 
     Empty text is all. Days of the week and of the year, if both are given, must both fit.
@@ -87,10 +87,10 @@ def read_days(text: str) -> Days:
         begin, end = _dates(first)
         end = _dates(last)[1] if dash else end
         dates |= set(_YEAR[begin : end + 1] if begin <= end else (*_YEAR[begin:], *_YEAR[: end + 1]))
-    return Days(frozenset(weekdays or range(7)), frozenset(dates or _YEAR))
+    return CalendarDays(frozenset(weekdays or range(7)), frozenset(dates or _YEAR))
 
 
-def read_days_after_word(text: str) -> Days | None:
+def read_days_after_word(text: str) -> CalendarDays | None:
     """Return the days ``on weekdays``, ``on 24 Dec``, ``in July`` or ``from May to September``; None for another form.
 
     Raises:
