@@ -47,11 +47,11 @@ class CalendarDays(NamedTuple):
         """Return whether *day* is one of them."""
         return day.weekday() in self.weekdays and (day.month, day.day) in self.dates
 
-    def excludes(self, other: "Days") -> bool:
+    def excludes(self, other: "CalendarDays") -> bool:
         """Return whether no day is one of both."""
         return self.weekdays.isdisjoint(other.weekdays) or self.dates.isdisjoint(other.dates)
 
-    def others(self) -> "Days | None":
+    def others(self) -> "CalendarDays | None":
         """Return all other days; None if there are none, or if these depend on both the week and the year."""
         if self.dates == EVERY_DAY.dates:
             weekdays = EVERY_DAY.weekdays - self.weekdays
