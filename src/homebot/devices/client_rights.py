@@ -7,6 +7,7 @@ from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
+from homebot.devices.trigger import Trigger
 from homebot.rights import Right
 
 CLIENT = "client:"
@@ -139,6 +140,11 @@ def issuer_of_client(name: str) -> str:
 def is_client(issuer: str) -> bool:
     """Return whether *issuer* is a client rather than a node."""
     return issuer.startswith(CLIENT)
+
+
+def is_from_person(issuer: str, trigger: Trigger) -> bool:
+    """Return whether a person gave a command by the client *issuer*: neither a program nor a scene led to it."""
+    return is_client(issuer) and not (trigger.kind or trigger.scene)
 
 
 def without_taught_room(device: Device) -> Device:

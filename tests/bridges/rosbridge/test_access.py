@@ -304,7 +304,7 @@ async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gatewa
     ("token", "issuer", "scope", "trigger"),
     [
         ("", "client:local", (), "program"),
-        ("robot-secret", "client:robot", ("act: light in hall", "act: lock"), ""),
+        ("robot-secret", "client:robot", ("act: light in hall", "act: lock"), "program"),
         ("owner-secret", "client:owner", ("act: all",), ""),
     ],
 )

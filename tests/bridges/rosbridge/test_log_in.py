@@ -14,6 +14,9 @@ from websockets.typing import Origin
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.bridges.rosbridge.handshake import LOG_IN, token_in
 from homebot.bridges.rosbridge.settings import ClientToken
+from homebot.devices.command_messages import CommandDevicesResponse
+from homebot.devices.names import APPLY_SCENE
+from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 
 NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))
 
@@ -23,8 +26,8 @@ def page(port: int, origin: str | None = None) -> connect:
     return connect(f"ws://127.0.0.1:{port}/", origin=own, subprotocols=[LOG_IN], proxy=None)
 
 
-async def call(connection: ClientConnection, service: str) -> dict[str, Any]:
-    await connection.send(json.dumps({"op": "call_service", "service": service, "id": "1"}))
+async def call(connection: ClientConnection, service: str, **args: object) -> dict[str, Any]:
+    await connection.send(json.dumps({"op": "call_service", "service": service, "args": args, "id": "1"}))
     with anyio.fail_after(PATIENCE):
         answer: dict[str, Any] = json.loads(await connection.recv())
     return answer
@@ -50,6 +53,23 @@ async def test_a_token_raises_the_rights_of_the_page(open_house: Any) -> None:
                 results.append(await call(connection, "/rosapi/delete_param"))
     assert "the right manage is missing" in results[0]["values"]
     assert "right" not in results[1]["values"]
+
+
+@pytest.mark.parametrize("token", ["", "s3cret"])
+async def test_a_command_of_the_page_is_a_persons_whatever_its_token(open_house: Any, token: str) -> None:
+    seen: list[str] = []
+
+    def apply(request: ApplySceneRequest) -> CommandDevicesResponse:
+        seen.append(request.trigger.kind)
+        return CommandDevicesResponse(success=True)
+
+    tablet = ClientToken(token=SecretStr("s3cret"), scope=("read", "act: all"))
+    async with open_house(DoorSettings(port=0, tokens={"tablet": tablet})) as house:
+        house.node("scenes").create_service(ApplyScene, APPLY_SCENE, apply)
+        async with page(house.door.port) as connection:
+            await connection.send(json.dumps({"op": "auth", "token": token}))
+            assert (await call(connection, APPLY_SCENE, name="x"))["result"] is True
+    assert seen == [""]
 
 
 @pytest.mark.parametrize(

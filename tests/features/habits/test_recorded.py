@@ -35,7 +35,7 @@ def steps(*entries: JournalEntry) -> list[str]:
 def test_what_is_done_by_hand_or_by_the_owner_is_a_persons() -> None:
     assert steps(entry("changed", START + 60, TWO, cause="person", on_off=True)) == ["Hall lamp two on"]
     assert steps(entry("requested", START + 60, TWO, OWNER, on_off=True)) == ["Hall lamp two on"]
-    assert steps(entry("requested", START + 60, TWO, "client:local", on_off=True)) == ["Hall lamp two on"]  # the page
+    assert steps(entry("requested", START + 60, TWO, "client:wall", on_off=True)) == ["Hall lamp two on"]  # a page
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_what_is_done_by_hand_or_by_the_owner_is_a_persons() -> None:
         entry("changed", START + 60, TWO, cause="device", on_off=True),
         entry("changed", START + 60, TWO, cause="unknown", on_off=True),
         entry("requested", START + 60, TWO, "/lights_out", on_off=True),
-        entry("requested", START + 60, TWO, "client:agent", on_off=True),
+        entry("requested", START + 60, TWO, "client:agent", trigger=Trigger(kind="program"), on_off=True),
         entry("requested", START + 60, TWO, "client:local", trigger=Trigger(kind="program"), on_off=True),
         entry("requested", START + 60, TWO, OWNER, trigger=Trigger(kind="program"), on_off=True),
         entry("requested", START + 60, TWO, OWNER, trigger=Trigger(scene="Film"), on_off=True),

@@ -57,7 +57,8 @@ class ClientAccess:
         owners: The robots of the house, with their topics and frames.
         is_page: Whether it is homebot's own page without a token, which may neither manage homebot, nor impersonate its
             parts or a robot.
-        is_program: Whether nobody is known to command by it: a client of the HTTP API, or one without a token.
+        is_program: Whether nobody is known to command by it: neither homebot's own page, nor
+            the owner.
         owner_file: The file with the owner's token; empty for none.
     """
 

@@ -131,11 +131,13 @@ class Entrance:
         name, request = self._names[connection], connection.request
         is_browser = request is not None and any(one in request.headers for one in _OF_BROWSERS)
         is_page = is_browser and bool(self._unnamed_page(connection, request))
-        is_program = not is_page and (name == LOCAL_CLIENT or (request is not None and is_for_api(request)))
+        is_person = request is not None and (
+            is_page or (not is_for_api(request) and (name == OWNER_CLIENT or _is_of_own_page(request.headers)))
+        )
         owner_file = "" if self._owner is None else str(self._owner.file)
         owners = self._shared.owners()
         return ClientAccess.of(
-            name, self._rights[name], owners, is_page=is_page, is_program=is_program, owner_file=owner_file
+            name, self._rights[name], owners, is_page=is_page, is_program=not is_person, owner_file=owner_file
         )
 
     def knows(self, connection: DoorConnection) -> bool:

@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 from homebot.apps.sun import is_sun_up, sun_time
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.client_rights import LOCAL_CLIENT, OWNER_CLIENT, issuer_of_client
+from homebot.devices.client_rights import is_from_person
 from homebot.devices.command_messages import Setting
 from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import JournalEntry
@@ -30,7 +30,6 @@ _SAME: Final = 30.0
 
 _NAMES: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 _FLAGS: Final[Mapping[str, PlainValue]] = {"true": True, "false": False}
-_PERSONS: Final = frozenset({issuer_of_client(OWNER_CLIENT), issuer_of_client(LOCAL_CLIENT)})
 
 
 class Home(NamedTuple):
@@ -42,10 +41,10 @@ class Home(NamedTuple):
 
 
 def is_persons(entry: JournalEntry) -> bool:
-    """Return whether a person did this: by hand, on the page, or as the owner; neither a program nor a scene."""
+    """Return whether a person did this by hand, on the page, or as the owner."""
     if entry.kind == "changed":
         return entry.cause == "person"
-    return entry.kind == "requested" and entry.issuer in _PERSONS and not (entry.trigger.kind or entry.trigger.scene)
+    return entry.kind == "requested" and is_from_person(entry.issuer, entry.trigger)
 
 
 def recorded_days(

@@ -4,7 +4,7 @@ from collections.abc import MutableMapping
 from datetime import datetime, timedelta, tzinfo
 from typing import Any, Final, final
 
-from homebot.devices.client_rights import is_client
+from homebot.devices.client_rights import is_from_person
 from homebot.devices.journal_messages import JournalEntry
 from homebot.features.page.messages import DeviceUsage, UsageResponse
 
@@ -30,9 +30,8 @@ class Usage:
         self._zone = zone
 
     def add(self, entry: JournalEntry) -> None:
-        """Count *entry* if it is a command of a person; a client's is, unless a program or a scene led to it."""
-        trigger = entry.trigger
-        if entry.kind != "requested" or not is_client(entry.issuer) or trigger.kind or trigger.scene:
+        """Count *entry* if it is a command of a person."""
+        if entry.kind != "requested" or not is_from_person(entry.issuer, entry.trigger):
             return
         at = datetime.fromtimestamp(entry.at.to_seconds(), self._zone)
         day, oldest = at.date().isoformat(), (at.date() - timedelta(days=_DAYS - 1)).isoformat()
