@@ -37,3 +37,18 @@ async def test_causes_are_known_after_a_restart(open_home: OpenHome) -> None:
         home.put("lamp", "light", "on_off", "level")
         await home.report("lamp", "on_off", True)
         assert await causes(home) == known
+
+
+async def test_all_changes_of_one_moment_have_causes_though_no_command_had_begun_a_timeline(
+    open_home: OpenHome,
+) -> None:
+    async with open_home() as home:
+        home.put("lamp", "light", "on_off", "color_temperature", "level")
+        for capability, value in (("on_off", False), ("color_temperature", 3000.0), ("level", 20.0)):
+            await home.report("lamp", capability, value)
+        await anyio.sleep(1000)
+        for capability, value in (("on_off", True), ("level", 60.0), ("on_off", False)):
+            await home.report("lamp", capability, value)
+            await anyio.sleep(0.1)
+        await anyio.sleep(1)
+        assert await causes(home) == {"on_off": (False, "", True), "level": (60.0, "", True)}

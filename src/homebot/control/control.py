@@ -102,12 +102,11 @@ class HouseWatch:
         self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
 
     async def _on_settings(self, changed: ChangedSettings) -> None:
-        for change in changed.changes:
-            if not _is_change(change):
-                continue
+        changes = [change for change in changed.changes if _is_change(change)]
+        for change in changes:
             layer, place = self._layer(), (change.device, change.part)
             if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:
-                layer.timelines.begin(device, change)
+                layer.timelines.begin(device, [other for other in changes if (other.device, other.part) == place])
             layer.sending.reports.on_change(change)
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:

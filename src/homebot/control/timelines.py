@@ -112,18 +112,25 @@ class Timelines:
         """Return whether a part has a timeline: it has been commanded, or has changed."""
         return place in self._entries
 
-    def begin(self, device: Device, change: ChangedSetting) -> None:
-        """Begin the timeline of the part of *device* with its *change*."""
-        part = device.part(change.part)
+    def begin(self, device: Device, changes: Iterable[ChangedSetting]) -> None:
+        """Begin the timeline of one part of *device* with its *changes*, of which there is at least one."""
+        changes = sorted(changes, key=lambda change: change.told_at.to_seconds())
+        part = device.part(changes[0].part)
         if part is None:
             return
-        stamp = change.told_at.to_seconds()
-        timeline = self._create((device.id, part.id), device, part, {change.capability: change.before.plain()}).timeline
-        if timeline.unexplained_change is not None and timeline.unexplained_change.stamp == stamp:
+        before = {change.capability: change.before.plain() for change in reversed(changes)}
+        timeline = self._create((device.id, part.id), device, part, before).timeline
+        newest = timeline.unexplained_change
+        if newest is not None and newest.stamp >= changes[0].told_at.to_seconds():
             timeline.unexplained_change = None
-        at = self._clock.monotonic() - max(0.0, self._clock.now() - stamp)
-        absent_at = at if change.was_absent else -math.inf
-        timeline.report(at, stamp, change.capability, change.value.plain(), absent_at=absent_at, set_by=change.set_by)
+        behind = self._clock.now() - self._clock.monotonic()
+        for change in changes:
+            stamp = change.told_at.to_seconds()
+            at = min(stamp - behind, self._clock.monotonic())
+            absent_at = at if change.was_absent else -math.inf
+            timeline.report(
+                at, stamp, change.capability, change.value.plain(), absent_at=absent_at, set_by=change.set_by
+            )
 
     def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if it is not known."""
