@@ -1,5 +1,7 @@
 """What a profile knows of the routes to a device."""
 
+import pytest
+
 from homebot.control.learnt import Profiles
 from homebot.control.timeline.profile import ENOUGH, KEPT, DeviceProfile
 
@@ -65,6 +67,17 @@ def test_a_timer_may_be_long_and_end_a_number() -> None:
         assert profile.learn_stay("level", value=40.0, seconds=60.0) == count
     assert profile.learn_stay("on_off", value=True, seconds=3700.0) == 0
     assert profile.learn_stay("color", value=(0.0, 100.0), seconds=60.0) == 0
+
+
+@pytest.mark.parametrize(("seconds", "is_timer"), [(20.0, False), (60.0, False), (300.0, True), (1800.0, True)])
+def test_a_long_timer_is_known_though_persons_are_often_sooner(seconds: float, *, is_timer: bool) -> None:
+    """Half a second is hit by chance the seldomer the longer a value lasts."""
+    profile, count = DeviceProfile(), 0
+    for number in range(12):
+        count = profile.learn_stay("on_off", value=True, seconds=seconds)
+        for share in (0.1, 0.3):
+            profile.learn_stay("on_off", value=True, seconds=seconds * share + 7.0 * number)
+    assert (count >= ENOUGH) == is_timer
 
 
 def test_answers_of_this_run_outlast_records_that_are_read_late() -> None:

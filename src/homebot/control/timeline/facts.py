@@ -208,7 +208,7 @@ class Reported:
         is_after_loss: Whether the connection was lost since the previous value.
         along: The id of the command to a part near this one that it may belong to; empty for none.
         is_usual: Whether the part usually changes along with such a command.
-        timed: How often the previous value lasted as long the last four times; three times come from a timer.
+        timed: How often the previous value lasted as long the last times; three times come from a timer.
         was_absent: Whether the device was unreachable since the previous value.
         is_news: Whether it repeats the value of a device that reports only changes: it changed twice in between.
         set_by: Who set it past homebot, if the gateway knows that.

@@ -24,7 +24,7 @@ _MAX_ANSWERS: Final = 8
 
 ENOUGH: Final = 3
 _NEWEST: Final = 5
-"""The number of times of one value among which enough have to be the same."""
+"""The number of times of one value among which enough have to be the same, of a time that is no long one."""
 
 _IN_VAIN: Final = 2
 """Consecutive commands without effect after which a route is tried last: a person may have undone one."""
@@ -167,13 +167,15 @@ class DeviceProfile:
             del self.failures[next(iter(self.failures))]
 
     def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
-        """Record that *value* lasted for *seconds*; return how often it did so the last five times.
+        """Record that *value* lasted for *seconds*; return how often it did so the last times, at least five.
 
+        The longer it lasted, the seldomer does a person hit the time by chance, so more of the last times count.
         People undo a command so soon so often that a short time counts as usual only if it was the same each time.
         """
         before = sum(lasted == value for lasted, _ in self.stays.get(capability, ()))
         slack = max(durations.REGULAR, durations.CLOCK_DRIFT * seconds)
-        count = self._learn_regular(self.stays, capability, value, seconds, slack)
+        newest = min(max(_NEWEST, int(seconds / durations.HASTY)), KEPT)
+        count = self._learn_regular(self.stays, capability, value, seconds, slack, newest)
         return count if seconds > durations.HASTY or count == min(before, _NEWEST) else min(count, ENOUGH - 1)
 
     def learn_gap(self, capability: str, value: PlainValue, seconds: float) -> bool:
@@ -203,16 +205,16 @@ class DeviceProfile:
         value: PlainValue,
         seconds: float,
         slack: float,
+        newest: int = _NEWEST,
     ) -> int:
-        """Record *seconds*; return how many of the last five records of *value* are as long."""
+        """Record *seconds*; return how many of the *newest* records of *value* are as long: they differ by *slack*."""
         if isinstance(value, tuple) or value is None:
             return 0
         known = records.get(capability, [])
-        times = [lasted for one, lasted in known if one == value][-_NEWEST:]
+        times = [lasted for one, lasted in known if one == value][-newest:]
         records[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
         same = [seconds, *(time for time in times if abs(time - seconds) <= slack)]
-        is_regular = max(same) - min(same) <= slack
-        return len(same) - 1 if len(same) <= ENOUGH or is_regular else ENOUGH - 1
+        return max(sum(0.0 <= time - begin <= slack for time in same) for begin in same if begin <= seconds) - 1
 
     def learn_pair(self, other: str, *, is_missed: bool) -> bool:
         """Record that it changed along with a command to the part *other*; return whether it usually does.
