@@ -74,7 +74,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("22.00", "write a time like '22:00 on weekdays'"),
         ("every day at 7", "write a time like '22:00 on weekdays', here '07:00'"),
         ("10pm", "here '22:00'"),
-        ("every 30m", "write its times, such as '8:00' and '8:30', or an app"),
+        ("every 0.5s", "the shortest interval is 1 s"),
         ("12:30 am on sat,sun", "here '00:30 on sat,sun'"),
         ("every monday at 22:00", "here '22:00 on monday'"),
         ("sunset -30", "like 'sunset - 30m'"),

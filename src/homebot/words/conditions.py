@@ -11,8 +11,8 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import NOBODY, NOT
-from homebot.words.times import SunSpan, TimeSpan, longest, read_span
+from homebot.words.phrases import LAST_RUN, NOBODY, NOT
+from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
@@ -58,13 +58,21 @@ class Matches:
 
 
 @dataclass(frozen=True, slots=True)
+class LastRun:
+    """The run of this routine before this one began more than *seconds* ago, or less; one that never ran holds more."""
+
+    seconds: float
+    is_over: bool
+
+
+@dataclass(frozen=True, slots=True)
 class AnyOf:
     """At least one of several conditions holds."""
 
     conditions: tuple["Condition", ...]
 
 
-Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | AnyOf
+Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | LastRun | AnyOf
 """A press holds in the run that it started."""
 
 
@@ -145,6 +153,8 @@ def _of_time(text: str) -> Condition | None:
         return SunIs(is_up)
     if (days := read_days_after_word(text)) is not None:
         return OnDays(days)
+    if (run := LAST_RUN.match(text)) is not None:
+        return LastRun(read_duration(run["length"], text), run["sign"] in {"over", "above", "before", "more"})
     return read_span(text)
 
 
@@ -161,8 +171,6 @@ def _of_state(text: str) -> Matches:
     state = replace(read_state(none["state"] if none else text, _EXAMPLES, is_none=none is not None), is_none=False)
     if none is not None:
         check_known(text, Not(state.query))
-    if state.lasting:
-        raise UsageError(f"{text!r}: a condition holds now; only `when` and `wait until` can ask for how long")
     return Matches(state, none is not None)
 
 
@@ -170,6 +178,8 @@ def _denied(condition: Condition) -> Condition:
     match condition:
         case SunIs():
             return SunIs(not condition.is_up)
+        case LastRun():
+            return LastRun(condition.seconds, not condition.is_over)
         case OnDays() if (others := condition.days.others()) is not None:
             return OnDays(others)
         case TimeSpan() if condition.begin != condition.end:

@@ -18,8 +18,13 @@ LIMIT: Final = Phrase(
 )
 PRESS: Final = Phrase("{query} press|pressed|presses [{value:one}]")
 
-# Times that a routine does not know.
+CHANGES: Final = Phrase("{what} changes")
+
+# Times.
 INTERVAL: Final = Phrase("every {length:length}")
+LAST_RUN: Final = Phrase(
+    "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"
+)
 
 # People and robots.
 PERSON_IS: Final = Phrase("{who} is|are [no~not] [at] where~home|away")

@@ -20,6 +20,7 @@ _ALIKE: Final = 0.8
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?: ?(?P<sign>[+-]) ?(?P<offset>.+))?")
 _TIME: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
 _CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?: (?P<days>(?:on|in|from) .+))?")
+_HOURLY: Final = re.compile(r"(?:at :(?P<after>[0-5]\d) every hour|every hour at :(?P<minute>[0-5]\d))")
 _OTHER_CLOCK: Final = re.compile(
     r"(?:(?:every(?! day) |on )?(?P<first>(?!at\b)[a-z]\D*?) )?(?:at )?(?P<hour>\d{1,2})"
     r"(?:[:.h](?P<minute>\d\d))? ?(?P<half>[ap]m|o'?clock|h)?(?: (?:every(?! day) |on )?(?P<days>\D+))?"
@@ -95,6 +96,18 @@ class DaysAndTime(NamedTuple):
         days = days_text((found["days"] or "").removeprefix("on "))
         read_days(days)
         return cls(found["time"], days)
+
+
+class EachHour(NamedTuple):
+    """A minute of each hour."""
+
+    minute: int
+
+    @classmethod
+    def read(cls, text: str) -> "EachHour | None":
+        """Return the minute of ``at :15 every hour``; None if it is none."""
+        found = _HOURLY.fullmatch(text.casefold())
+        return None if found is None else cls(int(found["after"] or found["minute"]))
 
 
 class TimeSpan(NamedTuple):

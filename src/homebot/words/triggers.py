@@ -14,13 +14,26 @@ from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.words.days import read_days_after_word
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
-from homebot.words.phrases import ALL, ARRIVAL, INTERVAL, LASTING, LIMIT, MOTION, NO, NOBODY, PLACED_LIMIT, PRESS
+from homebot.words.phrases import (
+    ALL,
+    ARRIVAL,
+    CHANGES,
+    INTERVAL,
+    LASTING,
+    LIMIT,
+    MOTION,
+    NO,
+    NOBODY,
+    PLACED_LIMIT,
+    PRESS,
+)
 from homebot.words.queries import parse_query
-from homebot.words.times import DaysAndTime, SunMoment, read_duration, read_span, time_kind
+from homebot.words.times import DaysAndTime, EachHour, SunMoment, read_duration, read_span, time_kind
 from homebot.words.tokens import split_at
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _MAX_INTERVAL_BLANKS: Final = 2  # half an hour
+MIN_INTERVAL_S: Final = 1.0
 _STATES: Final = dict.fromkeys(
     ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
 )
@@ -111,7 +124,31 @@ class PersonMoves:
     fact: str
 
 
-Trigger: TypeAlias = Becomes | Press | RobotArrival | PersonMoves | DaysAndTime | SunMoment
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Again and again after a length of time, such as ``30m``."""
+
+    length: str
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """A device that matches a query reports another value than before, whatever it is.
+
+    Attributes:
+        capability: The capability with the value; empty for any.
+        words: The query as text, in which names of devices count.
+    """
+
+    text: str
+    query: Query
+    capability: str
+    words: str
+
+
+Trigger: TypeAlias = (
+    Becomes | Press | Changes | RobotArrival | PersonMoves | DaysAndTime | SunMoment | Interval | EachHour
+)
 
 
 @lru_cache(maxsize=2000)  # read for each check of each routine
@@ -126,8 +163,11 @@ def read_trigger(text: str) -> Trigger:
         if (moment := DaysAndTime.read(plain)) is not None:
             return moment
     if (interval := INTERVAL.match(plain)) is not None and interval["length"].count(" ") <= _MAX_INTERVAL_BLANKS:
-        app = f"an app with `self.every('{interval['length']}', …)`"
-        raise UsageError(f"{text!r}: a routine knows no interval; write its times, such as '8:00' and '8:30', or {app}")
+        if read_duration(interval["length"], plain) < MIN_INTERVAL_S:
+            raise UsageError(f"{text!r}: the shortest interval is {MIN_INTERVAL_S:g} s")
+        return Interval(interval["length"])
+    if (hourly := EachHour.read(plain)) is not None:
+        return hourly
     reject_joined(plain, "or", "and")
     if (found := _read_other(plain)) is not None:
         return found
@@ -150,7 +190,7 @@ def _read_other(plain: str) -> Trigger | None:
         return RobotArrival(
             found["robot"].casefold(), found["room"].strip('"'), leaves=found["word"].casefold() == "leaves"
         )
-    return read_press(plain)
+    return read_press(plain) or _read_change(plain)
 
 
 def is_time_or_person(text: str) -> bool:
@@ -199,6 +239,28 @@ def read_press(text: str) -> Press | None:
     if not query or query.endswith(" ") or not part or not {"'", '"'}.isdisjoint(part):
         query, part = pressed["query"], ""
     return Press(text, parse_query(query), value, fold(part), query)
+
+
+def _read_change(text: str) -> Changes | None:
+    """Return the change ``hall thermostat setpoint changes``: words for devices, and those of a capability.
+
+    Raises:
+        UsageError: Its device is not a query.
+    """
+    if (found := CHANGES.match(text)) is None:
+        return None
+    query, capability = split_capability(found["what"])
+    return Changes(text, parse_query(query), capability, query)
+
+
+def split_capability(text: str) -> tuple[str, str]:
+    """Return the words for devices in *text*, and the capability of the words at its end; empty if these are none."""
+    words = text.split(" ")
+    for place in range(1, len(words)):
+        capability = CAPABILITY_WORDS.get(fold(" ".join(words[place:])), "")
+        if capability:
+            return " ".join(words[:place]), capability
+    return text, ""
 
 
 def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from datetime import datetime, time
 from functools import partial
@@ -18,17 +19,27 @@ from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.features.routines.run import RoutineRun, RunPlace
-from homebot.features.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
+from homebot.features.routines.watches import (
+    ArrivalWatch,
+    PersonWatch,
+    PressWatch,
+    ValueWatch,
+    begun,
+    holds_for,
+    is_press,
+)
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.words.conditions import AnyOf, Condition, Matches, OnDays, SunIs
-from homebot.words.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
-from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, SunIs
+from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
+from homebot.words.triggers import Becomes, Changes, Interval, PersonMoves, Press, RobotArrival, read_trigger
 
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
 FAILED: Final = "routine.step_failed"
 STOPPED: Final = "routine.stopped"
+
+_RAN_AT: Final = "ran_at"
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 _Conditions = Sequence[tuple[str, Condition]]
@@ -63,10 +74,17 @@ class RoutineBase(App[SettingsT_co]):
                     self.daily(trigger.time, start, days=trigger.days, name=text)
                 case SunMoment():
                     self.at(trigger.event, start, offset=trigger.offset, name=text)
+                case Interval():
+                    self.every(trigger.length, start, name=text)
+                case EachHour():
+                    for hour in range(24):
+                        self.daily(f"{hour}:{trigger.minute:02}", start, name=f"{text} ({hour})")
                 case Becomes():
                     self.start_task(partial(self._follow, trigger, on_start))
                 case Press():
                     PressWatch(self.node, trigger, on_start)
+                case Changes():
+                    ValueWatch(self.node, trigger, on_start)
                 case PersonMoves():
                     PersonWatch(self.node, trigger, on_start)
                 case RobotArrival():
@@ -93,6 +111,10 @@ class RoutineBase(App[SettingsT_co]):
 
     def record(self, text: str) -> None:
         """Add a line to the last runs."""
+
+    def begin_run(self) -> None:
+        """Record that a run begins now."""
+        self.store[_RAN_AT] = self.clock.now()
 
     def log_done(self, step: str) -> None:
         """Log that a step that no device's journal knows was done."""
@@ -132,6 +154,12 @@ class RoutineBase(App[SettingsT_co]):
             case SunSpan():
                 span = condition.on_day(self._sun_time)
                 return span is not None and span.has(self.now().time())
+            case LastRun():
+                ago = self.clock.now() - self.store.get(_RAN_AT, -math.inf)
+                return (ago > condition.seconds) is condition.is_over
+            case Matches() if condition.state.lasting:
+                devices = await self.devices.find()
+                return holds_for(condition.state, devices, self.clock.now(), is_none=condition.is_none)
             case Matches():
                 state = condition.state
                 query = query_words(state.words) or query_terms(state.query)

@@ -34,7 +34,16 @@ from homebot.words.queries import names_in, parse_query
 from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
 from homebot.words.suitable_parts import part_name, settings_by_part
 from homebot.words.tokens import quoted
-from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
+from homebot.words.triggers import (
+    Becomes,
+    Changes,
+    PersonMoves,
+    Press,
+    RobotArrival,
+    Trigger,
+    button_names,
+    read_trigger,
+)
 
 _MAX_DEVICES: Final = 200
 """Devices with events that are compared with that of a trigger."""
@@ -200,7 +209,7 @@ class HouseChecks:
 
     async def _resolved(self, asked: _AskedT) -> _AskedT:
         match asked:
-            case Becomes() | Press():
+            case Becomes() | Changes() | Press():
                 return replace(asked, query=await self._meant(asked.words, asked.query))
             case Matches(state=state):
                 return replace(asked, state=replace(state, query=await self._meant(state.words, state.query)))
@@ -325,11 +334,11 @@ class HouseChecks:
         return self._answers[key]
 
 
-def _states(routine: RoutineSettings) -> Iterator[tuple[str, Becomes | PersonMoves | Press, Press | None]]:
+def _states(routine: RoutineSettings) -> Iterator[tuple[str, Becomes | Changes | PersonMoves | Press, Press | None]]:
     """Yield the text of each state and press, with what it asks for."""
     for text, one in routine.asked():
         match one:
-            case (Becomes() | PersonMoves()) as state:
+            case (Becomes() | Changes() | PersonMoves()) as state:
                 yield text, state, None
             case Matches(state=state):
                 yield text, state, None
@@ -354,7 +363,7 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
     for one in routines:
         for _, asked, _ in _states(one):
             queries.append(lasting(asked.query))
-            names.update(names_in(asked.words) if isinstance(asked, Becomes | Press) else ())
+            names.update(() if isinstance(asked, PersonMoves) else names_in(asked.words))
         for line in program_of(one.do):
             if isinstance(line.step, Do | Dim):
                 names.add(fold(line.step.target))

@@ -18,7 +18,7 @@ from homebot.devices.value_comparison import changes, related
 from homebot.words.conditions import Condition, exclude_each_other
 from homebot.words.days import read_days
 from homebot.words.times import DaysAndTime, read_time
-from homebot.words.triggers import Becomes, PersonMoves, Press, Trigger
+from homebot.words.triggers import Becomes, Changes, PersonMoves, Press, Trigger
 
 _NEAR: Final = 0.01
 
@@ -65,9 +65,12 @@ class Effect:
 
     def starts(self, trigger: Trigger) -> bool:
         """Return whether its device matches *trigger* afterwards, because of it."""
+        capabilities, facets = self._afterwards
+        if isinstance(trigger, Changes):
+            is_meant = trigger.capability in {"", *capabilities}
+            return self.may_be and is_meant and fits(trigger.query, facets)
         if not isinstance(trigger, Becomes) or trigger.is_none:
             return False
-        capabilities, facets = self._afterwards
         return not trigger.capabilities.isdisjoint(capabilities) and fits(trigger.query, facets)
 
     @cached_property

@@ -111,6 +111,8 @@ class Routine(RoutineBase[RoutineSettings]):
 
     async def _perform(self, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None) -> None:
         self.record("ran" if before is None else f"went on at {self._program[first].text!r}")
+        if before is None:
+            self.begin_run()
         if before is None and self.settings.mode == "restart":
             before = self._before  # to bring back the values from before the run that this one replaces
             self.store[_KEPT] = {}

@@ -76,6 +76,7 @@ class RoutineApp(RoutineBase[NoSettings]):
         self.start_if(conditions_of(self.conditions), partial(self._runs.start, self._perform), cause)
 
     async def _perform(self) -> None:
+        self.begin_run()
         if self.mode != "restart":  # else the values from before the run that this one replaces
             self._before = {}
         _RUN.set(RoutineRun(self, before=self._before))

@@ -1,14 +1,14 @@
 """Watches for the triggers of routines: states, presses, and the arrival of robots."""
 
 import math
-from collections.abc import AsyncIterator, Callable, MutableMapping
+from collections.abc import AsyncIterator, Callable, MutableMapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
 import anyio
 
-from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.device import Device, DeviceChange, State, StateChange
 from homebot.devices.echoes import Echoes
 from homebot.devices.follow import Follow
 from homebot.devices.house_view import HouseView, HouseWatcher
@@ -17,19 +17,22 @@ from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import Query, lasting
 from homebot.devices.robot_messages import RobotPose
+from homebot.devices.value import PlainValue, Reading
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
 from homebot.words.house_queries import WordsQuery
-from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival
+from homebot.words.triggers import Becomes, Changes, PersonMoves, Press, RobotArrival
 
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
 
 _MAX_ROBOTS: Final = 100
 _MAX_PEOPLE: Final = 100
+_MAX_VALUES: Final = 10_000
+"""Values that are compared; of more, the oldest count as new."""
 
 
 class Begun(NamedTuple):
@@ -140,6 +143,18 @@ def _matched_at(device: Device, state: Becomes, now: float, since: float) -> flo
     return -math.inf if is_new and (newest.is_first or at + state.lasting < since) else at
 
 
+def holds_for(state: Becomes, devices: Sequence[Device], now: float, *, is_none: bool) -> bool:
+    """Return whether one of *devices*, or none, has matched *state* for as long as that says."""
+    query = WordsQuery(state.words, devices).query if state.words else state.query
+    if not is_none:
+        matching = [device for device in devices if fits(query, facets_of(device))]
+        return any(_matched_at(device, state, now, -math.inf) + state.lasting <= now for device in matching)
+    able = [device for device in devices if fits(lasting(query), facets_of(device))]
+    decisive = [one for device in able for one in device.states if one.live and one.capability in state.capabilities]
+    ended = max((one.since.to_seconds() for one in decisive), default=-math.inf)
+    return not any(fits(query, facets_of(device)) for device in able) and ended + state.lasting <= now
+
+
 def is_press(view: HouseView, press: Press, change: object, query: Query | None = None) -> bool:
     """Return whether *change* is the event *press*.
 
@@ -187,6 +202,43 @@ class PressWatch(HouseWatcher):
         kinds = [one.part.advertised for one in known.current().parts if one.id == event.part]
         if self._echoes.is_new((change.device, event.capability), "".join(kinds), now=change.told_at.to_seconds()):
             self._on_start(change)
+
+
+@final
+class ValueWatch(HouseWatcher):
+    """Calls a function when a device that fits reports another value than before: to be unknown is no change."""
+
+    def __init__(self, node: Node, trigger: Changes, on_start: OnStart) -> None:
+        self._trigger = trigger
+        self._words = WordsQuery(trigger.words)
+        self._on_start = on_start
+        self._values: BoundedMap[tuple[str, str, str], PlainValue] = BoundedMap(_MAX_VALUES)
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        self._view.names.add(trigger.query, trigger.text)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Record the names that the words of the trigger may be, and the values of a new device."""
+        self._words.record(change.device, is_gone=change.kind == "removed")
+        for state in change.device.states if change.kind == "appeared" else ():
+            self._is_new(change.device.id, state)
+
+    def on_values(self, change: StateChange) -> None:
+        """Start the routine if one of the values is meant, and another one than before."""
+        known = self._view.get(change.device)
+        if known is None or not fits(self._words.query, facets_of(known.current())):
+            return
+        new = [reading for reading in change.readings if self._is_new(change.device, reading)]
+        if new and change.live:
+            self._on_start(change)
+
+    def _is_new(self, device: str, reading: State | Reading) -> bool:
+        if self._trigger.capability not in {"", reading.capability}:
+            return False
+        key, value = (device, reading.part, reading.capability), reading.value.plain()
+        before = self._values.get(key)
+        self._values[key] = value
+        return before is not None and before != value
 
 
 @final

@@ -1,0 +1,37 @@
+"""Routines that start again and again or with any change, and conditions about how long something has been so."""
+
+import pytest
+from tests.apps.houses import hall
+from tests.features.routines.test_routine import config
+
+from homebot.devices.app_messages import ListRoutines, RoutinesRequest
+from homebot.devices.names import LIST_ROUTINES
+from homebot.graph import Node
+from homebot.testing import virtual_house_of
+
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
+
+
+@pytest.mark.parametrize(
+    ("when", "condition", "until", "count"),
+    [
+        ("every 30m", "", "09:40", 3),
+        ("at :15 every hour", "", "10:20", 3),
+        ("every hour at :15", "the last run was over 90m ago", "11:20", 2),
+        ("hall motion changes", "", "10:00", 4),
+        ("hall motion occupancy changes", "", "10:00", 4),
+        ("every 10m", "hall motion clear for 25m", "08:59", 3),
+        ("every 10m", "no motion in hall for 25m", "08:59", 3),
+    ],
+)
+async def test_a_routine_runs_as_often_as_its_text_says(when: str, condition: str, until: str, count: int) -> None:
+    """Somebody is in the hall from 8:01 to 8:02, and from 9:10 to 9:11."""
+    world = hall(("08:01", "hall"), ("08:02", "outside"), ("09:10", "hall"), ("09:11", "outside"))
+    routine = {"name": "Often", "when": [when], "if": [condition] if condition else [], "do": ["wait 1s"]}
+    async with virtual_house_of(world=world, config=config(routine), start="2026-01-01 08:00") as house:
+        await house.run_until(until)
+        async with Node(house.runtime.graph, "owner") as owner:
+            listing = owner.create_client(ListRoutines, LIST_ROUTINES)
+            (found,) = (await listing.call(RoutinesRequest())).routines
+    ran = [note for note in found.notes if note.text == "ran"]
+    assert len(ran) == count, found.notes
