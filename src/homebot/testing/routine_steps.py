@@ -22,8 +22,9 @@ async def steps_of(kind: type[ExportedRoutine], holds: Collection[str] = ()) -> 
     class Noted(kind):  # type: ignore[valid-type, misc]
         """Takes down its steps."""
 
-        async def step(self, text: str) -> None:
+        async def step(self, text: str) -> bool:
             taken.append(text)
+            return True
 
         async def holds(self, *conditions: str) -> bool:
             return set(conditions) <= set(holds)

@@ -38,9 +38,12 @@ NOBODY: Final = Phrase("word~nobody|somebody [is] [sleeps~sleeps] in {room}")
 ARRIVAL: Final = Phrase("{robot:word} word~arrives in {room}", "{robot:word} word~leaves {room}")
 
 # Steps.
-WAIT_UNTIL: Final = Phrase("wait until {state} [,] at most {most}")
+WAIT_UNTIL: Final = Phrase(
+    "wait until {state} [,] at most {most} , then end~stop|go|continue [on]", "wait until {state} [,] at most {most}"
+)
 WAIT: Final = Phrase("wait {length:length}")
 NOTIFY: Final = Phrase("notify [:] {text}")
+SWITCH_ROUTINE: Final = Phrase("routine {name} way~on|off", "turn|switch way~on|off [the] routine {name}")
 SCENE: Final = Phrase("scene {name} , over {length:length}", "scene {name}")
 OVER: Final = Phrase("over {length:length}")
 SCENE_TARGET: Final = Phrase("scene {name}")

@@ -16,7 +16,8 @@ from homebot.support.similar import did_you_mean
 from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
-from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, WAIT, WAIT_UNTIL
+from homebot.words.message_values import MessageValue, read_message
+from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, SWITCH_ROUTINE, WAIT, WAIT_UNTIL
 from homebot.words.queries import parse_query
 from homebot.words.times import read_duration
 from homebot.words.tokens import split_steps
@@ -106,9 +107,14 @@ class SendRobot:
 
 @dataclass(frozen=True, slots=True)
 class Notify:
-    """A message to people."""
+    """A message to people.
+
+    Attributes:
+        pieces: The text with values that are known when it is sent; empty for a text without them.
+    """
 
     text: str
+    pieces: tuple[str | MessageValue, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,10 +126,15 @@ class Wait:
 
 @dataclass(frozen=True, slots=True)
 class WaitUntil:
-    """A wait until a device is in a state, at most so many seconds."""
+    """A wait until a device is in a state, at most so many seconds.
+
+    Attributes:
+        stops: Whether the run is over if that has not come.
+    """
 
     state: Becomes
     most: float
+    stops: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +142,21 @@ class Undo:
     """The values from before the earlier steps, where they have not been changed since."""
 
 
-Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | Undo
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The end of the run."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchRoutine:
+    """A routine begins, or ceases, to watch for its triggers."""
+
+    text: str
+    name: str
+    is_on: bool
+
+
+Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | Undo | Stop | SwitchRoutine
 
 
 class _NoStepError(UsageError):
@@ -157,10 +182,13 @@ def read_step(text: str) -> Step:
 def _read(plain: str) -> Step:
     if plain.casefold() == "undo":
         return Undo()
+    if plain.casefold() == "stop":
+        return Stop()
     if (found := NOTIFY.match(plain)) is not None:
-        return Notify(found["text"])
+        return Notify(found["text"], read_message(found["text"]))
     if (until := WAIT_UNTIL.match(plain)) is not None:
-        return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain))
+        stops = until.get("end", "").casefold() == "stop"
+        return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain), stops)
     if plain.casefold().startswith("wait until"):
         raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
     if (pause := WAIT.match(plain)) is not None:
@@ -171,6 +199,8 @@ def _read(plain: str) -> Step:
         target, way, button, event = held.values()
         if (press := read_press(f"{button} press {event}")) is not None:
             return Dim(plain, target, parse_query(target), way.casefold(), press)
+    if (switch := SWITCH_ROUTINE.match(plain)) is not None:
+        return SwitchRoutine(plain, switch["name"].strip("\"'"), switch["way"].casefold() == "on")
     if (scene := SCENE.match(plain)) is not None:
         length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
         return Do(plain, f"scene {scene['name']}", APPLY, transition=length)

@@ -125,7 +125,7 @@ class PersonMoves:
 
 
 @dataclass(frozen=True, slots=True)
-class Interval:
+class EachInterval:
     """Again and again after a length of time, such as ``30m``."""
 
     length: str
@@ -147,7 +147,7 @@ class Changes:
 
 
 Trigger: TypeAlias = (
-    Becomes | Press | Changes | RobotArrival | PersonMoves | DaysAndTime | SunMoment | Interval | EachHour
+    Becomes | Press | Changes | RobotArrival | PersonMoves | DaysAndTime | SunMoment | EachInterval | EachHour
 )
 
 
@@ -165,7 +165,7 @@ def read_trigger(text: str) -> Trigger:
     if (interval := INTERVAL.match(plain)) is not None and interval["length"].count(" ") <= _MAX_INTERVAL_BLANKS:
         if read_duration(interval["length"], plain) < MIN_INTERVAL_S:
             raise UsageError(f"{text!r}: the shortest interval is {MIN_INTERVAL_S:g} s")
-        return Interval(interval["length"])
+        return EachInterval(interval["length"])
     if (hourly := EachHour.read(plain)) is not None:
         return hourly
     reject_joined(plain, "or", "and")

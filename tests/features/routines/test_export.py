@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 HOSTILE = r"""
 name = 'Say "hi" \ '
 when = ["22:00"]
-do = ['notify \n "" %s {x}', { if = ["after 9:00"], do = ["wait 1m"], else = [
+do = ['notify \n "" %s {time}', { if = ["after 9:00"], do = ["wait 1m"], else = [
     "wait 2m", { if = ["on sat"], do = ["wait 3m"] }
 ] }]
 """

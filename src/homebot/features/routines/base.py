@@ -32,7 +32,7 @@ from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, SunIs
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
-from homebot.words.triggers import Becomes, Changes, Interval, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.words.triggers import Becomes, Changes, EachInterval, PersonMoves, Press, RobotArrival, read_trigger
 
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
@@ -74,7 +74,7 @@ class RoutineBase(App[SettingsT_co]):
                     self.daily(trigger.time, start, days=trigger.days, name=text)
                 case SunMoment():
                     self.at(trigger.event, start, offset=trigger.offset, name=text)
-                case Interval():
+                case EachInterval():
                     self.every(trigger.length, start, name=text)
                 case EachHour():
                     for hour in range(24):

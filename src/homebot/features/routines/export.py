@@ -6,10 +6,11 @@ from itertools import product
 from keyword import iskeyword
 from typing import Final
 
-from homebot.features.routines.program import Choice
+from homebot.features.routines.program import Back, Branch, Choice, Loop, Skip, program_of
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_settings
 from homebot.support.folding import words_of
+from homebot.words.steps import Stop, WaitUntil, read_step
 
 _TAKEN: Final = frozenset({"homebot", "pytest"})
 _INDENT: Final = " " * 8
@@ -83,17 +84,36 @@ def pytest_text(routine: RoutineSettings, module: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _choices(steps: Sequence[str | Choice]) -> Iterator[Choice]:
+def _choices(steps: Sequence[str | Choice | Loop]) -> Iterator[Choice]:
     for one in steps:
-        if isinstance(one, Choice):
-            yield one
-            yield from _choices(one.otherwise)
+        if not isinstance(one, str):
+            yield from (one,) if isinstance(one, Choice) else ()
+            yield from _choices(one.do)
+            yield from _choices(one.otherwise if isinstance(one, Choice) else ())
 
 
-def _body(steps: Sequence[str | Choice], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
+def _body(steps: Sequence[str | Choice | Loop], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
     for one in steps:
         if isinstance(one, str):
-            yield f"{indent}await self.step({one!r})"
+            match read_step(one):
+                case Stop():
+                    yield f"{indent}return"
+                case WaitUntil(stops=True):
+                    yield f"{indent}if not await self.step({one!r}):"
+                    yield f"{indent}    return"
+                case _:
+                    yield f"{indent}await self.step({one!r})"
+            continue
+        if isinstance(one, Loop):
+            conditions = ", ".join(map(repr, one.as_long_as or one.until))
+            if one.times:
+                yield f"{indent}for _ in range({one.times}):"
+            else:
+                yield f"{indent}while {f'await self.holds({conditions})' if one.as_long_as else True}:"
+            yield from _body(one.do, f"{indent}    ")
+            if one.until:
+                yield f"{indent}    if await self.holds({conditions}):"
+                yield f"{indent}        break"
             continue
         yield f"{indent}{word} await self.holds({', '.join(map(repr, one.conditions))}):"
         yield from _body(one.do, f"{indent}    ")
@@ -104,19 +124,43 @@ def _body(steps: Sequence[str | Choice], indent: str = _INDENT, word: str = "if"
             yield from _body(one.otherwise, f"{indent}    ")
 
 
-def _way(steps: Sequence[str | Choice], taken: Sequence[bool]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the conditions that hold on a way through the choices, and its steps."""
+def _way(steps: Sequence[str | Choice | Loop], taken: Sequence[bool]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the conditions that hold on a way through the choices, and its steps.
+
+    No loop goes on while something holds, and each that goes on until something holds ends after one round.
+    """
     ways = zip(_choices(steps), taken, strict=True)
+    loops = [*_loops(steps)]
     holds = {text for one, is_taken in ways if is_taken for text in one.conditions}
+    holds -= {text for loop in loops for text in loop.as_long_as}
+    holds |= {text for loop in loops for text in loop.until}
     return tuple(sorted(holds)), tuple(_taken(steps, holds))
 
 
-def _taken(steps: Sequence[str | Choice], holds: set[str]) -> Iterator[str]:
+def _loops(steps: Sequence[str | Choice | Loop]) -> Iterator[Loop]:
     for one in steps:
-        if isinstance(one, str):
-            yield one
-        else:
-            yield from _taken(one.do if holds.issuperset(one.conditions) else one.otherwise, holds)
+        if not isinstance(one, str):
+            yield from (one,) if isinstance(one, Loop) else ()
+            yield from _loops((*one.do, *(one.otherwise if isinstance(one, Choice) else ())))
+
+
+def _taken(steps: Sequence[str | Choice | Loop], holds: set[str]) -> Iterator[str]:
+    """Yield the steps that are taken while *holds* hold, up to the end of the run."""
+    program, place = program_of(steps), 0
+    while place < len(program):
+        text, step = program[place]
+        match step:
+            case Stop():
+                return
+            case Branch():
+                place += 0 if holds.issuperset(condition for condition, _ in step.conditions) else step.over
+            case Skip():
+                place += step.over
+            case Back():
+                place -= step.over + 1
+            case _:
+                yield text
+        place += 1
 
 
 def _tuple(texts: Sequence[str]) -> str:

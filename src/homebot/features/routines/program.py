@@ -1,17 +1,20 @@
-"""The steps of a routine in the order in which they run: a choice is a jump over those that are not taken. Pure."""
+"""The steps of a routine in the order in which they run: choices and loops are jumps. Pure."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple, TypeAlias
+from typing import Annotated, Final, NamedTuple, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
 from homebot.words.conditions import Condition, read_condition
-from homebot.words.steps import MAX_LINES, Step, read_step
+from homebot.words.steps import MAX_LINES, Step, Wait, WaitUntil, read_step
 
 _MAX_CHARACTERS = 300
+MAX_ROUNDS: Final = 100
+_MAX_PROGRAM: Final = 1000
+"""Steps of a loop, those of all rounds that have a number."""
 
 Text = Annotated[str, Field(min_length=1, max_length=_MAX_CHARACTERS)]
 
@@ -29,7 +32,6 @@ def _step(text: str) -> str:
 
 
 ConditionText = Annotated[Text, AfterValidator(_condition)]
-_StepText = Annotated[Text, AfterValidator(_step)]
 
 
 class Choice(BaseModel):
@@ -37,40 +39,79 @@ class Choice(BaseModel):
 
     Attributes:
         conditions: The key ``if``: the conditions for *do*, all of which must hold.
-        do: The steps if they hold, which are no choices.
-        otherwise: The key ``else``: the steps if they do not hold, among which further choices may be.
+        do: The steps if they hold.
+        otherwise: The key ``else``: the steps if they do not hold.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
     conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", min_length=1, max_length=MAX_LINES)]
-    do: Annotated[tuple[_StepText, ...], Field(min_length=1, max_length=MAX_LINES)]
+    do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
     otherwise: Annotated[tuple["StepSetting", ...], Field(alias="else", max_length=MAX_LINES)] = ()
 
     def __str__(self) -> str:
         otherwise = f", else: {'; '.join(map(str, self.otherwise))}" if self.otherwise else ""
-        return f"if {' and '.join(self.conditions)}: {'; '.join(self.do)}{otherwise}"
+        return f"if {' and '.join(self.conditions)}: {'; '.join(map(str, self.do))}{otherwise}"
 
 
-def _step_or_choice(value: object) -> str | Choice:
+class Loop(BaseModel):
+    """Steps that are repeated: a number of times, while conditions hold, or until they do after a round.
+
+    Attributes:
+        times: The key ``repeat``: how often.
+        as_long_as: The key ``while``: the conditions for each round, all of which must hold.
+        until: The conditions after which no round follows, all of which must hold.
+        do: The steps of a round. Without a number of rounds one of them waits, so that the house is not flooded.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
+
+    times: Annotated[int, Field(alias="repeat", ge=0, le=MAX_ROUNDS)] = 0
+    as_long_as: Annotated[tuple[ConditionText, ...], Field(alias="while", max_length=MAX_LINES)] = ()
+    until: Annotated[tuple[ConditionText, ...], Field(max_length=MAX_LINES)] = ()
+    do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
+
+    def __str__(self) -> str:
+        steps = "; ".join(map(str, self.do))
+        if self.times:
+            return f"{self.times} times: {steps}"
+        word = "while" if self.as_long_as else "until"
+        return f"repeat {word} {' and '.join(self.as_long_as or self.until)}: {steps}"
+
+    @model_validator(mode="after")
+    def _check_together(self) -> "Loop":
+        if bool(self.times) + bool(self.as_long_as) + bool(self.until) != 1:
+            raise ValueError("a loop has one of the keys repeat, while and until")
+        lines = program_of(self.do)
+        if not self.times and not any(isinstance(line.step, Wait | WaitUntil) for line in lines):
+            raise ValueError("do: a loop with while or until has a step that waits, such as 'wait 1m'")
+        if len(lines) * max(self.times, 1) > _MAX_PROGRAM:
+            raise ValueError(f"do: all rounds together have more than {_MAX_PROGRAM:,} steps")
+        return self
+
+
+def _step_or_block(value: object) -> str | Choice | Loop:
     """Check a step here, because the errors of a union would name all of its members."""
     if isinstance(value, dict):
         try:
-            return parse_settings(Choice, value, "", "")
+            if "if" in value:
+                return parse_settings(Choice, value, "", "")
+            return parse_settings(Loop, value, "", "")
         except ConfigError as exc:
             raise ValueError(f"{exc.key}: {exc.reason}") from exc
     if isinstance(value, str) and 0 < len(value) <= _MAX_CHARACTERS:
         return _step(value)
     raise ValueError(
-        f"must be a text of at most {_MAX_CHARACTERS} characters, or a choice {{ if = [...], do = [...] }}"
+        f"must be a text of at most {_MAX_CHARACTERS} characters, a choice {{ if = [...], do = [...] }}, "
+        "or a loop { repeat = 3, do = [...] }"
     )
 
 
-def _written(step: str | Choice) -> object:
+def _written(step: str | Choice | Loop) -> object:
     return step if isinstance(step, str) else step.model_dump(exclude_defaults=True)
 
 
-StepSetting = Annotated[str | Choice, PlainValidator(_step_or_choice), PlainSerializer(_written)]
+StepSetting = Annotated[str | Choice | Loop, PlainValidator(_step_or_block), PlainSerializer(_written)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +129,14 @@ class Skip:
     over: int
 
 
-Instruction: TypeAlias = Step | Branch | Skip
+@dataclass(frozen=True, slots=True)
+class Back:
+    """Goes on with the line that is *over* lines before this one."""
+
+    over: int
+
+
+Instruction: TypeAlias = Step | Branch | Skip | Back
 
 
 class Line(NamedTuple):
@@ -98,7 +146,7 @@ class Line(NamedTuple):
     step: Instruction
 
 
-def program_of(steps: Sequence[str | Choice]) -> tuple[Line, ...]:
+def program_of(steps: Sequence[str | Choice | Loop]) -> tuple[Line, ...]:
     """Return the program of *steps*, which are checked."""
     return tuple(_lines(steps))
 
@@ -108,14 +156,27 @@ def conditions_of(texts: Iterable[str]) -> tuple[tuple[str, Condition], ...]:
     return tuple((text, read_condition(text)) for text in texts)
 
 
-def _lines(steps: Iterable[str | Choice]) -> Iterator[Line]:
+def _lines(steps: Iterable[str | Choice | Loop]) -> Iterator[Line]:
     for one in steps:
         if isinstance(one, str):
             yield Line(one, read_step(one))
             continue
-        otherwise = program_of(one.otherwise)
-        yield Line(str(one), Branch(conditions_of(one.conditions), len(one.do) + bool(otherwise)))
-        yield from _lines(one.do)
-        if otherwise:
-            yield Line(str(one), Skip(len(otherwise)))
-            yield from otherwise
+        do, text = program_of(one.do), str(one)
+        if isinstance(one, Choice):
+            otherwise = program_of(one.otherwise)
+            yield Line(text, Branch(conditions_of(one.conditions), len(do) + bool(otherwise)))
+            yield from do
+            if otherwise:
+                yield Line(text, Skip(len(otherwise)))
+                yield from otherwise
+        elif one.as_long_as:
+            yield Line(text, Branch(conditions_of(one.as_long_as), len(do) + 1))
+            yield from do
+            yield Line(text, Back(len(do) + 1))
+        elif one.until:
+            yield from do
+            yield Line(text, Branch(conditions_of(one.until), 1))
+            yield Line(text, Skip(1))
+            yield Line(text, Back(len(do) + 2))
+        else:
+            yield from do * one.times

@@ -48,14 +48,17 @@ class RoutineApp(RoutineBase[NoSettings]):
     async def perform(self) -> None:
         """Take the steps."""
 
-    async def step(self, text: str) -> None:
+    async def step(self, text: str) -> bool:
         """Take a step as a routine does, such as ``"hall lamp on, 20 %"``; a failure is logged.
+
+        Returns:
+            Whether the run goes on: a step may end with ``then stop``.
 
         Raises:
             UsageError: It is no step.
         """
         self.store[_STEP] = text
-        await _RUN.get().take(read_step(text))
+        return await _RUN.get().take(read_step(text))
 
     async def holds(self, *conditions: str) -> bool:
         """Return whether all *conditions* hold.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
+from datetime import datetime
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
@@ -12,6 +13,7 @@ import anyio
 from homebot.apps import AppContext
 from homebot.command_words.undo_record import UndoRecord, known_states
 from homebot.devices import Devices, KeyValue
+from homebot.devices.app_messages import ChangeRoutine, ChangeRoutineRequest, ChangeRoutineResponse
 from homebot.devices.batch import perform_all
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
@@ -20,16 +22,21 @@ from homebot.devices.command_messages import (
     PerformCommand,
 )
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import target_of
-from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.device import DeviceChange, StateChange, target_of
+from homebot.devices.names import CHANGE_ROUTINE, PERFORM_COMMAND
 from homebot.devices.outcomes import NoAnswer, Outcome
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.wording.values import value_text
 from homebot.errors import HomebotError, ServiceError
-from homebot.features.routines.program import Branch, Line, Skip
+from homebot.features.routines.program import Back, Branch, Line, Skip
 from homebot.features.routines.watches import begun
 from homebot.graph import Client, Node
+from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
-from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, WaitUntil
+from homebot.words.house_queries import WordsQuery
+from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Stop, SwitchRoutine, Undo, Wait, WaitUntil
 
 if TYPE_CHECKING:
     from homebot.features.routines.checks import HouseChecks
@@ -41,6 +48,7 @@ _MAX_WAIT_S: Final = 900.0
 class RoutineOwner(Protocol):
     """The routine of a run."""
 
+    title: str
     node: Node
     context: AppContext
     devices: Devices
@@ -48,6 +56,9 @@ class RoutineOwner(Protocol):
 
     async def keep(self, run: RoutineRun, place: RunPlace, before: dict[str, list[Any]]) -> None:
         """Store how far *run* is, for a restart."""
+
+    def now(self) -> datetime:
+        """Return the date and time in the home's zone."""
 
     async def notify(self, message: str, *, title: str = "") -> bool:
         """Send people a message."""
@@ -104,19 +115,25 @@ class RoutineRun:
                     place += step.over if await self._owner.unmet(step.conditions) else 0
                 case Skip():
                     place += step.over
+                case Back():
+                    place -= step.over + 1
                 case _:
-                    await self.take(step, place, until)
+                    if not await self.take(step, place, until):
+                        return
             place, until = place + 1, 0.0
 
-    async def take(self, step: Step, place: int = 0, until: float = 0.0) -> None:
-        """Take one *step*; a wait ends at *until*, in seconds since the Unix epoch, if that is given."""
+    async def take(self, step: Step, place: int = 0, until: float = 0.0) -> bool:
+        """Take one *step*, and return whether the run goes on.
+
+        A wait ends at *until*, in seconds since the Unix epoch, if that is given.
+        """
         match step:
             case Do() if self._program:
                 may_repeat = await self._checks.may_repeat(step)
             case Wait(seconds=length) | WaitUntil(most=length):
                 may_repeat, until = True, until or self._clock.now() + length
             case _:
-                may_repeat = isinstance(step, Undo)
+                may_repeat = isinstance(step, Undo | Stop | SwitchRoutine)
         await self._owner.keep(self, RunPlace(place, until, may_repeat), self._before.entries)
         match step:
             case Do():
@@ -126,16 +143,23 @@ class RoutineRun:
             case SendRobot():
                 await self._drive(step)
             case Notify():
-                is_told = await self._owner.notify(step.text) or self._owner.context.rehearse is not None
+                text = await self._message(step)
+                is_told = await self._owner.notify(text) or self._owner.context.rehearse is not None
                 if not is_told:
-                    self._owner.log_failure(f"notify {step.text}", "nobody was told; [notify] and the log say why")
+                    self._owner.log_failure(f"notify {text}", "nobody was told; [notify] and the log say why")
             case Wait():
                 await anyio.sleep(self._left(step.seconds, until))
             case WaitUntil():
-                with anyio.move_on_after(self._left(step.most, until)):
+                with anyio.move_on_after(self._left(step.most, until)) as wait:
                     await anext(begun(self._owner.node, step.state))
+                return not (step.stops and wait.cancelled_caught)
             case Undo():
                 await self._undo()
+            case SwitchRoutine():
+                await self._switch(step)
+            case Stop():
+                return False
+        return True
 
     @cached_property
     def _checks(self) -> HouseChecks:
@@ -188,6 +212,44 @@ class RoutineRun:
             self._owner.log_failure(step.text, str(exc))
         else:
             self._owner.log_done(step.text)
+
+    async def _switch(self, step: SwitchRoutine) -> None:
+        request = ChangeRoutineRequest(name=step.name, change="enable" if step.is_on else "disable")
+        with closing(self._owner.node.create_client(ChangeRoutine, CHANGE_ROUTINE)) as client:
+            try:
+                answer = await client.call(request)
+            except ServiceError as exc:
+                answer = ChangeRoutineResponse(success=False, message=str(exc))
+        if answer.success:
+            self._owner.log_done(step.text)
+        else:
+            self._owner.log_failure(step.text, answer.message)
+
+    async def _message(self, step: Notify) -> str:
+        """Return the text of a message with the values of now."""
+        if not step.pieces:
+            return step.text
+        devices, change = await self._owner.devices.find(), CURRENT_CAUSE.get()
+        by = change.device if isinstance(change, StateChange | DeviceChange) else ""
+        cause = next((device for device in devices if device.id == by), None) if isinstance(by, str) else by
+        texts: list[str] = []
+        for piece in step.pieces:
+            if isinstance(piece, str):
+                texts.append(piece)
+            elif piece.kind == "name":
+                texts.append("a time" if cause is None else cause.name or cause.id)
+            elif piece.kind == "room":
+                texts.append("unknown" if cause is None else cause.area or "unknown")
+            elif piece.kind == "routine":
+                texts.append(self._owner.title)
+            elif piece.kind == "time":
+                texts.append(f"{self._owner.now():%H:%M}")
+            else:
+                query = WordsQuery(piece.words, devices).query
+                states = [one for device in devices if fits(query, facets_of(device)) for one in device.states]
+                values = [one.value.plain() for one in states if one.capability == piece.capability and one.live]
+                texts.append(value_text(piece.capability, values[0] if values else None))
+        return "".join(texts)
 
     def _left(self, seconds: float, until: float) -> float:
         """Return how long a wait of *seconds* still lasts; the clock may have been set back since it began."""

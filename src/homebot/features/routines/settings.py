@@ -10,7 +10,7 @@ from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
 from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
-from homebot.words.conditions import Condition, SunIs, check_possible, single_conditions
+from homebot.words.conditions import Condition, LastRun, SunIs, check_possible, single_conditions
 from homebot.words.steps import MAX_LINES, Dim, Do, Undo, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, Trigger, read_trigger
@@ -82,6 +82,9 @@ class RoutineSettings(AppSettings):
             raise ValueError(f"when: {twice[0]!r} is there twice")
         with value_errors():
             check_possible(self.conditions)
+        asked = [one for line in program_of(self.do) if isinstance(line.step, Branch) for one in line.step.conditions]
+        if inner := next((text for text, one in asked if LastRun in map(type, single_conditions(one))), ""):
+            raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")
         states = {fold(one.text) for one in triggers if isinstance(one, Becomes)}
         for step in steps:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:

@@ -1,0 +1,95 @@
+"""Loops, ends and messages with values, in a running routine and in its export."""
+
+import pytest
+from tests.apps.houses import hall, is_on
+from tests.features.routines.test_routine import config
+
+from homebot.errors import ConfigError
+from homebot.features.routines.export import app_text, pytest_text
+from homebot.features.routines.settings import RoutineSettings
+from homebot.features.routines.text import read_routines, read_settings
+from homebot.testing import virtual_house_of
+from homebot.words.routine_text import routine_text
+
+OTHER: dict[str, object] = {"name": "Other", "when": ["08:05"], "do": ["hall lamp on"]}
+MESSAGE = {"repeat": 2, "do": ["notify Hello", "wait 1m"]}
+MOVES = {"while": ["hall motion occupied"], "do": ["notify Somebody is here", "wait 5m"]}
+EMPTY = {"until": ["hall motion clear"], "do": ["notify Waiting", "wait 5m"]}
+WAIT = "wait until hall lamp on, at most 1m"
+
+
+@pytest.mark.slow
+@pytest.mark.virtual_time
+@pytest.mark.rooms("homeassistant")
+@pytest.mark.parametrize(
+    ("steps", "told", "lamp_is_on"),
+    [
+        ((MESSAGE,), ["Hello"] * 2, True),
+        (({"repeat": 2, "do": [MESSAGE, {"if": ["after 7:00"], "do": ["stop"]}]},), ["Hello"] * 2, True),
+        ((MOVES, "notify Over"), ["Somebody is here"] * 3 + ["Over"], True),
+        ((EMPTY, "notify Over"), ["Waiting"] * 3 + ["Over"], True),
+        (("notify One", "stop", "notify Two"), ["One"], True),
+        ((f"{WAIT}, then stop", "notify Two"), [], True),
+        ((f"{WAIT}, then go on", "notify Two"), ["Two"], True),
+        ((WAIT, "notify Two"), ["Two"], True),
+        (("routine Other off", "wait 10m", "notify Two"), ["Two"], False),
+        (("turn off routine other", "turn on the routine Other"), [], True),
+        (
+            ("notify {hall lamp level}: {name}, {room}, {routine} at {time}; {temperature of hall}",),
+            ["100 %: hall_motion, hall, Visit at 08:01; unknown"],
+            True,
+        ),
+    ],
+)
+async def test_a_run_takes_its_steps(steps: tuple[object, ...], told: list[str], lamp_is_on: bool) -> None:  # noqa: FBT001
+    """Somebody comes into the hall at 8:01, and leaves at 8:10; another routine turns the lamp on at 8:05."""
+    world = hall(("08:01", "hall"), ("08:10", "outside"))
+    routine = {"name": "Visit", "when": ["hall motion occupied"], "do": [*steps]}
+    given = config(routine, OTHER) | {"notify": {}}
+    async with virtual_house_of(world=world, config=given, start="2026-01-01 08:00") as house:
+        await house.run_until("09:00")
+        assert [one.message for one in house.notifications] == told
+        assert is_on(world, "hall_lamp") is lamp_is_on
+
+
+@pytest.mark.parametrize(
+    ("steps", "problem"),
+    [
+        ([{"repeat": 0, "do": ["stop"]}], "a loop has one of the keys repeat, while and until"),
+        ([{"repeat": 101, "do": ["stop"]}], "100"),
+        ([{"while": ["sun is up"], "do": ["hall lamp on"]}], "has a step that waits"),
+        ([{"repeat": 2, "while": ["sun is up"], "do": ["wait 1m"]}], "a loop has one of the keys"),
+        ([{"repeat": 40, "do": [{"repeat": 40, "do": ["wait 1s"]}]}], "more than 1,000 steps"),
+        ([{"if": ["last run over 1h ago"], "do": ["stop"]}], "only the conditions of the routine know"),
+        (["notify {the weather}"], "{the weather} is no value; write it like {temperature of office}"),
+    ],
+)
+def test_a_mistake_in_a_step_is_named(steps: list[object], problem: str) -> None:
+    table = {"name": "Wrong", "when": ["8:00"], "do": steps}
+    with pytest.raises((ConfigError, ValueError)) as caught:
+        RoutineSettings.model_validate(table)
+    assert problem in str(caught.value)
+
+
+def test_loops_and_ends_are_exported_as_an_app_whose_test_passes() -> None:
+    steps = [MESSAGE, MOVES, EMPTY, f"{WAIT}, then stop", {"if": ["sun is down"], "do": [MESSAGE, "stop"]}, "undo"]
+    routine = RoutineSettings.model_validate({"name": "Visit", "when": ["8:00"], "do": steps})
+    text = app_text(routine)
+    assert "for _ in range(2):" in text
+    assert "while await self.holds('hall motion occupied'):" in text
+    names: dict[str, object] = {}
+    exec(compile(text, "visit.py", "exec"), names)  # noqa: S102 - what homebot wrote
+    test = pytest_text(routine, "visit").replace("from visit import Visit\n", "")
+    exec(compile(test, "test_visit.py", "exec"), names)  # noqa: S102
+    check = names["test_it_takes_the_steps_of_the_routine"]
+    assert callable(check)
+    check()
+
+
+def test_a_loop_is_written_as_it_was_read() -> None:
+    do = [{"repeat": 3, "do": ["hall lamp toggle", {"while": ["sun is up"], "do": ["wait 1s"]}]}]
+    table = {"name": "Visit", "when": ("8:00",), "do": tuple(do)}
+    routine = RoutineSettings.model_validate(table)
+    (again,) = read_routines(routine_text(routine.written()), "test")
+    assert read_settings(again.text, "test") == routine
+    assert str(routine.do[0]) == "3 times: hall lamp toggle; repeat while sun is up: wait 1s"
