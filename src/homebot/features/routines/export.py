@@ -6,7 +6,7 @@ from itertools import product
 from keyword import iskeyword
 from typing import Final
 
-from homebot.features.routines.program import Back, Branch, Choice, Loop, Skip, program_of
+from homebot.features.routines.program import Back, Branch, Choice, RepeatedSteps, Skip, program_of
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_settings
 from homebot.support.folding import words_of
@@ -84,7 +84,7 @@ def pytest_text(routine: RoutineSettings, module: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _choices(steps: Sequence[str | Choice | Loop]) -> Iterator[Choice]:
+def _choices(steps: Sequence[str | Choice | RepeatedSteps]) -> Iterator[Choice]:
     for one in steps:
         if not isinstance(one, str):
             yield from (one,) if isinstance(one, Choice) else ()
@@ -92,7 +92,7 @@ def _choices(steps: Sequence[str | Choice | Loop]) -> Iterator[Choice]:
             yield from _choices(one.otherwise if isinstance(one, Choice) else ())
 
 
-def _body(steps: Sequence[str | Choice | Loop], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
+def _body(steps: Sequence[str | Choice | RepeatedSteps], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
     for one in steps:
         if isinstance(one, str):
             match read_step(one):
@@ -104,7 +104,7 @@ def _body(steps: Sequence[str | Choice | Loop], indent: str = _INDENT, word: str
                 case _:
                     yield f"{indent}await self.step({one!r})"
             continue
-        if isinstance(one, Loop):
+        if isinstance(one, RepeatedSteps):
             conditions = ", ".join(map(repr, one.as_long_as or one.until))
             if one.times:
                 yield f"{indent}for _ in range({one.times}):"
@@ -124,7 +124,9 @@ def _body(steps: Sequence[str | Choice | Loop], indent: str = _INDENT, word: str
             yield from _body(one.otherwise, f"{indent}    ")
 
 
-def _way(steps: Sequence[str | Choice | Loop], taken: Sequence[bool]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _way(
+    steps: Sequence[str | Choice | RepeatedSteps], taken: Sequence[bool]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the conditions that hold on a way through the choices, and its steps.
 
     No loop goes on while something holds, and each that goes on until something holds ends after one round.
@@ -137,14 +139,14 @@ def _way(steps: Sequence[str | Choice | Loop], taken: Sequence[bool]) -> tuple[t
     return tuple(sorted(holds)), tuple(_taken(steps, holds))
 
 
-def _loops(steps: Sequence[str | Choice | Loop]) -> Iterator[Loop]:
+def _loops(steps: Sequence[str | Choice | RepeatedSteps]) -> Iterator[RepeatedSteps]:
     for one in steps:
         if not isinstance(one, str):
-            yield from (one,) if isinstance(one, Loop) else ()
+            yield from (one,) if isinstance(one, RepeatedSteps) else ()
             yield from _loops((*one.do, *(one.otherwise if isinstance(one, Choice) else ())))
 
 
-def _taken(steps: Sequence[str | Choice | Loop], holds: set[str]) -> Iterator[str]:
+def _taken(steps: Sequence[str | Choice | RepeatedSteps], holds: set[str]) -> Iterator[str]:
     """Yield the steps that are taken while *holds* hold, up to the end of the run."""
     program, place = program_of(steps), 0
     while place < len(program):

@@ -54,7 +54,7 @@ class Choice(BaseModel):
         return f"if {' and '.join(self.conditions)}: {'; '.join(map(str, self.do))}{otherwise}"
 
 
-class Loop(BaseModel):
+class RepeatedSteps(BaseModel):
     """Steps that are repeated: a number of times, while conditions hold, or until they do after a round.
 
     Attributes:
@@ -79,7 +79,7 @@ class Loop(BaseModel):
         return f"repeat {word} {' and '.join(self.as_long_as or self.until)}: {steps}"
 
     @model_validator(mode="after")
-    def _check_together(self) -> "Loop":
+    def _check_together(self) -> "RepeatedSteps":
         if bool(self.times) + bool(self.as_long_as) + bool(self.until) != 1:
             raise ValueError("a loop has one of the keys repeat, while and until")
         lines = program_of(self.do)
@@ -90,13 +90,13 @@ class Loop(BaseModel):
         return self
 
 
-def _step_or_block(value: object) -> str | Choice | Loop:
+def _step_or_block(value: object) -> str | Choice | RepeatedSteps:
     """Check a step here, because the errors of a union would name all of its members."""
     if isinstance(value, dict):
         try:
             if "if" in value:
                 return parse_settings(Choice, value, "", "")
-            return parse_settings(Loop, value, "", "")
+            return parse_settings(RepeatedSteps, value, "", "")
         except ConfigError as exc:
             raise ValueError(f"{exc.key}: {exc.reason}") from exc
     if isinstance(value, str) and 0 < len(value) <= _MAX_CHARACTERS:
@@ -107,11 +107,11 @@ def _step_or_block(value: object) -> str | Choice | Loop:
     )
 
 
-def _written(step: str | Choice | Loop) -> object:
+def _written(step: str | Choice | RepeatedSteps) -> object:
     return step if isinstance(step, str) else step.model_dump(exclude_defaults=True)
 
 
-StepSetting = Annotated[str | Choice | Loop, PlainValidator(_step_or_block), PlainSerializer(_written)]
+StepSetting = Annotated[str | Choice | RepeatedSteps, PlainValidator(_step_or_block), PlainSerializer(_written)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ class Line(NamedTuple):
     step: Instruction
 
 
-def program_of(steps: Sequence[str | Choice | Loop]) -> tuple[Line, ...]:
+def program_of(steps: Sequence[str | Choice | RepeatedSteps]) -> tuple[Line, ...]:
     """Return the program of *steps*, which are checked."""
     return tuple(_lines(steps))
 
@@ -156,7 +156,7 @@ def conditions_of(texts: Iterable[str]) -> tuple[tuple[str, Condition], ...]:
     return tuple((text, read_condition(text)) for text in texts)
 
 
-def _lines(steps: Iterable[str | Choice | Loop]) -> Iterator[Line]:
+def _lines(steps: Iterable[str | Choice | RepeatedSteps]) -> Iterator[Line]:
     for one in steps:
         if isinstance(one, str):
             yield Line(one, read_step(one))
