@@ -31,7 +31,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import chain, product
+from itertools import chain, product, repeat
 from pathlib import Path
 from typing import Final, NamedTuple, TypeAlias
 
@@ -90,15 +90,15 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
         anywhere: Whether the position of the words in *text* does not matter.
     """
     found = _matching_words(text, groups, anywhere=anywhere)
-    if found or (apart := _CAMEL_CASE.sub(" ", text)) == text:
+    if found or text.islower() or (apart := _CAMEL_CASE.sub(" ", text)) == text:
         return found
     return _matching_words(apart, groups, anywhere=anywhere)
 
 
 def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
     words = tuple([word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit()])
-    numbers = {number for word in words for number in _languages_of(word, groups)}
-    for language in [_LANGUAGES[number] for number in sorted(numbers)]:
+    numbers = set(chain.from_iterable(map(_languages_of, words, repeat(groups))))
+    for language in map(_LANGUAGES.__getitem__, sorted(numbers)):
         for clause in _clauses(words, language):
             if found := _match(clause, language, groups, at_end=language.at_end and not anywhere):
                 return found
@@ -121,7 +121,7 @@ def _is_sign(word: str, groups: Groups, number: int | None) -> bool:
     return (
         word in vocabulary
         or word.endswith(ends)
-        or any(piece in word for piece in (ascii_pieces if word.isascii() else pieces))
+        or any(map(word.__contains__, ascii_pieces if word.isascii() else pieces))
     )
 
 
