@@ -3,8 +3,9 @@
 import pytest
 
 from homebot.conventions.description import AutoExpiry, Publication
-from homebot.conventions.part_builder import JsonPart, is_movable, moved, with_own_ids
+from homebot.conventions.part_builder import JsonPart, with_own_ids
 from homebot.conventions.payload import JsonMessage, Readings
+from homebot.conventions.table_codec import is_movable, moved
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -1,9 +1,8 @@
 """Builder of a part from its capabilities with their readers and writers. Pure."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import lru_cache
 from itertools import islice
-from operator import attrgetter
 from typing import Generic, TypedDict, TypeVar, Unpack
 
 from homebot.conventions.command_values import Writer
@@ -18,8 +17,6 @@ __all__ = [
     "JsonPart",
     "PartBuilder",
     "PartFields",
-    "is_movable",
-    "moved",
     "with_own_ids",
 ]
 
@@ -182,44 +179,6 @@ class BytesPart(PartBuilder[bytes]):
     """A part with readers of bytes."""
 
     parse_payload = bytes
-
-
-def is_movable(described: DescribedPart, topics: Iterable[str]) -> bool:
-    """Return whether *described* can be moved from *topics* to others: it uses no other ones, and remembers nothing."""
-    used = {*described.part.reads, *described.part.writes, *map(_TOPIC, described.state_requests)}
-    return not described.remembers and isinstance(described.codec, TableCodec) and used.issubset(topics)
-
-
-_TOPIC = attrgetter("topic")
-
-
-def moved(
-    described: DescribedPart, topics: Mapping[str, str], *, part_id: str | None = None, name: str | None = None
-) -> DescribedPart:
-    """Return a part as the movable one *described*, on other topics.
-
-    Args:
-        topics: The other topics, by those of *described*.
-        part_id: Its id; by default the same.
-        name: Its name; by default the same.
-    """
-    part, codec = described.part, described.codec
-    assert isinstance(codec, TableCodec)  # noqa: S101 - for the type checker
-    return DescribedPart(
-        part.model_copy(
-            update={
-                "id": part.id if part_id is None else part_id,
-                "name": part.name if name is None else name,
-                "reads": tuple(map(topics.__getitem__, part.reads)),
-                "writes": tuple(map(topics.__getitem__, part.writes)),
-            }
-        ),
-        codec.moved(topics),
-        described.state_requests
-        and tuple([request._replace(topic=topics[request.topic]) for request in described.state_requests]),
-        described.expiries,
-        sends_code=described.sends_code,
-    )
 
 
 def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:

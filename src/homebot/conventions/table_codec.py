@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
+from operator import attrgetter
 from types import MappingProxyType
-from typing import Any, Generic, Never, TypeAlias, TypeVar
+from typing import Generic, Never, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
-from homebot.conventions.description import Publications
+from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.joint_message import merged, without_switch
 from homebot.conventions.payload import (
     NO_READINGS,
@@ -167,11 +168,14 @@ class TableCodec(Generic[MessageT]):
         Args:
             topics: The other topics, by those of this codec; no filters.
         """
-        event_readers = _moved(self._event_readers, topics) if self._event_readers else _NONE
-        tables = self._parse_payload, _moved(self._readers, topics), event_readers
+        readers = dict(zip(map(topics.__getitem__, self._readers), self._readers.values(), strict=True))
+        events = self._event_readers
+        events = dict(zip(map(topics.__getitem__, events), events.values(), strict=True)) if events else _NONE
         if not self._writers:
-            return TableCodec(*tables, _NONE)
-        return _MovedCodec(topics, *tables, self._writers, self._coded_writers, self._joint)
+            return TableCodec(self._parse_payload, readers, events, _NONE)
+        codec = _MovedCodec(self._parse_payload, readers, events, self._writers, self._coded_writers, self._joint)
+        codec.moved_topics = topics
+        return codec
 
     def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
         matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
@@ -180,13 +184,14 @@ class TableCodec(Generic[MessageT]):
 
 
 class _MovedCodec(TableCodec[MessageT]):
-    """A codec with the writers of another one, on other topics."""
+    """A codec with the writers of another one, on other topics.
 
-    __slots__ = ("_topics",)
+    Attributes:
+        moved_topics: The other topics, by those of the writers.
+    """
 
-    def __init__(self, topics: Mapping[str, str], *tables: Any) -> None:
-        super().__init__(*tables)
-        self._topics = topics
+    __slots__ = ("moved_topics",)
+    moved_topics: Mapping[str, str]
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*."""
@@ -212,15 +217,47 @@ class _MovedCodec(TableCodec[MessageT]):
     def _moved(self, write: Callable[[], Publications]) -> Publications:
         """Return the publications on its own topics; an error that ends with a topic names its own."""
         try:
-            return tuple([one._replace(topic=self._topics[one.topic]) for one in write()])
+            return tuple([one._replace(topic=self.moved_topics[one.topic]) for one in write()])
         except RefusedError as error:
-            for other, own in self._topics.items():
+            for other, own in self.moved_topics.items():
                 if error.what.endswith(f" {other}"):
                     raise type(error)(f"{error.what.removesuffix(other)}{own}", error.reason, error.code) from None
             raise
 
 
-def _moved(
-    readers: Mapping[str, tuple[Reader[MessageT], ...]], topics: Mapping[str, str]
-) -> Mapping[str, tuple[Reader[MessageT], ...]]:
-    return dict(zip(map(topics.__getitem__, readers), readers.values(), strict=True))
+_TOPIC = attrgetter("topic")
+
+
+def is_movable(described: DescribedPart, topics: Iterable[str]) -> bool:
+    """Return whether *described* can be moved from *topics* to others: it uses no other ones, and remembers nothing."""
+    used = {*described.part.reads, *described.part.writes, *map(_TOPIC, described.state_requests)}
+    return not described.remembers and isinstance(described.codec, TableCodec) and used.issubset(topics)
+
+
+def moved(
+    described: DescribedPart, topics: Mapping[str, str], *, part_id: str | None = None, name: str | None = None
+) -> DescribedPart:
+    """Return a part as the movable one *described*, on other topics.
+
+    Args:
+        topics: The other topics, by those of *described*.
+        part_id: Its id; by default the same.
+        name: Its name; by default the same.
+    """
+    part, codec = described.part, described.codec
+    assert isinstance(codec, TableCodec)  # noqa: S101 - for the type checker
+    return DescribedPart(
+        part.model_copy(
+            update={
+                "id": part.id if part_id is None else part_id,
+                "name": part.name if name is None else name,
+                "reads": tuple(map(topics.__getitem__, part.reads)),
+                "writes": tuple(map(topics.__getitem__, part.writes)),
+            }
+        ),
+        codec.moved(topics),
+        described.state_requests
+        and tuple([request._replace(topic=topics[request.topic]) for request in described.state_requests]),
+        described.expiries,
+        sends_code=described.sends_code,
+    )

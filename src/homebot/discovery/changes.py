@@ -221,7 +221,13 @@ class ChangeLog:
 
     def append(self, change: DeviceChange) -> None:
         """Add *change*, and forget the oldest ones beyond the limits."""
-        size = _size(change)
+        device = change.device
+        texts = [device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts]
+        for fact in device.metadata:
+            texts += (fact.key, fact.value)
+        for part in device.parts:
+            texts += texts_of(part.part)
+        size = _CHANGE + size_of_texts(texts) + _PART * len(device.parts)
         self._changes.append((change, size))
         self._size += size
         while len(self._changes) > self._most or self._size > self._max_size:
@@ -236,13 +242,3 @@ class ChangeLog:
 
     def __len__(self) -> int:
         return len(self._changes)
-
-
-def _size(change: DeviceChange) -> int:
-    device = change.device
-    texts = [device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts]
-    for fact in device.metadata:
-        texts += (fact.key, fact.value)
-    for part in device.parts:
-        texts += texts_of(part.part)
-    return _CHANGE + size_of_texts(texts) + _PART * len(device.parts)

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sized
 from functools import partial
 from itertools import islice
+from operator import attrgetter
 from typing import Final, final
 
 import anyio
@@ -109,10 +110,9 @@ class ChangePublisher:
         self._happened = asyncio.Event()  # can be cleared, unlike anyio's
         self._growing = asyncio.Event()
         self._settings_changed = asyncio.Event()
-        self._burst = Burst(clock, lambda: self._queue.announced, _quiet_turns, lambda: self._queue.pending)
-        self._growth = Burst(
-            clock, lambda: self._queue.announced, partial(anyio.sleep, _GROWTH_PAUSE), lambda: self._queue.growing
-        )
+        announced = partial(attrgetter("announced"), self._queue)
+        self._burst = Burst(clock, announced, _quiet_turns, lambda: self._queue.pending)
+        self._growth = Burst(clock, announced, partial(anyio.sleep, _GROWTH_PAUSE), lambda: self._queue.growing)
         self._limit = LogLimit(clock, burst=BURST)
 
     def collect(self) -> None:
@@ -209,10 +209,10 @@ class ChangePublisher:
             return
         device = change.device
         gateway = device.endpoints[0].gateway
+        message = _WORDS[change.kind].format(id=device.id, gateway=gateway, why=change.why)
         self._node.log.info(
             event,
-            message=_WORDS[change.kind].format(id=device.id, gateway=gateway, why=change.why)
-            + more_like_this(held_back),
+            message=message + more_like_this(held_back) if held_back else message,
             device=device.id,
             service_type=device.service_type,
             gateway=gateway,

@@ -205,7 +205,7 @@ def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozens
     kinds: set[tuple[str, str]] = set()
     others: set[tuple[str, str]] = set()
     for one in parts:
-        if not one.part.is_group:
+        if not (one.part.members and one.part.is_group):
             (others if one.part.category else kinds).add((one.part.service_type, one.part.tag))
     return frozenset(kinds or others), frozenset()
 

@@ -24,7 +24,8 @@ from homebot.errors import RefusedError
 _MAX_EVIDENCE = 16
 _MAX_PANELS: Final = 1000
 """Identifiers of alarm panels; those of further panels do not count."""
-_REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attrgetter("sec", "nanosec")
+_KEY, _REACH = attrgetter("key"), attrgetter("reach")
+_FIRST_SEEN, _TIME = attrgetter("first_seen"), attrgetter("sec", "nanosec")
 
 
 class Regrouped(NamedTuple):
@@ -354,7 +355,7 @@ class DeviceMerger:
             if entry.stale_gateways:
                 entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
-            entry.doubts = self._doubts(sources) if self.identities.told_apart else ()
+            entry.doubts = self._doubts(sources) if self.identities.told_apart > 1 else ()
             entry.silence_allowed = 0.0
             entry.is_denied = bool(table.lost or any(map(_REACH, sources))) and is_denied(sources)
         else:
@@ -470,13 +471,15 @@ class DeviceMerger:
 
     def _doubts(self, sources: Iterable[SourceRecord]) -> tuple[str, ...]:
         """Return the identifiers that *sources* of a device share with another that their gateway tells apart."""
-        table, keys = self._table, [source.key for source in sources]
-        return tuple(
-            f"{table.sources[key].label} and {table.sources[other].label} on {key[0]} claim the same {identifier}, "
-            "which identifies neither"
-            for identifier, key, other in self.identities.claimed_twice(keys)
-            if other not in keys
-        )[:_MAX_EVIDENCE]
+        known, keys = self._table.sources, tuple(map(_KEY, sources))
+        doubts: list[str] = []
+        for identifier, key, other in self.identities.claimed_twice(keys):
+            if other not in keys and len(doubts) < _MAX_EVIDENCE:
+                doubts.append(
+                    f"{known[key].label} and {known[other].label} on {key[0]} claim the same {identifier}, "
+                    "which identifies neither"
+                )
+        return tuple(doubts)
 
     def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
         """Update devices that share a topic with one that was added or removed."""

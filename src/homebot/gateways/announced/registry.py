@@ -238,9 +238,6 @@ class DeviceRegistry:
             raise WireError(f"{described.key!r} exceeds the limit of {limits.announcements:,} announcements")
         if self._parts + count - (0 if before is None else len(before.described.parts)) > limits.parts:
             raise WireError(f"{described.key!r} exceeds the limit of {limits.parts:,} parts in all")
-        self._check_memory(described, before)
-
-    def _check_memory(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
         more = _PART * (len(described.parts) - (0 if before is None else len(before.described.parts)))
         if before is None:
             more += _ANNOUNCEMENT

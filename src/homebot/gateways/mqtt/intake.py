@@ -114,7 +114,11 @@ class AnnouncementHandler:
                 length = 0  # unknown for the single devices of a list
                 steps = iter(convention.read_message_in_slices(message.topic, message.payload, retained=message.retain))
             else:
-                steps = iter(convention.read_message(message.topic, message.payload, retained=message.retain))
+                told = convention.read_message(message.topic, message.payload, retained=message.retain)
+                if type(told) is tuple and len(told) == 1:  # as nearly always; a plug-in may return an iterator
+                    self._handle(told[0], convention, message, length)
+                    return
+                steps = iter(told)
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(convention, message, exc)
             return

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
-from itertools import islice
+from itertools import islice, repeat
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
@@ -207,7 +207,10 @@ class AnnouncementRegistry(DeviceRegistry):
         replayed: _Readings = []
         only_remembering = before is not None and stored.publishes_the_same(before)
         availabilities = _availabilities(stored)
-        for topic_filter, part in _readings(stored):
+        readings: list[tuple[str, AnnouncedPart]] = []  # a list, so that a plug-in fails early
+        for part in stored.parts.values() if stored.described.text is None else ():
+            readings += zip(dict.fromkeys(part.described.codec.topics()), repeat(part))
+        for topic_filter, part in readings:
             count = self._topics.users.get(topic_filter, 0)
             if count >= self._limits.readers:
                 refused.append(
@@ -376,9 +379,3 @@ def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability,
             topics = [source.topic for source in availability.sources]
             found.append((part_id, availability, _shared_key(stored, availability), topics))
     return found
-
-
-def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
-    """Return each filter with its part of *stored*; a list, so that a plug-in fails early."""
-    parts = stored.parts.values() if stored.described.text is None else ()
-    return [(one, part) for part in parts for one in dict.fromkeys(part.described.codec.topics())]

@@ -24,11 +24,10 @@ _MAX_CACHED = 5000
 
 
 class _Reservation(NamedTuple):
-    """The reason why topics are reserved, the convention that may use them, and whether nobody reads there."""
+    """The reason why topics are reserved, and the convention that may use them."""
 
     why: str
     free_for: str = ""
-    is_secret: bool = False
 
 
 class ReservedTopics:
@@ -44,20 +43,23 @@ class ReservedTopics:
 
     def __init__(self, conventions: Iterable[Convention], own_commands: Iterable[str] = ()) -> None:
         self._rules: FilterIndex[_Reservation | TextConvention] = FilterIndex()
+        self._secrets: FilterIndex[str] = FilterIndex()
         self.is_secret = lru_cache(_MAX_CACHED)(self._is_secret)
         self._rules.add("homebot/#", _Reservation("it belongs to homebot"))
         for topic_filter in own_commands:
-            self._rules.add(topic_filter, _Reservation("it belongs to homebot", is_secret=True))
+            self._rules.add(topic_filter, _Reservation("it belongs to homebot"))
+            self._secrets.add(topic_filter, topic_filter)
         for convention in conventions:
             if isinstance(convention, TextConvention):
                 for topic_filter in convention.filters():
                     self._rules.add(topic_filter, convention)
                 continue
-            is_secret = isinstance(convention, ConfidentialConvention)
-            narrow = _Reservation(f"it is reserved for announcements to {convention.name}", is_secret=is_secret)
+            narrow = _Reservation(f"it is reserved for announcements to {convention.name}")
             wide = narrow._replace(free_for=convention.name)
             for topic_filter in convention.filters():
                 self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
+                if isinstance(convention, ConfidentialConvention):
+                    self._secrets.add(topic_filter, topic_filter)
             if isinstance(convention, ReservingConvention):
                 for topic_filter in convention.reserved():
                     self._rules.add(topic_filter, _Reservation(f"it belongs to {convention.name}"))
@@ -75,8 +77,7 @@ class ReservedTopics:
         return why
 
     def _is_secret(self, topic: str) -> bool:
-        rules = self._rules.match(topic)
-        return _BRIDGE_REQUEST in topic or any(isinstance(rule, _Reservation) and rule.is_secret for rule in rules)
+        return _BRIDGE_REQUEST in topic or self._secrets.has_match(topic)
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without its reserved command topics, and these topics with the reasons.

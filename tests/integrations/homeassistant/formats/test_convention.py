@@ -10,7 +10,7 @@ from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, 
 from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.integrations.homeassistant.formats.components import BUILDERS, COMPONENTS
-from homebot.integrations.homeassistant.formats.topics import DEVICE
+from homebot.integrations.homeassistant.formats.reader import DEVICE
 
 LAMP = {
     "unique_id": "0x1_light",

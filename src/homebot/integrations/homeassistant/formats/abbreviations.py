@@ -105,14 +105,3 @@ DEVICE_ABBREVIATIONS = _table(
 
 ORIGIN_ABBREVIATIONS = _table("sw=sw_version url=support_url")
 """Of the ``origin`` in a config."""
-
-
-def full_keys(fields: dict[str, object], table: Mapping[str, str]) -> dict[str, object]:
-    """Return *fields* with the full keys of *table*; of both forms of a key the short one wins."""
-    if table.keys().isdisjoint(fields):
-        return fields
-    full = dict(fields)
-    for key in fields:
-        if key in table:
-            full[table[key]] = full.pop(key)
-    return full

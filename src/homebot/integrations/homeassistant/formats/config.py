@@ -27,6 +27,17 @@ _TELLS_TEXTS = frozenset({"number", "sensor", "text"})
 _HAS_MEANING = frozenset({"device_class", "state_class", "unit_of_measurement"})
 
 
+def full_keys(fields: dict[str, object], table: Mapping[str, str]) -> dict[str, object]:
+    """Return *fields* with the full keys of *table*; of both forms of a key the short one wins."""
+    if table.keys().isdisjoint(fields):
+        return fields
+    full = dict(fields)
+    for key in fields:
+        if key in table:
+            full[table[key]] = full.pop(key)
+    return full
+
+
 class DiscoveryConfig:
     """One component of an announcement, in full keys.
 

@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from types import MappingProxyType
+from types import MappingProxyType, NoneType
 from typing import NamedTuple, get_args
 
 from pydantic_core import from_json, to_json
@@ -19,9 +19,8 @@ from homebot.integrations.homeassistant.formats.abbreviations import (
     ABBREVIATIONS,
     DEVICE_ABBREVIATIONS,
     ORIGIN_ABBREVIATIONS,
-    full_keys,
 )
-from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
+from homebot.integrations.homeassistant.formats.config import DiscoveryConfig, full_keys
 from homebot.integrations.homeassistant.formats.topics import ValueSource
 
 MAX_IDENTIFIERS = 64
@@ -59,11 +58,13 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
     declared = _declared(device)
     if device and not declared:
         raise WireError("a device has neither identifiers nor connections")
+    if origin:
+        facts |= _facts(origin, _ORIGIN_FACTS)
     return DeviceInfo(
         identifiers(declared),
         _as_text(device.get("name"), _MAX_NAME),
-        _as_text(device.get("suggested_area"), _MAX_NAME),
-        _shared(tuple((facts | _facts(origin, _ORIGIN_FACTS)).items())),
+        _as_text(device["suggested_area"], _MAX_NAME) if "suggested_area" in device else "",
+        _shared(tuple(facts.items())),
     )
 
 
@@ -79,17 +80,13 @@ def device_in(text: bytes) -> DeviceInfo:
         WireError: As there, or one is no object.
     """
     device, origin = from_json(text)
+    for name, fields in (("device", device), ("origin", origin)):
+        if not isinstance(fields, (dict, NoneType)):
+            raise WireError(f"{name} is {shown(fields)}, not an object")
     return read_device(
-        _in_full("device", device, DEVICE_ABBREVIATIONS), _in_full("origin", origin, ORIGIN_ABBREVIATIONS)
+        full_keys(device, DEVICE_ABBREVIATIONS) if device else {},
+        full_keys(origin, ORIGIN_ABBREVIATIONS) if origin else {},
     )
-
-
-def _in_full(name: str, fields: object, table: Mapping[str, str]) -> Mapping[str, object]:
-    if fields is None:
-        return {}
-    if not isinstance(fields, dict):
-        raise WireError(f"{name} is {shown(fields)}, not an object")
-    return full_keys(fields, table)
 
 
 def cached_availability(config: DiscoveryConfig) -> Availability | None:
@@ -156,11 +153,13 @@ def _as_text(value: object, limit: int) -> str:
 
 
 def _declared(device: Mapping[str, object]) -> list[str]:
-    ids = [identifier for identifier in _as_list(device.get("identifiers")) if identifier != ""]
-    pairs = [pair for pair in _as_list(device.get("connections")) if not (isinstance(pair, list) and pair[1:] == [""])]
-    if len(ids) + len(pairs) > MAX_IDENTIFIERS:
-        raise WireError(f"a device has {len(ids) + len(pairs)} identifiers; {MAX_IDENTIFIERS} is the limit")
-    return [*map(_identifier, ids), *map(_connection, pairs)]
+    declared = [_identifier(identifier) for identifier in _as_list(device.get("identifiers")) if identifier != ""]
+    if "connections" in device:
+        pairs = _as_list(device["connections"])
+        declared += [_connection(pair) for pair in pairs if not (isinstance(pair, list) and pair[1:] == [""])]
+    if len(declared) > MAX_IDENTIFIERS:
+        raise WireError(f"a device has {len(declared)} identifiers; {MAX_IDENTIFIERS} is the limit")
+    return declared
 
 
 def _as_list(value: object) -> list[object]:

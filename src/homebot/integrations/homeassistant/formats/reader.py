@@ -25,15 +25,52 @@ from homebot.conventions.description import (
     DeviceAnnounced,
     DeviceWithdrawn,
 )
-from homebot.conventions.part_builder import is_movable, moved
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_object, shown, text_of
+from homebot.conventions.table_codec import is_movable, moved
 from homebot.errors import WireError
-from homebot.integrations.homeassistant.formats.abbreviations import ABBREVIATIONS, full_keys
+from homebot.integrations.homeassistant.formats.abbreviations import ABBREVIATIONS
 from homebot.integrations.homeassistant.formats.components import BUILDERS
-from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
+from homebot.integrations.homeassistant.formats.config import DiscoveryConfig, full_keys
 from homebot.integrations.homeassistant.formats.device import cached_availability, device_in, read_availability
-from homebot.integrations.homeassistant.formats.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.support.bounded_map import BoundedMap
+
+DEVICE = "device"
+"""The component of a config of a whole device."""
+
+_LEVELS = (2, 3)
+_MAX_CONFIG_TOPIC = 512
+
+
+class ConfigTopic(NamedTuple):
+    """The component of a config's topic, or :data:`DEVICE`, its object id, and the key of the announcement.
+
+    The key has all levels between prefix and ``config``.
+    """
+
+    component: str
+    object_id: str
+    key: str
+
+
+def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
+    """Return the levels of *topic*; None if it is no config below *prefix*.
+
+    Home Assistant accepts ids of letters, digits, ``_`` and ``-``. Real devices have others too, such as the button
+    ``recall_*`` of a remote; they are accepted here.
+
+    Raises:
+        WireError: It is a config, but longer than 512 characters.
+    """
+    if not topic.startswith(f"{prefix}/") or not topic.endswith("/config"):
+        return None
+    key = topic[len(prefix) + 1 : -len("/config")]
+    levels = key.split("/")
+    if len(levels) not in _LEVELS:
+        return None
+    if len(topic) > _MAX_CONFIG_TOPIC:
+        raise WireError(f"topic {shown(topic)} is {len(topic)} long; {_MAX_CONFIG_TOPIC} is the limit for a config")
+    return ConfigTopic(levels[0], levels[-1], key if levels[1] else f"{levels[0]}/{levels[-1]}")
+
 
 SHAPED = frozenset({"binary_sensor", "button", "light", "number", "select", "sensor", "switch", "text"})
 """Components that many devices have alike."""
@@ -87,7 +124,8 @@ class PartShapes:
         if known is not None:
             first, its_topics = known
             own = dict(zip(its_topics, topics, strict=True))
-            return moved(first, own, part_id=config.part_id, name=config.clean_text("name"))
+            name = config.clean_text("name") if config.values.get("name") else ""
+            return moved(first, own, part_id=config.part_id, name=name)
         described = build(config)
         if is_movable(described, topics):
             self._known[shape] = described, topics
@@ -353,8 +391,10 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
     else:
         ((part, config),) = parts.values()
         key, described, whole = config.discovery_id, (part,), cached_availability(config)
-    hidden = [part_id for part_id, (_, own) in parts.items() if not own.flag("enabled_by_default", default=True)]
-    facts = {f"hidden {part_id}": "by default" for part_id in hidden}
+    facts: dict[str, str] = {}
+    for part_id, (_, own) in parts.items():
+        if "enabled_by_default" in own.values and not own.flag("enabled_by_default", default=True):
+            facts[f"hidden {part_id}"] = "by default"
     lone_name = "" if device.identifiers else described[0].part.name or clean_text(config_topic.object_id)
     return DeviceAnnounced(
         key=key,

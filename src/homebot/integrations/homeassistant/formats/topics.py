@@ -1,6 +1,6 @@
-"""Topics of configs, states and commands, and the messages there. Pure.
+"""Topics of states and commands, and the messages there. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py`` and ``util.py``.
+Source: Home Assistant core 2025.4, ``components/mqtt/util.py``.
 """
 
 from __future__ import annotations
@@ -23,43 +23,6 @@ from homebot.integrations.homeassistant.formats.jinja import (
 )
 from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 
-DEVICE = "device"
-"""The component of a config of a whole device."""
-
-
-class ConfigTopic(NamedTuple):
-    """The component of a config's topic, or :data:`DEVICE`, its node id, perhaps empty, and its object id."""
-
-    component: str
-    node_id: str
-    object_id: str
-
-    @property
-    def key(self) -> str:
-        """The key of the announcement: all levels between prefix and ``config``."""
-        ids = f"{self.node_id}/{self.object_id}" if self.node_id else self.object_id
-        return f"{self.component}/{ids}"
-
-
-def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
-    """Return the levels of *topic*; None if it is no config below *prefix*.
-
-    Home Assistant accepts ids of letters, digits, ``_`` and ``-``. Real devices have others too, such as the button
-    ``recall_*`` of a remote; they are accepted here.
-
-    Raises:
-        WireError: It is a config, but longer than 512 characters.
-    """
-    if not topic.startswith(f"{prefix}/") or not topic.endswith("/config"):
-        return None
-    levels = topic[len(prefix) + 1 : -len("/config")].split("/")
-    if len(levels) not in _LEVELS:
-        return None
-    if len(topic) > _MAX_CONFIG_TOPIC:
-        raise WireError(f"topic {shown(topic)} is {len(topic)} long; {_MAX_CONFIG_TOPIC} is the limit for a config")
-    component, *ids = levels
-    return ConfigTopic(component, ids[0] if len(ids) > 1 else "", ids[-1])
-
 
 @lru_cache(maxsize=256)
 def valid_topic(field: str, topic: str, validate: Callable[[str], object]) -> str:
@@ -77,8 +40,6 @@ def valid_topic(field: str, topic: str, validate: Callable[[str], object]) -> st
     return topic
 
 
-_LEVELS = (2, 3)
-_MAX_CONFIG_TOPIC = 512
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
 
 
