@@ -152,6 +152,7 @@ async def test_an_app_is_loaded_from_a_file_and_unloaded(tmp_path: Path) -> None
 
 SWALLOWS = """
 import asyncio
+import anyio
 from homebot import App
 
 async def wait():
@@ -163,10 +164,14 @@ async def wait():
 
 class Deaf(App):
     async def run(self):
-        self.start_task(wait)
-        self.kept = asyncio.create_task(wait())
-        await wait()
+        BODY
 """
+SWALLOWERS = (
+    "self.start_task(wait)\n        await wait()",
+    "self.kept = asyncio.create_task(wait())\n        await asyncio.sleep(3600)",
+    "async with asyncio.TaskGroup() as tasks:\n            tasks.create_task(wait())",
+    "async with anyio.create_task_group() as tasks:\n            tasks.start_soon(wait)",
+)
 
 CREATES = """
 import asyncio
@@ -267,16 +272,19 @@ async def test_a_task_that_an_app_creates_with_asyncio_is_watched_like_its_own(
         assert caplog.records == []
 
 
-async def test_an_app_that_swallows_its_cancellation_is_named_with_its_line_and_closed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("body", SWALLOWERS)
+async def test_an_app_that_swallows_its_cancellation_is_named_with_its_line_and_closed(
+    tmp_path: Path, body: str
+) -> None:
     """Unloading it hung for ever, and so did the end of homebot, which named others."""
     file = tmp_path / "deaf.py"
-    file.write_text(SWALLOWS)
+    file.write_text(SWALLOWS.replace("BODY", body))
     async with home(tmp_path) as runtime:
         runtime.app_manager.ends_within = 0.2
         await runtime.app_manager.load(str(file))
         with anyio.fail_after(PATIENCE), pytest.raises(UsageError) as caught:
             await runtime.app_manager.unload("deaf")
-        place = f"{file}:8 (wait)"
+        place = f"{file}:9 (wait)"
         assert str(caught.value).startswith(f"the app deaf did not end in 0.2 s: {place} swallows")
         assert runtime.graph.get_node("/deaf") is None
         await runtime.app_manager.reload("hall")

@@ -385,8 +385,8 @@ class App(ABC, Generic[SettingsT_co]):
             self._work.add(work)
             try:
                 await work
-            except RuntimeError:
-                if self._is_forced:  # closed, so that it cannot go on
+            except (RuntimeError, ExceptionGroup):
+                if self._is_forced:  # closed, or its tasks are, so that it cannot go on
                     await anyio.lowlevel.checkpoint()
                 raise
             finally:
@@ -397,9 +397,11 @@ class App(ABC, Generic[SettingsT_co]):
         from homebot.support.production_loop import is_ours_or_the_users, place_of_frame  # noqa: PLC0415 - seldom
 
         self._is_forced = True
+        waiting = [(work, frames_of(work)) for work in (*self.created_tasks.work(), *self._work)]
+        # a group of tasks ends with its tasks, and must not be closed before
+        alone = [(work, frames) for work, frames in waiting if not frames or frames[-1].f_code.co_name != "__aexit__"]
         places: list[str] = []
-        for work in (*self.created_tasks.work(), *self._work):
-            frames = frames_of(work)
+        for work, frames in alone or waiting:
             places += map(place_of_frame, (list(filter(is_ours_or_the_users, frames)) or frames)[-1:])
             try:
                 work.close()

@@ -21,8 +21,8 @@ APP_NODE: Final[ContextVar[str]] = ContextVar("homebot.app_node", default="")
 Watch: TypeAlias = Callable[[str, FrameType, asyncio.Task[Any]], None]
 """Gets each task that code outside of homebot and asyncio creates: the app's node, the code, and the task."""
 
-_CREATORS: Final = frozenset({"create_task", "ensure_future", "_ensure_future"})
-_FILES: Final = frozenset({asyncio.tasks.__file__, asyncio.base_events.__file__})
+_CREATORS: Final = frozenset({"asyncio", "anyio"})
+"""Packages that create tasks for who calls them: task groups, ``gather``, ``wait_for``."""
 
 
 def watch_created_tasks(watch: Watch) -> None:
@@ -35,7 +35,7 @@ def watch_created_tasks(watch: Watch) -> None:
 def _make_task(watch: Watch, loop: asyncio.AbstractEventLoop, work: Any, **options: Any) -> asyncio.Task[Any]:
     task = asyncio.Task(work, loop=loop, **options)
     frame: FrameType | None = sys._getframe(1)  # noqa: SLF001 - documented, as in LoopWatch
-    while frame is not None and frame.f_code.co_name in _CREATORS and frame.f_code.co_filename in _FILES:
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] in _CREATORS:
         frame = frame.f_back
     if frame is not None and not is_ours(frame) and loop.is_running():
         run = next(calling_runs(), None)  # in the context of its caller

@@ -68,8 +68,8 @@ _MAX_LISTED = 20
 _TRIAL = 1.0
 """Seconds after the start in which a crash of the new code restores the old."""
 
-_ENDS_WITHIN = 5.0
-"""Seconds in which an app that is cancelled must end; then its code is closed."""
+_ENDS_WITHIN = 3.0
+"""Seconds in which an app that is cancelled must end, before homebot must; then its code is closed."""
 
 _CLOSED_WITHIN = 1.0
 
@@ -329,7 +329,11 @@ class AppManager:
                 watch.cancel()
             app.has_ended.set()
 
-    def _end_by_force(self, app: _RunningApp) -> None:
+    def _end_by_force(self, app: _RunningApp, *, is_last: bool = False) -> None:
+        if app.has_ended.is_set():
+            return
+        if not is_last:  # what waited for the closed code may go on
+            asyncio.get_running_loop().call_later(_CLOSED_WITHIN / 2, partial(self._end_by_force, app, is_last=True))
         name = app.planned.name
         running = self._host.running.get(name)
         where = running.end_by_force() if running is not None else ""
