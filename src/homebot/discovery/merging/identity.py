@@ -375,7 +375,7 @@ def _own_topic(sighting: Sighting) -> str:
         return sighting.owns[0] if sighting.owns else ""
     topics: tuple[str, ...] = ()
     for identifier in sighting.identifiers:
-        if not identifier.startswith("id:") or not _is_specific_word(identifier):
+        if not identifier.startswith("id:") or identifier[len("id:") :].casefold() in _GENERIC:
             continue
         topics = topics or tuple(chain.from_iterable(chain.from_iterable(map(_TOPICS, sighting.parts))))
         if prefix := _common_prefix(topics, identifier[len("id:") :]):

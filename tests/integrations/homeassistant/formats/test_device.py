@@ -1,12 +1,11 @@
 from collections.abc import Mapping
 
 import pytest
-from pydantic_core import to_json
 
 from homebot.conventions.description import Availability
 from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
-from homebot.integrations.homeassistant.formats.device import MAX_SOURCES, device_in, read_availability, read_device
+from homebot.integrations.homeassistant.formats.device import MAX_SOURCES, cached_device, read_availability, read_device
 
 
 def test_a_device_has_identifiers_area_and_facts() -> None:
@@ -48,7 +47,7 @@ def test_a_device_and_its_program_may_have_short_keys() -> None:
     device = {"ids": "x", "mf": "Maker", "sa": "Kitchen", "cmd_t": "no topic here"}
     origin = {"name": "bridge", "sw": "2.1", "url": "https://example.org"}
 
-    found = device_in(to_json((device, origin)))
+    found = cached_device(device, origin)
 
     assert (found.identifiers, found.area) == (("id:x",), "Kitchen")
     assert found.facts == {
@@ -62,7 +61,7 @@ def test_a_device_and_its_program_may_have_short_keys() -> None:
 @pytest.mark.parametrize(("told", "problem"), [((3, None), "device is 3"), ((None, "me"), "origin is 'me'")])
 def test_what_is_no_object_is_refused(told: tuple[object, object], problem: str) -> None:
     with pytest.raises(WireError, match=problem):
-        device_in(to_json(told))
+        cached_device(*told)
 
 
 @pytest.mark.parametrize("address", ["349454123456", "34:94:54:12:34:56"])

@@ -9,7 +9,7 @@ from functools import lru_cache
 from types import MappingProxyType, NoneType
 from typing import NamedTuple, get_args
 
-from pydantic_core import from_json, to_json
+from pydantic_core import to_json
 
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.payload import clean_text, shown
@@ -22,6 +22,7 @@ from homebot.integrations.homeassistant.formats.abbreviations import (
 )
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig, full_keys
 from homebot.integrations.homeassistant.formats.topics import ValueSource
+from homebot.support.bounded_map import BoundedMap
 
 MAX_IDENTIFIERS = 64
 """Most identifiers and connections of one device."""
@@ -71,37 +72,40 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
 _MAX_CACHED = 5000
 """Devices, and availabilities: all configs of a device have them, but not one after the other."""
 
+_DEVICES: BoundedMap[bytes, DeviceInfo] = BoundedMap(_MAX_CACHED)
+_AVAILABILITIES: BoundedMap[bytes, Availability] = BoundedMap(_MAX_CACHED)
 
-@lru_cache(_MAX_CACHED)
-def device_in(text: bytes) -> DeviceInfo:
-    """Return :func:`read_device` of a device and an origin in JSON, as announced: None for none, also in short keys.
+
+def cached_device(device: object, origin: object) -> DeviceInfo:
+    """Return :func:`read_device` of a device and an origin as announced: None for none, also in short keys.
 
     Raises:
         WireError: As there, or one is no object.
     """
-    device, origin = from_json(text)
+    text = to_json((device, origin))
+    if (known := _DEVICES.get(text)) is not None:
+        return known
     for name, fields in (("device", device), ("origin", origin)):
         if not isinstance(fields, (dict, NoneType)):
             raise WireError(f"{name} is {shown(fields)}, not an object")
-    return read_device(
-        full_keys(device, DEVICE_ABBREVIATIONS) if device else {},
-        full_keys(origin, ORIGIN_ABBREVIATIONS) if origin else {},
+    found = _DEVICES[text] = read_device(
+        full_keys(device, DEVICE_ABBREVIATIONS) if isinstance(device, dict) else {},
+        full_keys(origin, ORIGIN_ABBREVIATIONS) if isinstance(origin, dict) else {},
     )
+    return found
 
 
 def cached_availability(config: DiscoveryConfig) -> Availability | None:
     """Return :func:`read_availability`, one object for all equal ones."""
     if _SOURCES.isdisjoint(config.values):
         return None
-    return _availability_in(to_json((config.encoding, *map(config.values.get, _AVAILABILITY))))
-
-
-@lru_cache(_MAX_CACHED)
-def _availability_in(text: bytes) -> Availability | None:
-    encoding, *values = from_json(text)
-    config = DiscoveryConfig("availability", "", dict(zip(_AVAILABILITY, values, strict=True)))
-    config.encoding = encoding
-    return read_availability(config)
+    text = to_json((config.encoding, *map(config.values.get, _AVAILABILITY)))
+    if (known := _AVAILABILITIES.get(text)) is not None:
+        return known
+    found = read_availability(config)
+    if found is not None:
+        _AVAILABILITIES[text] = found
+    return found
 
 
 _AVAILABILITY = (

@@ -31,7 +31,7 @@ from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.abbreviations import ABBREVIATIONS
 from homebot.integrations.homeassistant.formats.components import BUILDERS
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig, full_keys
-from homebot.integrations.homeassistant.formats.device import cached_availability, device_in, read_availability
+from homebot.integrations.homeassistant.formats.device import cached_availability, cached_device, read_availability
 from homebot.support.bounded_map import BoundedMap
 
 DEVICE = "device"
@@ -374,7 +374,7 @@ def _with_members(described: DescribedPart, config: DiscoveryConfig) -> Describe
 
 def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
     common = announced.common
-    device = device_in(to_json((common.get("device"), common.get("origin"))))
+    device = cached_device(common.get("device"), common.get("origin"))
     if config_topic.component == DEVICE:
         whole = read_availability(DiscoveryConfig(config_topic.component, config_topic.object_id, announced.common))
         described = tuple([part for part, _ in parts.values()])
