@@ -95,6 +95,7 @@ class FeatureContext:
         store: Returns the store of a name, which is kept across restarts, and which no app can have.
         config_file: Returns the file of the configuration; None if the run has none. Called in a thread.
         write_stores: Writes all changes of stores now; returns the problem, empty for none.
+        restart: Ends the run, and begins another; None where only a person can.
     """
 
     graph: Graph
@@ -111,3 +112,4 @@ class FeatureContext:
     store: Callable[[str], MutableMapping[str, Any]]
     config_file: Callable[[], Path | None]
     write_stores: Callable[[], Awaitable[str]]
+    restart: Callable[[], None] | None = None

@@ -82,11 +82,11 @@ def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
 
     @asynccontextmanager
     async def opened(
-        settings: DoorSettings | None = None, open_timeout: float = 10.0, clock: Clock | None = None
+        settings: DoorSettings | None = None, open_timeout: float = 10.0, clock: Clock | None = None, **parts: Any
     ) -> AsyncIterator[House]:
         graph = Graph(clock)
         async with Node(graph, "rosbridge_websocket") as node, anyio.create_task_group() as tasks:
-            door = Door(node, settings or DoorSettings(port=0), open_timeout=open_timeout)
+            door = Door(node, settings or DoorSettings(port=0), open_timeout=open_timeout, **parts)
             RosApi(Node(graph, "rosapi"))
             await tasks.start(door.run)
             yield House(graph, door, node)

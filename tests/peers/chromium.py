@@ -95,10 +95,10 @@ class Page:
     def opened(self, view: str, shows: str) -> str:
         """Do the same in the thread of the caller."""
         self.browser.get(f"{self.url}{view}")
-        return self._shown(shows, "#page")
+        return self.shown(shows, "#page")
 
     async def shows(self, text: str, place: str = "#page") -> str:
-        return await to_thread.run_sync(self._shown, text, place)
+        return await to_thread.run_sync(self.shown, text, place)
 
     async def hides(self, text: str, place: str = "#page") -> None:
         await to_thread.run_sync(lambda: self._until(lambda: text not in self._text(place)))
@@ -118,6 +118,12 @@ class Page:
 
     async def write(self, selector: str, text: str) -> None:
         await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
+
+    def filled(self, selector: str, text: str) -> None:
+        """Let the field of *selector* have *text*, in the thread of the caller."""
+        field = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        field.clear()
+        field.send_keys(text)
 
     async def clear(self, selector: str) -> None:
         await to_thread.run_sync(self.browser.find_element("css selector", selector).clear)
@@ -150,9 +156,10 @@ class Page:
 
     async def tap(self, selector: str) -> None:
         """Touch the element of *selector*, as a finger does: only if nothing covers it, and it is in the window."""
-        await to_thread.run_sync(lambda: self._tapped(selector))
+        await to_thread.run_sync(lambda: self.tapped(selector))
 
-    def _tapped(self, selector: str) -> None:
+    def tapped(self, selector: str) -> None:
+        """Do the same in the thread of the caller."""
         found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
         x, y, *size = self.place_of(found)
         assert min(size) >= SMALLEST_TARGET, f"{selector} is {size} pixels"
@@ -222,7 +229,8 @@ class Page:
         """Return the errors of the browser, violations of the content security policy among them."""
         return [one["message"] for one in self.browser.get_log("browser") if one["level"] == "SEVERE"]
 
-    def _shown(self, text: str, place: str) -> str:
+    def shown(self, text: str, place: str = "#page") -> str:
+        """Wait until *place* has *text*, in the thread of the caller."""
         shown: str = self._until(lambda: found if text in (found := self._text(place)) else "")
         return shown
 

@@ -60,6 +60,7 @@ from homebot.support.production_loop import LoopWatch
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
+    from homebot.bridges.rosbridge.first_code import FirstCode
     from homebot.control.open_command import SimulatedExecution
     from homebot.devices.services import IndexRow
     from homebot.feature_context import AppKeeper, FeatureContext, FeatureServer
@@ -145,6 +146,9 @@ class Runtime:
         detected: Motion sensors that have detected motion before, in a replay.
         read_config: Reads the configuration again, for apps that are loaded later; by default *config* is used.
         watches_apps: Whether an app is reloaded when its file changes.
+        show_code: Shows a new owner the address of the page, and the code by which it logs in once; called if the door
+            has no token but the owner's. None for no code.
+        restart: Ends the run, and begins another; None where only a person can.
 
     Attributes:
         door: The server for rosbridge clients; None before it listens.
@@ -175,6 +179,8 @@ class Runtime:
     detected: Sequence[str] = ()
     read_config: Callable[[], Config] | None = None
     watches_apps: bool = False
+    show_code: Callable[[str, str], None] | None = None
+    restart: Callable[[], None] | None = None
 
     def __post_init__(self) -> None:
         self._house = None if self.house is None else self._house_of_run(self.house)
@@ -219,6 +225,7 @@ class Runtime:
         self.supervisor = Supervisor(self._clock)
         self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
         self.door: Door | None = None
+        self._first_code: FirstCode | None = None
         self._start_is_cut = False
         self._read = self.read_config or (lambda: self.config)
         self._reloading = anyio.Lock()
@@ -501,6 +508,7 @@ class Runtime:
             store=self.app_host.store,
             config_file=lambda: self.config.file,
             write_stores=self.app_host.write_stores,
+            restart=self.restart,
         )
 
     async def _identify(self, *, task_status: TaskStatus[None]) -> None:
@@ -523,6 +531,8 @@ class Runtime:
         _log.info(RUNNING, message=greeting, gateways=len(plan.gateways), apps=len(plan.apps))
         text = plan.as_other_machine or self.app_manager.running_text(self.app_manager.apps)
         _log.info(APPS, message=text, names=[app.name for app in plan.apps])
+        if self.show_code is not None and self._first_code is not None and self.door is not None:
+            self.show_code(self.door.page, self._first_code.secret.get_secret_value())
 
     async def _run_feature(self, feature: Feature, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
@@ -566,6 +576,10 @@ class Runtime:
             announce = self._network_services.publish
             owner = None if self._local_rights is SIMULATED_HOUSE_RIGHTS else await self._owner_token()
             owners, home = self._plan.robot_owners, self._plan.home
+            if self.show_code is not None and owner is not None and self._plan.door.is_for_owner(owner.secret):
+                from homebot.bridges.rosbridge.first_code import FirstCode  # noqa: PLC0415 - for a new home alone
+
+                self._first_code = FirstCode(self._clock)
             folder = None if self.owner_file is None else self.owner_file.with_name("door")
             site = partial(_page, folder if self._plan.door.tls else None)
             self.door = Door(
@@ -578,6 +592,7 @@ class Runtime:
                 site=site,
                 owner=owner,
                 tls_folder=folder,
+                first_code=self._first_code,
             )
             node.create_service(GetHealth, "~/health", self.door.health)
             node.create_service(ListTokens, LIST_TOKENS, self.door.list_tokens)

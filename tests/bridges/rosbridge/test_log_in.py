@@ -1,10 +1,12 @@
 """homebot's own page shows its token in its first frame; pages of other origins need one in any case."""
 
 import json
+from pathlib import Path
 from typing import Any
 
 import anyio
 import pytest
+from anyio import to_thread
 from pydantic import SecretStr
 from tests.patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
@@ -12,11 +14,15 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Origin
 
 from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge.first_code import FirstCode
 from homebot.bridges.rosbridge.handshake import LOG_IN, token_in
 from homebot.bridges.rosbridge.settings import ClientToken
+from homebot.clock import ManualClock
+from homebot.devices.access_messages import ListTokensRequest
 from homebot.devices.command_messages import CommandDevicesResponse
 from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
+from homebot.support.owner_token import make_owner_token
 
 NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))
 
@@ -103,3 +109,41 @@ async def test_a_page_of_another_origin_or_port_is_turned_away(open_house: Any, 
 def test_a_token_shows_in_no_error() -> None:
     assert token_in('{"op": "auth", "token": "hunter2", "more": 1}') is None
     assert token_in('{"op": "auth", "token": "hunter2"}') == "hunter2"
+
+
+async def log_in(port: int, token: str) -> str:
+    """Return what becomes of a page that logs in by *token*: ``owner``, ``local``, or the reason of the refusal."""
+    async with page(port) as connection:
+        await connection.send(json.dumps({"op": "auth", "token": token}))
+        try:
+            answer = await call(connection, "/rosapi/delete_param")
+        except ConnectionClosed as exc:
+            return "" if exc.rcvd is None else exc.rcvd.reason
+    return "local" if "the right manage is missing" in answer["values"] else "owner"
+
+
+@pytest.mark.parametrize("why_not", ["", "used", "late", "guessed", "not a page", "another token"])
+async def test_a_code_lets_the_first_page_in_once_and_nothing_else(
+    open_house: Any, tmp_path: Path, why_not: str
+) -> None:
+    """A new home has no token that its owner could type in."""
+    clock, settings = ManualClock(), DoorSettings(port=0)
+    code, owner = FirstCode(clock), await to_thread.run_sync(make_owner_token, tmp_path / "owner.token")
+    async with open_house(settings, owner=owner, first_code=code) as house:
+        port, secret = house.door.port, code.secret.get_secret_value()
+        if why_not == "used":
+            assert await log_in(port, secret) == "owner"
+        elif why_not == "late":
+            clock.advance(15 * 60)
+        elif why_not == "guessed":
+            for _ in range(20):
+                code.count_wrong()
+        elif why_not == "another token":
+            new = ClientToken(token=SecretStr("s3cret"), scope=("read",))
+            house.door.update_tokens(settings.model_copy(update={"tokens": {"screen": new}}))
+        elif why_not == "not a page":
+            with pytest.raises(InvalidStatus, match="401"):
+                await connect(f"ws://127.0.0.1:{port}/?token={secret}", proxy=None)
+            assert code.use()
+        assert await log_in(port, secret) == ("a valid token is needed" if why_not else "owner")
+        assert [one.name for one in house.door.list_tokens(ListTokensRequest()).tokens if "code" in one.name] == []

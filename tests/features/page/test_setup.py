@@ -5,10 +5,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+import anyio
 import pytest
 from anyio import to_thread
 from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import directory
+from tests.patience import PATIENCE
 
 from homebot.config import load_config
 from homebot.devices.app_messages import ChangeAppResponse, Reload, ReloadRequest
@@ -40,6 +42,7 @@ class Wizard:
         self.node = node
         self.file = file
         self.reloads: list[bool] = []
+        self.is_over = anyio.Event()
 
     async def reload(self, request: ReloadRequest) -> ChangeAppResponse:
         self.reloads.append(request.allow_removal)
@@ -50,10 +53,17 @@ class Wizard:
         return ChangeAppResponse(success=True, message="reloaded")
 
     async def change(
-        self, *table: str, values: dict[str, str] | None = None, undo: bool = False
+        self,
+        *table: str,
+        values: dict[str, str] | None = None,
+        secrets: dict[str, str] | None = None,
+        undo: bool = False,
+        restart: bool = False,
     ) -> ChangeSetupResponse:
-        pairs = tuple(KeyValue(key=key, value=value) for key, value in (values or {}).items())
-        request = ChangeSetupRequest(table=table, values=pairs, undo=undo)
+        given, kept = (
+            tuple(KeyValue(key=key, value=value) for key, value in (pairs or {}).items()) for pairs in (values, secrets)
+        )
+        request = ChangeSetupRequest(table=table, values=given, secrets=kept, undo=undo, restart=restart)
         return await self.node.create_client(ChangeSetup, "/setup/change").call(request)
 
 
@@ -64,7 +74,7 @@ async def wizard(folder: Path) -> AsyncIterator[Wizard]:
     graph = Graph()
     async with Node(graph, "page") as page, Node(graph, "homebot") as main, Node(graph, "screen") as screen:
         made = Wizard(screen, file)
-        offer_setup(page, lambda: file if file.exists() else None)
+        offer_setup(page, lambda: file if file.exists() else None, made.is_over.set)
         main.create_service(Reload, "/homebot/reload", made.reload)
         yield made
 
@@ -107,6 +117,38 @@ async def test_a_wrong_step_leaves_the_file_as_it_was(
         assert page.file.read_text() == FILE
 
 
+async def test_a_password_is_kept_in_a_file_of_its_own_until_the_step_is_taken_back(tmp_path: Path) -> None:
+    async with wizard(tmp_path) as page:
+        table, kept = ("gateways", "hass"), tmp_path / "gateway-hass.token"
+        answer = await page.change(*table, values={"act": "true"}, secrets={"token": "hunter2"})
+        assert {*answer.lines} == {"[gateways.hass]", 'token_file = "gateway-hass.token"', "act = true"}
+        assert (kept.read_text(), kept.stat().st_mode & 0o777) == ("hunter2\n", 0o600)
+        assert (await page.change(*table, values={"act": "false"}, secrets={"token": "hunter3"})).success
+        assert kept.read_text() == "hunter3\n"
+        await page.change(undo=True)
+        assert kept.read_text() == "hunter2\n"
+        (tmp_path / "gateway-other.token").write_text("a person's")
+        wrong = (
+            (("home",), "token"),
+            (("gateways", "../x"), "token"),
+            (table, "key"),
+            (("gateways", "other"), "token"),
+        )
+        for names, key in wrong:
+            assert not (await page.change(*names, secrets={key: "x"})).success
+        files = {file.name for file in tmp_path.iterdir()}
+        assert files == {"gateway-hass.token", "gateway-other.token", "homebot.toml"}
+
+
+async def test_homebot_begins_again_when_the_page_asks_for_it(tmp_path: Path) -> None:
+    """A new gateway waits for a start, which needed a shell."""
+    async with wizard(tmp_path) as page:
+        assert (await page.change(restart=True)).success
+        with anyio.fail_after(PATIENCE):
+            await page.is_over.wait()
+        assert page.file.read_text() == FILE
+
+
 async def test_a_run_without_a_file_says_so(tmp_path: Path) -> None:
     async with wizard(tmp_path) as page:
         page.file.unlink()
@@ -141,13 +183,18 @@ async def test_a_token_has_no_more_rights_than_who_makes_it(
 async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
     facts = {"needs_gateway": "hue", "next_step": "press its button"}
     async with directory() as house, Node(house.asker.graph, "page") as page:
-        offer_setup(page, lambda: None)
+
+        async def listens(port: int) -> bool:
+            return port == 8123
+
+        offer_setup(page, lambda: None, listens=listens)
         await house.hears(
             announce("l", part_of("light", "on_off", id="p"), ids=("id:l",), name="Lamp", at=1.0),
             announce("b", part_of("x_unknown", id="p"), ids=("id:b",), name="Bridge", facts=facts, at=1.0),
         )
         answer = await house.asker.create_client(FindUnused, "/setup/found").call(FindUnusedRequest())
-        assert [(row.gateway, row.names, row.next) for row in answer.unused] == [
-            ("hue", ("Bridge",), "press its button")
+        assert [(row.gateway, row.names, row.next, row.url) for row in answer.unused] == [
+            ("hue", ("Bridge",), "press its button", ""),
+            ("homeassistant", (), "", "http://127.0.0.1:8123"),
         ]
-        assert answer.file == ""
+        assert (answer.file, answer.can_restart) == ("", False)

@@ -29,6 +29,7 @@ from homebot.support.owner_token import OWNER_HEADER, OwnerToken, is_owner_proof
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
+    from homebot.bridges.rosbridge.first_code import FirstCode
 
 LOG_IN: Final = Subprotocol("homebot.log_in")
 """The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
@@ -48,6 +49,7 @@ _OF_BROWSERS: Final = (
 """Headers that browsers send beside those of RFC 6455 (Fetch, section 4.6), and no page can leave out; programs of
 websocket-client send an ``Origin`` without any of them."""
 _PAGE: Final = ""  # the name of a page that has not sent its token yet
+_FIRST: Final = "the first code"  # no token can have this name
 
 Site: TypeAlias = "Callable[[str, str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
 """Returns status, headers and body for a path and the headers ``If-None-Match`` and ``Accept-Encoding``; None if there
@@ -61,6 +63,7 @@ class Entrance:
         local_rights: The rights of clients without a token, unless the settings have a scope for them.
         open_timeout: Seconds within which a page must log in.
         owner: The owner's token, which the command line finds in the data folder; None for none.
+        first_code: The code by which a page logs in that has no token yet, as long as there is none; None for none.
 
     Raises:
         ConfigError: The host is not a loopback address and there is no token.
@@ -74,8 +77,10 @@ class Entrance:
         site: Site | None,
         open_timeout: float,
         owner: OwnerToken | None = None,
+        first_code: FirstCode | None = None,
     ) -> None:
         self._owner = owner
+        self._first_code = first_code
         self._rights = settings.rights(local_rights, has_owner=owner is not None)
         if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
             raise ConfigError(
@@ -84,7 +89,7 @@ class Entrance:
                 f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
             )
         self._clock = shared.node.graph.clock
-        self.tokens = TokenCheck(self._tokens_of(settings), self._clock)
+        self.tokens = self._token_check(settings)
         self._settings = settings
         self._local_rights = local_rights
         self._shared = shared
@@ -101,7 +106,9 @@ class Entrance:
         self._settings = self._settings.model_copy(
             update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
         )
-        self.tokens = TokenCheck(self._tokens_of(settings), self._clock)
+        if settings.tokens:
+            self._first_code = None
+        self.tokens = self._token_check(settings)
         after = self._clients
         return frozenset(name for name, one in before.items() if after.get(name) != one)
 
@@ -179,7 +186,7 @@ class Entrance:
         with anyio.move_on_after(self._open_timeout):
             token = token_in(await anext(texts, ""))
         problem: Response | None = None
-        if token is None or (problem := await self._check_token(connection, token)) is not None:
+        if token is None or (problem := await self._check_token(connection, token, is_page=True)) is not None:
             reason = "the first frame must be an auth" if problem is None else problem.body.decode().strip()
             await connection.close(CloseCode.POLICY_VIOLATION, reason)
             return False
@@ -204,6 +211,10 @@ class Entrance:
 
     def _tokens_of(self, settings: DoorSettings) -> Mapping[str, SecretStr]:
         return settings.all_tokens(None if self._owner is None else SecretStr(self._owner.secret))
+
+    def _token_check(self, settings: DoorSettings) -> TokenCheck:
+        code = {} if self._first_code is None else {_FIRST: self._first_code.secret}
+        return TokenCheck({**self._tokens_of(settings), **code}, self._clock)
 
     @property
     def _clients(self) -> Mapping[str, tuple[object, ...]]:
@@ -231,7 +242,7 @@ class Entrance:
         status, headers, body = site
         return Response(status.value, status.phrase, Headers(headers), body)
 
-    async def _check_token(self, connection: DoorConnection, token: str) -> Response | None:
+    async def _check_token(self, connection: DoorConnection, token: str, *, is_page: bool = False) -> Response | None:
         if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
             self._names[connection] = LOCAL_CLIENT
             return None
@@ -239,6 +250,10 @@ class Entrance:
         if name is None:
             problem = "too many wrong tokens from this address; try again in a second"
             return self.turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
+        if name == _FIRST:
+            name = OWNER_CLIENT if is_page and self._first_code is not None and self._first_code.use() else ""
+        elif not name and self._first_code is not None:
+            self._first_code.count_wrong()
         if not name:
             return self.turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
         self._names[connection] = name

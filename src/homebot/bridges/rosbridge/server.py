@@ -48,6 +48,7 @@ from homebot.support.logger import get_logger
 from homebot.support.owner_token import OwnerToken
 
 if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.first_code import FirstCode
     from homebot.bridges.rosbridge.http_requests import HttpRequests
     from homebot.bridges.rosbridge.session import ClientSession
     from homebot.bridges.rosbridge.tls import DoorTls
@@ -96,6 +97,7 @@ class Door:
         open_timeout: Seconds within which a client must send its request.
         owner: The owner's token in the data folder; None for none.
         tls_folder: Where the authority of ``tls`` is kept; None where homebot keeps no data.
+        first_code: As for :class:`Entrance`.
 
     Raises:
         ConfigError: The host is not a loopback address and there is no token.
@@ -113,10 +115,11 @@ class Door:
         site: Site | None = None,
         owner: OwnerToken | None = None,
         tls_folder: Path | None = None,
+        first_code: FirstCode | None = None,
     ) -> None:
         self._settings, self._tls_folder = settings, tls_folder
         self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
-        self._entrance = Entrance(settings, local_rights, shared, site, open_timeout, owner)
+        self._entrance = Entrance(settings, local_rights, shared, site, open_timeout, owner, first_code)
         self._sessions: dict[DoorConnection, ClientSession] = {}
         self._arrivals = Arrivals(settings.max_arriving_bytes_of_all)
         self._api: HttpRequests | None = None

@@ -140,6 +140,10 @@ class DoorSettings(AccessSettings):
         own = self.token or owner
         return named if own is None else {OWNER_CLIENT: own, **named}
 
+    def is_for_owner(self, secret: str) -> bool:
+        """Return whether there is no token but that of the owner, *secret*."""
+        return not self.tokens and (self.token is None or self.token.get_secret_value() == secret)
+
     def check_port(self) -> None:
         """Check that a port that was stated can be listened on.
 

@@ -4,7 +4,6 @@ A browser trusts the page once the device knows the authority, whose certificate
 certificate may change as often as the computer's addresses do.
 """
 
-import contextlib
 import socket
 import ssl
 from pathlib import Path
@@ -20,14 +19,12 @@ from homebot.mqtt.certificate import load_certificate
 from homebot.plugins import check_extra
 from homebot.support.addresses import is_loopback, parse_address
 from homebot.support.logger import get_logger
+from homebot.support.own_addresses import own_addresses
 
 NOT_RENEWED: Final = "door.certificate_not_renewed"
 
 _CHECK_EVERY: Final = 3600.0
 """Seconds after which the certificate is looked at again, as its end or another address may have come."""
-
-_ELSEWHERE: Final = ((socket.AF_INET, "192.0.2.1"), (socket.AF_INET6, "2001:db8::1"))
-"""Addresses for documentation (RFC 5737, RFC 3849): the way to them shows this computer's own; nothing is sent."""
 
 _log = get_logger(node="/rosbridge_websocket")
 
@@ -92,10 +89,6 @@ def _own_hosts(host: str) -> list[str]:
     name = socket.gethostname()
     hosts = ["localhost", "127.0.0.1", "::1", name, f"{name.removesuffix('.local')}.local"]
     if not is_loopback(host):
-        hosts.append(host)
-        for family, elsewhere in _ELSEWHERE:
-            with contextlib.suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as probe:
-                probe.connect((elsewhere, 9))
-                hosts.append(probe.getsockname()[0])
+        hosts += [host, *own_addresses()]
     addresses = {one: parse_address(one) for one in hosts if one}
     return [one for one, address in addresses.items() if address is None or not address.is_unspecified]

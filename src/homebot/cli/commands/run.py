@@ -8,11 +8,13 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias, cast
+
+import anyio
 
 from homebot.cli.arguments import (
     DEFAULT_CONFIG,
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
 """Enters a runtime, perhaps with a live view."""
 
+_AGAIN: Final = -1
 _WRONG_CONFIGURATION = 2
 """Exit code of a service with a wrong configuration: restarting it does not help."""
 
@@ -72,6 +75,7 @@ _EXAMPLES = """\
   homebot run --app my_app.py --reload            the same, reloaded whenever you save it
   homebot run --config homebot.toml --dry-run     show commands of apps without sending any
   homebot run --config homebot.toml               all settings in a file
+  homebot run --new                               a home of your own, whose page asks for all settings
 
 Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C shuts down cleanly.
 A service (NOTIFY_SOCKET or HOMEBOT_SERVICE is set) needs a configuration; it exits with 2 if that is wrong, and with 1
@@ -108,6 +112,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_sources(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--config", metavar="FILE", help="configuration file in TOML (default: homebot.toml, if it exists)"
+    )
+    parser.add_argument(
+        "--new", action="store_true", help="begin a home of your own: write the file if there is none, and use its page"
     )
     parser.add_argument(
         "--house",
@@ -197,6 +204,13 @@ def _located(errors: Iterable[ConfigError]) -> tuple[ConfigError, ...]:
 
 def _complete(options: argparse.Namespace) -> None:
     """Add the file of the configuration, and check the installed packages."""
+    if options.new:
+        if options.house or options.mqtt:
+            raise UsageError("--new begins a home of real devices; leave --house and --mqtt out")
+        from homebot.cli.new_home import begin_home  # noqa: PLC0415 - once in the life of a home
+        from homebot.support.data_folder import data_directory  # noqa: PLC0415 - as above
+
+        begin_home(Path(options.config or DEFAULT_CONFIG), options.door, data_directory() / OWNER_FILE)
     if not options.config and DEFAULT_CONFIG.exists():
         options.config = str(DEFAULT_CONFIG)  # if it is missing at a reload, that is a mistake, not a simulated house
     if options.reload:
@@ -248,8 +262,21 @@ def run_configured(options: argparse.Namespace) -> int:
             is_dry_run=options.dry_run,
             read_config=read,
             watches_apps=options.reload,
+            show_code=_show_code(options, config),
         )
-        return on_an_event_loop(_run(make_runtime, options.seconds, read, view))
+        result = on_an_event_loop(_run(make_runtime, options.seconds, read, view))
+    if result == _AGAIN:
+        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])  # noqa: S606 - the same program, and no shell
+    return result
+
+
+def _show_code(options: argparse.Namespace, config: Config) -> Callable[[str, str], None] | None:
+    """Return the function that prints the code of a new home, or of any to a person at the terminal; None for none."""
+    if not options.config or is_service() or not (options.new or not config.gateways or sys.stdout.isatty()):
+        return None
+    from homebot.cli.new_home import print_way_in  # noqa: PLC0415 - for a terminal alone
+
+    return print_way_in
 
 
 def _check_named_apps(options: argparse.Namespace, config: Config) -> None:
@@ -380,21 +407,37 @@ def _with_its_class(file: str) -> str:
 async def _run(
     make_runtime: Callable[..., Runtime], seconds: float | None, read: Callable[[], Config], view: _View | None = None
 ) -> int:
+    """Return the exit code, or that homebot is to begin again."""
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     with gc_paused():  # loads the plug-ins of the plan
-        runtime = make_runtime(loop_watch=watch)
+        again = anyio.Event()
+        runtime = make_runtime(loop_watch=watch, restart=again.set)
     service, reload = (view or _settled)(runtime), partial(runtime.reload, read)
     if seconds is None and not is_service():
-        await serve(service, None, runtime.cut_start_short, reload)
-        return 1 if runtime.supervisor.given_up else 0
+        await serve(service, None, runtime.cut_start_short, reload, again.wait)
+        return _AGAIN if again.is_set() else 1 if runtime.supervisor.given_up else 0
     from homebot.cli.service_manager import FirstConnection  # noqa: PLC0415 - others need none
 
     first = FirstConnection(runtime.graph, runtime.config.gateways, is_service=is_service())
     watched = first.watched(service)
-    if await serve(watched, seconds, runtime.cut_start_short, reload, first.wait_in_vain):
+    if await serve(
+        watched, seconds, runtime.cut_start_short, reload, partial(_first_of, first.wait_in_vain, again.wait)
+    ):
         first.log_missing(seconds)
-    return 1 if runtime.supervisor.given_up or first.is_missing else 0
+    return _AGAIN if again.is_set() else 1 if runtime.supervisor.given_up or first.is_missing else 0
+
+
+async def _first_of(*waits: Callable[[], Awaitable[None]]) -> None:
+    """Wait until one of them is over."""
+    async with anyio.create_task_group() as tasks:
+
+        async def wait(one: Callable[[], Awaitable[None]]) -> None:
+            await one()
+            tasks.cancel_scope.cancel()
+
+        for one in waits:
+            tasks.start_soon(wait, one)
 
 
 @asynccontextmanager

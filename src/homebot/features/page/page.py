@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from functools import cache, partial
 from typing import TYPE_CHECKING, Final, Protocol, final
 
@@ -61,18 +61,23 @@ async def serve_page(house: FeatureContext) -> None:
     """Serve the page's data until cancelled."""
     async with Node(house.graph, FEATURE.name) as node:
         usage = Usage(house.store("page usage"), house.zone)
-        offer_setup(node, house.config_file)
+        offer_setup(node, house.config_file, house.restart)
         await run_as(node.full_name, PageData(node, usage, house.directory).serve)
 
 
-def offer_setup(node: Node, file: Callable[[], Path | None]) -> None:
+def offer_setup(
+    node: Node,
+    file: Callable[[], Path | None],
+    restart: Callable[[], None] | None = None,
+    listens: Callable[[int], Awaitable[bool]] | None = None,
+) -> None:
     """Offer the services of the setup, which is loaded with the first call."""
 
     @cache
     def setup() -> Setup:
         from homebot.features.page.setup import Setup  # noqa: PLC0415 - few runs are set up
 
-        return Setup(node, file)
+        return Setup(node, file, restart, listens)
 
     for service in (FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN):
         node.offer_service(service.ros_type, service.name, partial(lambda name: setup().serve(name), service.name))

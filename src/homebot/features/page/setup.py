@@ -5,11 +5,14 @@ Changes come one after the other. One that homebot refuses leaves the file as it
 
 from __future__ import annotations
 
+import asyncio
+import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final, NamedTuple, final
 
+import anyio
 from anyio import to_thread
 
 from homebot.devices.app_messages import Reload, ReloadRequest
@@ -35,8 +38,25 @@ from homebot.support.toml_edit import REMOVED, edit_toml
 _TABLES: Final = frozenset({"alerts", "discovery", "gateways", "home", "notify", "people", "places"})
 """The first names of tables that may be changed: none that runs programs, or has rights and policies."""
 
+_SECRETS: Final = frozenset({"password", "token"})
+_FILE_NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
+_SERVERS: Final = {"mqtt": ("mqtt", 1883), "homeassistant": ("http", 8123)}
+"""By gateway: the scheme and the usual port of its server, which is looked for on this computer."""
+
+_LOOK_FOR_S: Final = 1.0
+_LEAVE_AFTER_S: Final = 0.5
+"""Time for an answer to be sent before homebot begins again."""
+
 _MAX_SHOWN: Final = 200
 _PATIENCE_S: Final = 60.0
+
+
+class _Step(NamedTuple):
+    """A change: the text before it and after it, and the old content of the files of its secrets; None for no file."""
+
+    before: str
+    after: str
+    secrets: Mapping[Path, bytes | None]
 
 
 @final
@@ -45,14 +65,23 @@ class Setup:
 
     Args:
         file: Returns the file of the configuration; None if homebot runs without one. Called in a thread.
+        restart: Ends the run, and begins another; None where only a person can.
+        listens: Returns whether a program on this computer listens on a port; by default it is tried.
     """
 
-    def __init__(self, node: Node, file: Callable[[], Path | None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        file: Callable[[], Path | None],
+        restart: Callable[[], None] | None,
+        listens: Callable[[int], Awaitable[bool]] | None,
+    ) -> None:
         self._node = node
         self._file = file
+        self._restart = restart
+        self._listens = listens or _listens_here
         self._lookup = DeviceLookup(node)
-        self._last: tuple[str, str] | None = None
-        """The text before the last change, and after it."""
+        self._last: _Step | None = None
 
     def serve(self, name: str) -> None:
         """Create the service *name*."""
@@ -78,46 +107,81 @@ class Setup:
             for (gateway, step), names in sorted(found.items())
         )
         file = await to_thread.run_sync(self._file)
-        gateways = filter(None, map(gateway_of, self._node.graph.get_node_names()))
-        return FindUnusedResponse(unused=unused, file=str(file or ""), gateways=tuple(sorted(gateways)))
+        tables = await to_thread.run_sync(_gateways_in, file)
+        gateways = {*filter(None, map(gateway_of, self._node.graph.get_node_names()))}
+        for gateway, (scheme, port) in _SERVERS.items():
+            if gateway not in gateways | tables.keys() and await self._listens(port):
+                url = f"{scheme}://127.0.0.1:{port}"
+                unused += (UnusedDevices(gateway=gateway, devices=(), names=(), next="", url=url),)
+        return FindUnusedResponse(
+            unused=unused,
+            file=str(file or ""),
+            gateways=tuple(sorted(gateways)),
+            acting=tuple(
+                name for name, table in tables.items() if isinstance(table, dict) and table.get("act") is True
+            ),
+            can_restart=self._restart is not None,
+        )
 
     async def _change(self, request: ChangeSetupRequest) -> ChangeSetupResponse:
+        if request.restart:
+            if self._restart is None:
+                return ChangeSetupResponse(
+                    success=False, message="this run cannot begin again by itself; start it again"
+                )
+            asyncio.get_running_loop().call_later(_LEAVE_AFTER_S, self._restart)
+            return ChangeSetupResponse(success=True)
         try:
-            before, after = await to_thread.run_sync(self._write, request)
+            step = await to_thread.run_sync(self._write, request)
         except (HomebotError, OSError) as exc:
             return ChangeSetupResponse(success=False, message=str(exc))
         may_lose = request.undo or bool(request.remove)
         answer = await self._reload(may_lose=may_lose)
         if not answer.success:
-            await to_thread.run_sync(self._put, after, before)
+            await to_thread.run_sync(self._put, step.after, step.before)
+            await to_thread.run_sync(_put_secrets, step.secrets)
             self._last = None
             await self._reload(may_lose=True)
             return ChangeSetupResponse(success=False, message=f"the file is as it was: {answer.message}")
-        self._last = (before, after)
-        known = before.splitlines()
-        lines = [line for line in after.splitlines() if line and line not in known]
+        self._last = step
+        known = step.before.splitlines()
+        lines = [line for line in step.after.splitlines() if line and line not in known]
         return ChangeSetupResponse(success=True, message=answer.message, lines=tuple(lines[:_MAX_SHOWN]))
 
     async def _reload(self, *, may_lose: bool) -> Any:
         reload = self._node.create_client(Reload, RELOAD)
         return await reload.call(ReloadRequest(allow_removal=may_lose), timeout=_PATIENCE_S)
 
-    def _write(self, request: ChangeSetupRequest) -> tuple[str, str]:
-        """Write the change; return the text before it, and after it."""
-        text = self._path().read_text("utf-8")
+    def _write(self, request: ChangeSetupRequest) -> _Step:
+        """Write the change."""
+        path = self._path()
+        text = path.read_text("utf-8")
         if request.undo:
-            if self._last is None or self._last[1] != text:
+            if self._last is None or self._last.after != text:
                 raise UsageError("there is nothing to undo, or the file was changed since")
-            after = self._last[0]
+            after, secrets = self._last.before, dict(self._last.secrets)
         else:
             table = request.table
             if not table or table[0] not in _TABLES or not all(table):
                 raise UsageError(
                     f"the table {'.'.join(table)!r} is not among those that a page may change: {_listed()}"
                 )
-            after = edit_toml(text, table, _values(request))
-        self._put(text, after)
-        return text, after
+            given = _secret_files(request, path.parent)
+            names = {f"{key}_file": file.name for key, (file, _) in given.items()}
+            after = edit_toml(text, table, _values(request) | names)
+            used = tomllib.loads(text).get(table[0], {}).get(table[-1], {}) if given else {}
+            for key, (file, _) in given.items():
+                if file.exists() and used.get(f"{key}_file") != file.name:
+                    raise UsageError(f"{file} is there already; remove it, or give the gateway another name")
+            secrets = dict(given.values())
+        kept = {file: file.read_bytes() if file.exists() else None for file in secrets}
+        _put_secrets(secrets)
+        try:
+            self._put(text, after)
+        except (HomebotError, OSError):
+            _put_secrets(kept)
+            raise
+        return _Step(text, after, kept)
 
     def _put(self, before: str, after: str) -> None:
         """Replace the file, with its rights, if it still has the text *before*."""
@@ -152,11 +216,52 @@ class Setup:
         return secret
 
 
+async def _listens_here(port: int) -> bool:
+    """Return whether a program on this computer listens on *port*."""
+    with anyio.move_on_after(_LOOK_FOR_S):
+        try:
+            stream = await anyio.connect_tcp("127.0.0.1", port)
+        except OSError:
+            return False
+        await stream.aclose()
+        return True
+    return False
+
+
+def _gateways_in(file: Path | None) -> Mapping[str, object]:
+    tables = tomllib.loads(file.read_text("utf-8")).get("gateways", {}) if file is not None else {}
+    return tables if isinstance(tables, dict) else {}
+
+
+def _secret_files(request: ChangeSetupRequest, folder: Path) -> Mapping[str, tuple[Path, bytes]]:
+    """Return the files of the secrets with their content, by key."""
+    table = request.table
+    if request.secrets and not (len(table) == len(("gateways", "NAME")) and table[0] == "gateways"):
+        raise UsageError("only the table of a gateway takes a password or a token")
+    found = {}
+    for pair in request.secrets:
+        if pair.key not in _SECRETS or not pair.value.isprintable() or not _FILE_NAME.fullmatch(table[-1]):
+            raise UsageError(f"{pair.key[:40]!r} of {'.'.join(table)[:100]} cannot be kept in a file of its own")
+        found[pair.key] = folder / f"gateway-{table[-1]}.{pair.key}", f"{pair.value}\n".encode()
+    return found
+
+
+def _put_secrets(secrets: Mapping[Path, bytes | None]) -> None:
+    """Write the files, which only their owner can read; None removes one."""
+    for file, value in secrets.items():
+        if value is None:
+            file.unlink(missing_ok=True)
+        else:
+            file.touch(0o600)
+            file.chmod(0o600)
+            file.write_bytes(value)
+
+
 def _listed() -> str:
     return ", ".join(sorted(_TABLES))
 
 
-def _values(request: ChangeSetupRequest) -> Mapping[str, object]:
+def _values(request: ChangeSetupRequest) -> dict[str, object]:
     values: dict[str, object] = dict.fromkeys(request.remove, REMOVED)
     for pair in request.values:
         try:

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from homebot.devices.value import ShortText
 from homebot.messages.key_value import KeyValue
@@ -30,12 +30,14 @@ class UnusedDevices(Message):
         devices: Their ids.
         names: Their names, in the same order.
         next: The next step in words, such as a table to add or a button to press.
+        url: The address of a server on this computer, for the key ``url``; empty for others.
     """
 
     gateway: str
     devices: tuple[str, ...]
     names: tuple[str, ...]
     next: str
+    url: str = ""
 
 
 class FindUnusedRequest(Message):
@@ -47,12 +49,16 @@ class FindUnusedResponse(Message):
 
     Attributes:
         file: The configuration that :data:`ChangeSetup` changes; empty if homebot runs without one.
-        gateways: The names of the configured gateways.
+        gateways: The names of the gateways that run.
+        acting: Those of the configuration that say ``act = true``.
+        can_restart: Whether homebot can begin again by itself.
     """
 
     unused: tuple[UnusedDevices, ...] = ()
     file: str = ""
     gateways: tuple[str, ...] = ()
+    acting: tuple[str, ...] = ()
+    can_restart: bool = False
 
 
 class ChangeSetupRequest(Message):
@@ -62,13 +68,20 @@ class ChangeSetupRequest(Message):
         table: The names of the table from the outermost, such as ``gateways`` and ``hue``; it is made if it is missing.
         values: Keys with values as in TOML: ``true``, ``"a text"``, ``[1, 2]``.
         remove: Keys to take out.
+        secrets: The ``password`` or ``token`` of a gateway, each for a file beside the configuration, which only its
+            owner can read, and the key ``password_file`` or ``token_file`` that names it.
         undo: Whether to take the last change back instead, unless the file has changed since.
+        restart: Whether homebot begins again now, as a change of gateways needs, instead of a change.
     """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
 
     table: Annotated[tuple[ShortText, ...], Field(max_length=4)] = ()
     values: Annotated[tuple[KeyValue, ...], Field(max_length=50)] = ()
     remove: Annotated[tuple[ShortText, ...], Field(max_length=50)] = ()
+    secrets: Annotated[tuple[KeyValue, ...], Field(max_length=2, repr=False)] = ()
     undo: bool = False
+    restart: bool = False
 
 
 class ChangeSetupResponse(ServiceAnswer):

@@ -7,6 +7,9 @@ const LONGEST_DELAY = 10_000;
 const ANSWER_WITHIN = 15; // seconds
 const ASK_EVERY = 25; // seconds between two questions whether homebot is there
 const TOKEN = "homebot.token";
+const CODE = /^[2-9A-Z]{4}-?[2-9A-Z]{4}$/i;
+export const EXPIRED = "This code is not valid any more: homebot prints another when it starts.";
+const OWN_RIGHTS = ["read", "act: all", "manage"];
 
 /** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, and the name of the home. */
 export const connection = signal({ state: "connecting", reason: "", home: "" });
@@ -28,11 +31,19 @@ let retry = 0;
 let watch = 0;
 let isHeard = false;
 
+/** The code that `homebot run` prints: it lets this screen in once, which makes a token of its own then. */
+let code = "";
+
 /** The token that was typed in; kept for this tab, or where `remember` says so for this browser. */
 export const token = signal(takeToken());
 
 export function logIn(text, remember) {
   missing.value = "";
+  if (CODE.test(text)) {
+    code = text.replace("-", "").toUpperCase();
+    reconnect();
+    return;
+  }
   sessionStorage.setItem(TOKEN, text);
   if (remember) localStorage.setItem(TOKEN, text);
   else localStorage.removeItem(TOKEN);
@@ -100,11 +111,26 @@ export function subscribeFrames(topic, handler) {
   });
 }
 
+/** Make a token; the answer has it, or says why there is none. */
+export const makeToken = (name, grants) => ask("/setup/token", { name, grants }, 60);
+
+/** Get a token for this screen, in place of the code that let it in. */
+async function becomeKnown() {
+  code = "";
+  const { token: own, message } = await makeToken(`screen-${crypto.getRandomValues(new Uint32Array(1))[0].toString(36)}`, OWN_RIGHTS);
+  if (!own) {
+    missing.value = message;
+    return;
+  }
+  logIn(own, true);
+  location.hash = "#/setup";
+}
+
 export function connect() {
   // The link may be opened where the page is open already, which loads nothing.
   addEventListener("hashchange", () => {
     const given = takeToken();
-    if (given === token.value) return;
+    if (given === token.value && !code) return;
     token.value = given;
     reconnect();
   });
@@ -130,7 +156,7 @@ function open() {
   socket = own;
   expectAnswer(own);
   own.onopen = () => {
-    own.send(JSON.stringify({ op: "auth", token: token.value }));
+    own.send(JSON.stringify({ op: "auth", token: code || token.value }));
     for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
     own.send(dated({ op: "call_service", service: "/rosapi/rights", id: "page-rights" }));
   };
@@ -138,13 +164,14 @@ function open() {
   own.onclose = (event) => lose(own, event);
 }
 
-function lose(own, { code, reason } = {}) {
+function lose(own, { code: status, reason } = {}) {
   if (socket !== own) return;
   socket = null;
   clearTimeout(watch);
   failAll();
-  if (code === 1008) {
-    become("refused", reason);
+  if (status === 1008) {
+    become("refused", code ? EXPIRED : reason);
+    code = "";
     return;
   }
   become("connecting", "homebot cannot be reached");
@@ -189,6 +216,7 @@ function receive(own, frame) {
     delay = FIRST_DELAY;
     become("open", "", frame.values?.home);
     for (const opener of openers) opener();
+    if (code) becomeKnown();
   } else if (frame.op === "service_response") {
     const problem = frame.result ? "" : String(frame.values);
     if (problem.startsWith("the right ")) missing.value = problem;
@@ -223,7 +251,12 @@ function send(frame) {
 
 function takeToken() {
   // `homebot run` may print …/#token=…: a fragment is sent nowhere, and goes from the address at once.
-  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  const words = new URLSearchParams(location.hash.slice(1));
+  const given = words.get("token");
+  if (CODE.test(words.get("code") ?? "")) {
+    code = words.get("code").replace("-", "").toUpperCase();
+    history.replaceState(null, "", location.pathname);
+  }
   if (given) {
     sessionStorage.setItem(TOKEN, given);
     history.replaceState(null, "", location.pathname);

@@ -2,8 +2,8 @@
 import { signal } from "@preact/signals";
 import { outcome } from "./acts.js";
 import { urgent } from "./alerts.js";
-import { connection, logIn, logOut, missing, token } from "./door.js";
-import { count, shown } from "./house.js";
+import { EXPIRED, connection, logIn, logOut, missing, token } from "./door.js";
+import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
 import { say } from "./language.js";
@@ -39,6 +39,7 @@ export function Frame({ above, children }) {
       <div class="page">
         <p role="status" class=${state === "open" ? "hidden" : "notice"}>${state === "open" ? say(count.value === 1 ? "{count} device" : "{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}</p>
         ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
+        ${isLoaded.value && !count.value && above !== "system" && html`<p class="notice"><a href="#/setup">${say("No device is there yet: set up your home.")}</a></p>`}
         <${Questions} />
         <main id="content" tabindex="-1" class=${state === "open" ? "" : "old"}>${children}</main>
       </div>
@@ -58,10 +59,11 @@ function LogIn({ reason }) {
     logIn(given.get("token").trim(), given.get("remember") === "on");
   };
   return html`<form class="card fields" aria-label=${say("log in")} onSubmit=${submit}>
-    ${reason && html`<p class="bad">${reason}</p>`}
+    ${reason && html`<p class="bad">${say(reason)}</p>`}
+    <p>${say("The code that homebot run prints lets a first screen in.")}</p>
     <p>${say("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
-    <label><span>${say("Token")}</span> <input type="password" name="token" autocomplete="off" required /></label>
+    <label><span>${say("Token or code")}</span> <input type="password" name="token" autocomplete="off" required /></label>
     <label class="check"><input type="checkbox" name="remember" /> ${say("keep it in this browser")}</label>
-    <p class="buttons"><button class="chief">${say("log in")}</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>${say("go on without a token")}</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>${say("not now")}</button>`}</p>
+    <p class="buttons"><button class="chief">${say("log in")}</button> ${reason && (token.value || reason === EXPIRED) && html`<button type="button" onClick=${logOut}>${say("go on without a token")}</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>${say("not now")}</button>`}</p>
   </form>`;
 }

@@ -50,6 +50,7 @@ const VIEWS = {
   journal: ["Journal", later(async () => (await import("./views/journal.js")).Journal)],
   system: ["System", later(async () => (await import("./views/system.js")).System)],
   more: ["More", More],
+  setup: ["Set up", later(async () => (await import("./views/setup.js")).Setup), "system"],
   device: ["", later(async () => (await import("./views/device.js")).Device), "home"],
   room: ["", Room, "home"],
   graph: ["Graph", later(async () => (await import("./views/graph.js")).Graph), "system"],

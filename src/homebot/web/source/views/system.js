@@ -34,7 +34,7 @@ export function System() {
   }, [isOpen, approved]);
   if (!found) return html`<p class="empty">${say("Asking homebot how it is …")}</p>`;
   return html`
-    <p class="choices"><a href="#/graph">${say("Graph")}</a> <a href="#/rates">${say("Rates")}</a></p>
+    <p class="choices"><a href="#/setup/devices">${say("Set up")}</a> <a href="#/graph">${say("Graph")}</a> <a href="#/rates">${say("Rates")}</a></p>
     <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
       <h2>${say("Doctor")}</h2>

@@ -1,5 +1,5 @@
-import{q as C}from"./chunk-JYOXGAIZ.js";import"./chunk-5FPYQOVA.js";import"./chunk-6QDWLWN2.js";import{a as N}from"./chunk-7IIJJHSK.js";import"./chunk-X2I52QRM.js";import"./chunk-X5USGY7L.js";import{d as A,l as m}from"./chunk-GC6RR7YT.js";import{h as v,o as b,t as k,u as x}from"./chunk-47U4KU4F.js";import{B as n,E as t,c as $,d as u,l as g,n as y,s as h,t as d,v as w,z as f}from"./chunk-QQFSK3TL.js";var I=5e3,L=50,T=30;function q(){let[e,i]=$(null),[s,c]=$(0),p=g.value.state==="open";return u(()=>{if(!p)return;let a=0,r=!0,o=async()=>{let l=await F();r&&(i(l),a=setTimeout(o,I))};return o(),()=>{r=!1,clearTimeout(a)}},[p,s]),e?t`
-    <p class="choices"><a href="#/graph">${n("Graph")}</a> <a href="#/rates">${n("Rates")}</a></p>
+import{q as S}from"./chunk-PP7ANNPP.js";import"./chunk-PGV5EQGT.js";import"./chunk-7CATWXGU.js";import"./chunk-AQ3JQKM6.js";import"./chunk-AQ2VHF63.js";import{a as N}from"./chunk-PEVXTCSK.js";import{d as A,l as m}from"./chunk-6NAYE6O2.js";import{h as v,o as b,t as k,u as x}from"./chunk-UXC6REBR.js";import{B as w,D as n,G as t,c as $,d as h,m as g,o as y,t as u,u as d,w as f}from"./chunk-QEF6ZHXC.js";var I=5e3,L=50,T=30;function q(){let[e,i]=$(null),[s,c]=$(0),p=g.value.state==="open";return h(()=>{if(!p)return;let a=0,r=!0,o=async()=>{let l=await F();r&&(i(l),a=setTimeout(o,I))};return o(),()=>{r=!1,clearTimeout(a)}},[p,s]),e?t`
+    <p class="choices"><a href="#/setup/devices">${n("Set up")}</a> <a href="#/graph">${n("Graph")}</a> <a href="#/rates">${n("Rates")}</a></p>
     <${G} devices=${e.waiting} onApproved=${()=>c(s+1)} />
     <section>
       <h2>${n("Doctor")}</h2>
@@ -18,13 +18,13 @@ import{q as C}from"./chunk-JYOXGAIZ.js";import"./chunk-5FPYQOVA.js";import"./chu
         <h2>${a.text}</h2>
         ${a.counts.every(r=>!r.count)&&t`<p class="empty">${n("Nothing is counted yet.")}</p>`}
         <table class="facts"><tbody>
-          ${a.counts.filter(r=>r.count).map(r=>t`<tr key=${r.name}><th scope="row">${v(r.name)}</th><td>${r.count.toLocaleString(f.value)}</td></tr>`)}
+          ${a.counts.filter(r=>r.count).map(r=>t`<tr key=${r.name}><th scope="row">${v(r.name)}</th><td>${r.count.toLocaleString(w.value)}</td></tr>`)}
         </tbody></table>
       </section>`)}
     </div>
-    <div class="columns"><${C} /></div>
+    <div class="columns"><${S} /></div>
     <${R} />
-    <${_} />`:t`<p class="empty">${n("Asking homebot how it is \u2026")}</p>`}function _(){let[e,i]=$(!1);return u(()=>{fetch("authority.crt",{method:"HEAD"}).then(s=>i(s.status===200),()=>{})},[]),isSecureContext?e&&t`<p class="legend"><a href="authority.crt" download>${n("The certificate that your devices are to trust")}</a></p>`:t`<p class="legend">${n("Without TLS a browser installs no app: set tls = true in [door].")}</p>`}function R(){let[e,i]=$([]);return u(()=>w("/rosout",s=>i(c=>[...s].reverse().concat(c).slice(0,L))),[]),t`<section>
+    <${_} />`:t`<p class="empty">${n("Asking homebot how it is \u2026")}</p>`}function _(){let[e,i]=$(!1);return h(()=>{fetch("authority.crt",{method:"HEAD"}).then(s=>i(s.status===200),()=>{})},[]),isSecureContext?e&&t`<p class="legend"><a href="authority.crt" download>${n("The certificate that your devices are to trust")}</a></p>`:t`<p class="legend">${n("Without TLS a browser installs no app: set tls = true in [door].")}</p>`}function R(){let[e,i]=$([]);return h(()=>f("/rosout",s=>i(c=>[...s].reverse().concat(c).slice(0,L))),[]),t`<section>
     <h2>${n("Log")}</h2>
     ${!e.length&&t`<p class="empty">${n("Lines appear here as they come.")}</p>`}
     <ol class="log">
@@ -35,7 +35,7 @@ import{q as C}from"./chunk-JYOXGAIZ.js";import"./chunk-5FPYQOVA.js";import"./chu
     ${e.rows.map((c,p)=>t` ${(c.what||p>0)&&t`<br />`}${s(c)} ${c.why!==m(c.what)&&c.why}`)}
     ${i>0&&t`<br />${n("\u2026 and {count} more",{count:i})}${e.hint}`}
     ${e.next&&t`<br /><small>→ ${n(e.next)}</small>`}
-  </li>`}var j=({name:e,text:i})=>e.includes(i)?e:`${e} (${i})`,E=(e,i)=>[j(e),e.note||b(e.next)>0&&`${n("next")} ${x(i,e.next)}`].filter(Boolean).join(", ");async function F(){let e={gateways:[],findings:[]},i=l=>({...e,findings:[{code:"",where:"",title:l.message,is_problem:!0,rows:[],total:0,next:""}]}),s=await h("/rosapi/doctor").catch(i),c=l=>h(`/gateway/${l}/health`).catch(()=>({counts:[]})),p=await Promise.all(s.gateways.map(async l=>({...l,...await c(l.name)}))),a=await h("/control/unapproved").catch(()=>({devices:[],reasons:[]})),{apps:r,zone:o}=await h("/apps/list").catch(()=>({}));return{gateways:p,findings:s.findings.sort((l,S)=>S.is_problem-l.is_problem),waiting:a,apps:r,zone:o}}function G({devices:e,onApproved:i}){let[s,c]=$(null);if(!e.devices.length)return null;let p=new Map(e.reasons.map(o=>[o.key,o.value])),a=async o=>{let l=await d("/discovery/approve",{device:o,is_preview:!0});c({device:o,...l})},r=async()=>{let o=await d("/discovery/approve",{device:s.device,digest:s.digest});c(o.success?null:{device:s.device,...o}),o.success&&i()};return t`<section>
+  </li>`}var j=({name:e,text:i})=>e.includes(i)?e:`${e} (${i})`,E=(e,i)=>[j(e),e.note||b(e.next)>0&&`${n("next")} ${x(i,e.next)}`].filter(Boolean).join(", ");async function F(){let e={gateways:[],findings:[]},i=l=>({...e,findings:[{code:"",where:"",title:l.message,is_problem:!0,rows:[],total:0,next:""}]}),s=await u("/rosapi/doctor").catch(i),c=l=>u(`/gateway/${l}/health`).catch(()=>({counts:[]})),p=await Promise.all(s.gateways.map(async l=>({...l,...await c(l.name)}))),a=await u("/control/unapproved").catch(()=>({devices:[],reasons:[]})),{apps:r,zone:o}=await u("/apps/list").catch(()=>({}));return{gateways:p,findings:s.findings.sort((l,C)=>C.is_problem-l.is_problem),waiting:a,apps:r,zone:o}}function G({devices:e,onApproved:i}){let[s,c]=$(null);if(!e.devices.length)return null;let p=new Map(e.reasons.map(o=>[o.key,o.value])),a=async o=>{let l=await d("/discovery/approve",{device:o,is_preview:!0});c({device:o,...l})},r=async()=>{let o=await d("/discovery/approve",{device:s.device,digest:s.digest});c(o.success?null:{device:s.device,...o}),o.success&&i()};return t`<section>
     <h2>${n("Waiting for your approval")}</h2>
     <${N} />
     <ul class="entries">
