@@ -1,7 +1,8 @@
 """Plays between commands, persons, devices and programs: each report has one cause, whoever asks; in virtual time.
 
-After each play the journal, ``why``, the guard, the service of causes, an app, an undo, an identification and the
-number of messages are compared; and a lease, if it held what the play commands.
+After each play the journal, ``why``, the guard, the preview that goals ask, the service of causes, an app, an undo, an
+identification, habits and the number of messages are compared; also a homebot after a restart, and a lease, if it held
+what the play commands.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, hold_request, obey_after, report
+from tests.control.kept_store import KeptStore
 from tests.control.test_explanations import explain
 
 from homebot.command_words.undo_record import UndoRecord, known_states
@@ -20,10 +22,11 @@ from homebot.devices.command_messages import CommandRequest, PerformCommand, Set
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, HandleChange, Light
-from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry
+from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry, KnownCause
 from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue
+from homebot.features.habits.recorded import is_persons
 from homebot.identify.candidates import CandidatePart
 from homebot.identify.kept_values import KeptValues
 
@@ -275,9 +278,7 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         assert len(home.commands) - sent_before <= play.messages
         told = [one for one in (await home.read()).entries if one.device == "lamp" and _cause(one, play.of)]
         assert _cause(told[-1], play.of) in play.cause
-        client = home.app.create_client(GetCauses, GET_CAUSES)
-        causes = (await client.call(GetCausesRequest(devices=("lamp",)))).causes
-        (newest,) = [one for one in causes if one.capability == play.of]
+        newest = await _cause_of(home, play)
         assert newest.may_be_person == (play.cause <= PERSON)
         assert newest.cause in play.cause
         assert await changes[-1].cause(play.of) == newest
@@ -285,14 +286,32 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         assert part.value(play.of) == now != before
         lamp = (await home.handle(Handle, "lamp")).device
         undo = UndoRecord({f"{lamp.id} {play.of}": [before, [newest.command or "another"], now]})
-        is_undone = bool(undo.due(await known_states(home.app, [lamp])))
+        is_undone = bool(undo.due(await known_states(home.app, [lamp], from_journal=True)))
         assert is_undone == (bool(newest.command) and not newest.may_be_person)
+        assert is_persons(told[-1]) == (newest.cause == "person")
         assert await _leaves_as_it_is(home, lamp, play.of, before) == (play.cause <= PERSON)
         why = await explain(home, "lamp")
         has_obeyed = why.finding == "command" and _outcome(why.entries) in {"", "confirmed"}
         assert has_obeyed if play.cause <= COMMAND else not (has_obeyed and play.cause <= PERSON)
+        annoying = CommandRequest(device="lamp", settings=(Setting.of(*_annoying(play)),), issuer="/app")
+        assert isinstance(home.control.preview(annoying, lamp, lamp.parts[0]), Refused) == (play.cause <= PERSON)
         guard = await (await home.handle(Handle, "lamp")).command(*_annoying(play))
         assert isinstance(guard, Refused) == (play.cause <= PERSON)
+
+
+@pytest.mark.parametrize("play", PLAYS.values(), ids=PLAYS)
+async def test_a_restart_forgets_no_cause(open_home: OpenHome, play: Play) -> None:
+    store = KeptStore()
+    async with open_home(store=store) as home:
+        part = await home.new(Handle, "lamp", *play.settable, before=play.before, service_type=play.service_type)
+        await anyio.sleep(1000)
+        await play.act(home, part)
+        await anyio.sleep(15)
+        before = await _cause_of(home, play)
+    async with open_home(store=store) as home:
+        home.put("lamp", play.service_type, *play.settable)
+        await home.report("lamp", play.of, before.value.plain())
+        assert await _cause_of(home, play) == before
 
 
 HELD = (
@@ -339,6 +358,14 @@ async def _leaves_as_it_is(home: Home, lamp: Device, capability: str, before: Pl
     store = {"run": {"by": "it", "issuer": "/app", "scope": [], "at": 0.0, "values": values}}
     kept = KeptValues(home.app, DeviceLookup(home.app), store, flush, 0.0)
     return await kept.leave_changed("run", candidate)
+
+
+async def _cause_of(home: Home, play: Play) -> KnownCause:
+    """Return the cause of the newest change, also of one before homebot started."""
+    client = home.app.create_client(GetCauses, GET_CAUSES)
+    causes = (await client.call(GetCausesRequest(devices=("lamp",), from_journal=True))).causes
+    (newest,) = [cause for cause in causes if cause.capability == play.of]
+    return newest
 
 
 async def _follow(home: Home, capability: str, changes: list[HandleChange[Handle]]) -> None:

@@ -37,7 +37,7 @@ _MAX_CHAIN: Final = 5
 
 _MAX_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
-_REPORTS: Final = frozenset({"reported", "changed"})
+_REPORTS: Final = frozenset({"reported", "changed", "reverted"})
 _GOALS_END: Final = frozenset({"goal", "requested", "published"})
 """The kinds of entries the newest of which says whether the last goal still matters."""
 
@@ -192,7 +192,7 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
         return None
     until = last.at.to_seconds() + durations.CAME_ALONG
     newer = [state for state in _main_states(device) if _since(state) > until]
-    return last if not newer or _knows(entries, newer, last) else None
+    return last if not newer or _knows(entries, newer) else None
 
 
 def _last_event(device: Device, changed_at: Time) -> JournalEntry | None:
@@ -217,8 +217,8 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
     return is_obeyed or bool(entry.cause)
 
 
-def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: JournalEntry) -> bool:
-    """Return whether *entries*, with the change *last*, contain the values of *states* and no others."""
+def _knows(entries: Iterable[JournalEntry], states: Iterable[State]) -> bool:
+    """Return whether *entries* contain the values of *states* and no others."""
     known = {
         (entry.part, setting.capability): setting.value.plain()
         for entry in entries
@@ -227,8 +227,6 @@ def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: Journ
     }
     current = {(state.part, state.capability): state.value.plain() for state in states}
     shared = known.keys() & current.keys()
-    if last.kind == "reverted":  # to the previous state, which is unknown
-        return all(known[place] != current[place] for place in shared)
     return bool(shared) and all(known[place] == current[place] for place in shared)
 
 

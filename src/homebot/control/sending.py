@@ -33,7 +33,7 @@ from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.control.timelines import Timelines
 from homebot.control.witnesses import Witness, Witnesses
-from homebot.devices.command_messages import CommandEvent, CommandResult
+from homebot.devices.command_messages import CommandEvent, CommandResult, Setting
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
@@ -332,11 +332,11 @@ class Sending:
         if opened is not None:
             opened.wake()
 
-    def _on_undone(self, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
+    def _on_undone(self, progress: CommandProgress, undoing: Undoing, value: PlainValue, cause: Cause) -> None:
         order, by = progress.order, "device" if cause is Cause.DEVICE else "unknown"
         outcome = Reverted(undoing.after, by, command_id=order.id)
         device, part = order.place
-        self._journal.decided(order.issuer, order.place, outcome, "reverted")
+        self._journal.reverted(order.issuer, order.place, outcome, Setting.of(undoing.capability, value))
         self._events.publish(
             CommandEvent(device=device, part=part, issuer=order.issuer, result=CommandResult.of(outcome))
         )

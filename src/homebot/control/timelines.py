@@ -61,7 +61,7 @@ class Timelines:
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
         self._nearby: BoundedMap[str, NearbyCommands] = BoundedMap(_MAX_PARTS)
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
-        self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
+        self.on_undone: Callable[[CommandProgress, Undoing, PlainValue, Cause], None] = lambda *_: None
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""

@@ -104,8 +104,8 @@ class JournalEntry(Message):
         command: The id of the command, raw or not; empty for ``changed``, ``denied``, ``goal`` and leases.
         issuer: The issuer of the command, or the holder: the name of a node, or ``client:NAME`` for a door client.
         trigger: ``requested`` and ``published``: its cause.
-        settings: ``requested``: the desired values; ``reported`` and ``changed``: the reported values; for a lease the
-            held value.
+        settings: ``requested``: the desired values; ``reported``, ``changed``, ``reverted``: the reported values; for a
+            lease the held value.
         text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others;
             ``acknowledged``: the gateway, for a part with several; ``denied``: the command, if known; ``held``,
             ``released``, ``ended`` and ``expired``: the holder, as a word; ``outranked``: the observation;
@@ -113,8 +113,9 @@ class JournalEntry(Message):
         verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, with the facts ``operation``, ``target``, the
             missing ``right``, the client's ``address`` and the number of requests (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
-        cause: ``reported`` and ``changed``: the cause of a change: ``command``, ``transition``, ``echo``, ``device``,
-            ``program``, ``person``, or ``unknown``, which is the device or a person; empty if the value did not change.
+        cause: ``reported``, ``changed`` and ``reverted``: the cause of a change: ``command``, ``transition``, ``echo``,
+            ``device``, ``program``, ``person``, or ``unknown``, which is the device or a person; empty if the value did
+            not change.
         folded: The number of commands like the one that begins here (same issuer, part and outcome) that came in the
             minute before and are not kept.
     """

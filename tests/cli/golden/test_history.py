@@ -91,6 +91,20 @@ def changed(seconds: float, **values: PlainValue) -> JournalEntry:
     return entry(kind="changed", at=ago(seconds), device=LAMP, part="light", settings=settings(**values))
 
 
+def gone_back(seconds: float, name: str, result: CommandResult, **values: PlainValue) -> JournalEntry:
+    back, results = settings(**values), (result,)
+    return entry(
+        kind="reverted",
+        at=ago(seconds),
+        device=LAMP,
+        part="light",
+        command=name,
+        settings=back,
+        results=results,
+        cause="unknown",
+    )
+
+
 def published(name: str, seconds: float, text: str, **reported: PlainValue) -> Iterator[JournalEntry]:
     of = {"device": LAMP, "command": name}
     yield entry(kind="published", at=ago(seconds), text=text, issuer="/light_service", **of)
@@ -156,8 +170,7 @@ def story(name: str) -> list[JournalEntry]:
             return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False), changed(40, on_off=True)]
         case "reverted":
             reverted = CommandResult.of(Reverted(6.0))
-            back = entry(kind="reverted", at=ago(34), device=LAMP, part="light", command="a-1", results=(reverted,))
-            return [*app, back]
+            return [*app, gone_back(34, "a-1", reverted, on_off=False)]
         case "raw":
             return [*published("a-1", 40.2, "on", on_off=True)]
         case "refused":
@@ -211,7 +224,7 @@ def outcomes(name: str) -> list[JournalEntry]:
                 for number, (one, tries) in enumerate(asked)
             ]
             reverted = CommandResult.of(Reverted(6.0))
-            back = entry(kind="reverted", at=ago(34), device=LAMP, part="light", command="a-7", results=(reverted,))
+            back = gone_back(34, "a-7", reverted, on_off=True)
             return [*(one for entries in commands for one in entries), back]
         case "superseded":
             return [
@@ -252,8 +265,8 @@ def before_a_restart(name: str) -> list[JournalEntry]:
         case "on":
             return [*command("a-1", 4000, CONFIRMED, issuer="client:tablet", reports=(0.4,), on_off=True)]
         case "reverted":
-            reverted = (CommandResult.of(Reverted(10.0)),)
-            back = entry(kind="reverted", at=ago(3990), device=LAMP, part="light", command="a-1", results=reverted)
+            reverted = CommandResult.of(Reverted(10.0))
+            back = gone_back(3990, "a-1", reverted, on_off=True)
             return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False), back]
         case "off":
             return [*command("a-1", 4000, CONFIRMED, reports=(0.4,), on_off=False)]

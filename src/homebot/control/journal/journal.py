@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from homebot.control.policies import Verdict
     from homebot.devices.access_messages import AccessRefused
     from homebot.devices.lease_messages import HoldRequest
-    from homebot.devices.outcomes import Outcome
+    from homebot.devices.outcomes import Outcome, Reverted
     from homebot.journal.store import JournalStore
 
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
@@ -166,9 +166,17 @@ class CommandJournal:
         kind: EntryKind = "reported" if command else "changed"
         self._add(JournalNote(kind, at, *place, command, issuer, settings=(setting,), cause=cause))
 
-    def decided(self, issuer: str, place: PartRef, outcome: Outcome, kind: EntryKind = "outcome") -> None:
+    def decided(self, issuer: str, place: PartRef, outcome: Outcome) -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""
-        self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
+        self._add(JournalNote("outcome", self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
+
+    def reverted(self, issuer: str, place: PartRef, outcome: Reverted, setting: Setting) -> None:
+        """Record that another *setting* followed the one that a command of *issuer* to the part *place* brought."""
+        now, name = self._clock.now(), outcome.command_id
+        note = JournalNote(
+            "reverted", now, *place, name, issuer, settings=(setting,), outcome=outcome, cause=outcome.cause
+        )
+        self._add(note)
 
     def published(
         self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False

@@ -39,7 +39,7 @@ class ReportLog:
             issuers = {entry.command: entry.issuer for entry in entries if entry.kind == "requested"}
             for entry in reversed(entries):
                 place = device, entry.part, entry.settings[0].capability if entry.settings else ""
-                if entry.kind not in {"reported", "changed"} or not entry.cause or place in places:
+                if entry.kind not in {"reported", "changed", "reverted"} or not entry.cause or place in places:
                     continue
                 places.add(place)
                 known.append(

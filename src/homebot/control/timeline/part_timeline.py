@@ -79,7 +79,7 @@ class PartTimeline:
         newest: The newest change of each capability, with its cause.
         unexplained_change: The newest change that a person may have made; None if there is none.
         on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
-        on_undone: Called with a command whose confirmed value is undone, and the cause.
+        on_undone: Called with a command whose confirmed value is undone, the value since, and the cause.
     """
 
     def __init__(self, profile: DeviceProfile, first: float, settle: float) -> None:
@@ -95,7 +95,7 @@ class PartTimeline:
         self.newest: dict[str, Reported] = {}
         self.unexplained_change: Reported | None = None
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
-        self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
+        self.on_undone: Callable[[CommandProgress, Undoing, PlainValue, Cause], None] = lambda *_: None
         self._first = first
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
@@ -456,10 +456,11 @@ class PartTimeline:
             self._amend(steps, progress, cause, ReportRole.UNDONE)
         if progress.is_raw:
             return
+        value = self.value(undoing.capability)
         if steps:  # it counted as a step
             attribution = Attribution(cause, progress.order.id, ReportRole.UNDONE)
-            self._report_held(undoing.capability, self.value(undoing.capability), attribution)
-        self.on_undone(progress, undoing, cause)
+            self._report_held(undoing.capability, value, attribution)
+        self.on_undone(progress, undoing, value, cause)
 
     def _report_held(self, capability: str, value: PlainValue, attribution: Attribution) -> None:
         for held in tuple(self.held):
