@@ -111,10 +111,18 @@ class Page:
         await to_thread.run_sync(lambda: self.clicked(selector))
 
     def clicked(self, selector: str) -> None:
-        """Click the element of *selector*, in the thread of the caller."""
-        found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
-        self.browser.execute_script("arguments[0].scrollIntoView({ block: 'nearest' })", found)  # above the bar
-        found.click()
+        """Click the element of *selector* as soon as nothing covers it, in the thread of the caller.
+
+        What is drawn between the look and the click may move it below the bar.
+        """
+        self._until(lambda: self._is_clicked(selector))
+
+    def _is_clicked(self, selector: str) -> bool:
+        found = self.browser.find_elements("css selector", selector)
+        if found:
+            self.browser.execute_script("arguments[0].scrollIntoView({ block: 'nearest' })", found[0])  # above the bar
+            found[0].click()
+        return bool(found)
 
     async def write(self, selector: str, text: str) -> None:
         await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
@@ -240,8 +248,9 @@ class Page:
 
     def _until(self, seen: Callable[[], Any]) -> Any:
         support: Any = pytest.importorskip("selenium.webdriver.support.ui")
-        redrawn: Any = pytest.importorskip("selenium.common.exceptions").StaleElementReferenceException
-        return support.WebDriverWait(self.browser, PATIENCE, 0.05, [redrawn]).until(lambda _: seen())
+        errors: Any = pytest.importorskip("selenium.common.exceptions")
+        moving = [errors.StaleElementReferenceException, errors.ElementClickInterceptedException]
+        return support.WebDriverWait(self.browser, PATIENCE, 0.05, moving).until(lambda _: seen())
 
 
 @asynccontextmanager
