@@ -1,6 +1,7 @@
 // The devices of the house, live: one signal a device, so that a change renders one row.
 import { batch, computed, signal } from "@preact/signals";
 import { call, onOpen, subscribe } from "./door.js";
+import { askUsage, beginVisit, isKept } from "./layout.js";
 import { spoken } from "./words.js";
 
 const SLICE = 200; // devices in one answer
@@ -27,12 +28,11 @@ export const rooms = computed(() => {
 /** The signal of a device; undefined without one. */
 export const deviceOf = (id) => devices.get(id);
 
-/** The tag of a device that the owner hides in the house and on the plan. */
-export const HIDDEN = "hidden";
-export const isHidden = (id) => devices.get(id)?.peek().tags.includes(HIDDEN);
+/** Whether the owner hides a device in the house and on the plan. */
+export const isHidden = (id) => isKept("hidden", id);
 
-/** The tag of a device that the owner wants on Home. */
-export const FAVORITE = "favorite";
+/** The floors of rooms that have one, by the rooms' names in lower case. */
+export const floors = signal(new Map());
 
 /** The reading of a device that has a value; undefined without one. */
 export const readingOf = (device, capability) => [...device.states.values()].find((reading) => reading.capability === capability && reading.value !== null);
@@ -68,6 +68,8 @@ function applyPending() {
 }
 
 async function load() {
+  const order = askUsage().then(() => isLoaded.peek() || beginVisit());
+  call("/discovery/places").then((answer) => (floors.value = new Map(answer.rooms.filter((one) => one.floor).map((one) => [one.name.toLowerCase(), one.floor]))), () => {});
   const seen = new Set();
   let offset = 0;
   let total = 1;
@@ -85,6 +87,7 @@ async function load() {
   } catch {
     return; // the next connection loads them
   }
+  await order; // nothing moves later
   batch(() => {
     for (const id of devices.keys()) if (!seen.has(id)) devices.delete(id);
     sortIds();

@@ -1,6 +1,7 @@
 // The icons of @mdi/js, Apache-2.0: the build keeps only those named here.
 import * as mdi from "@mdi/js";
 import { html } from "./html.js";
+import { iconOf, roomKey } from "./layout.js";
 
 export const SIGNS = {
   home: mdi.mdiHome,
@@ -21,6 +22,7 @@ export const SIGNS = {
   plus: mdi.mdiPlus,
   minus: mdi.mdiMinus,
   star: mdi.mdiStar,
+  starOff: mdi.mdiStarOutline,
   pencil: mdi.mdiPencil,
   power: mdi.mdiPower,
   check: mdi.mdiCheck,
@@ -52,6 +54,8 @@ export const SIGNS = {
   fire: mdi.mdiFire,
   leak: mdi.mdiWaterAlert,
   off: mdi.mdiWifiOff,
+  hide: mdi.mdiEyeOff,
+  show: mdi.mdiEye,
 };
 
 /** Icons of things, first where they are on, open or moved, then where they are not. */
@@ -133,19 +137,35 @@ const MACHINES = [
   [/coffee|kaffee|caf.|koffie|caff/i, "coffee"],
 ];
 const ROOMS = [
-  [/living|lounge|wohn|salon|s.jour|sala|woon|soggiorno/i, mdi.mdiSofa],
-  [/kitchen|k.che|cuisine|cocina|keuken|cucina/i, mdi.mdiSilverwareForkKnife],
-  [/hall|entr|corridor|flur|diele|couloir|pasillo|gang|ingresso/i, mdi.mdiCoatRack],
-  [/kid|child|nursery|kinder|enfant|ni.o|bambin/i, mdi.mdiTeddyBear],
-  [/bath|shower|bad|bain|ba.o|bagno/i, mdi.mdiShower],
-  [/toilet|wc|loo/i, mdi.mdiToilet],
-  [/bed|schlaf|chambre|dormitorio|slaap|camera/i, mdi.mdiBed],
-  [/office|study|work|b.ro|arbeit|bureau|despacho|kantoor|studio|ufficio/i, mdi.mdiDesk],
-  [/garage|carport|garaje/i, mdi.mdiCar],
-  [/garden|terrace|balcon|outside|garten|terrasse|jardin|jard.n|tuin|giardino|außen/i, mdi.mdiTree],
-  [/cellar|basement|keller|cave|s.tano|kelder|cantina/i, mdi.mdiStairsDown],
-  [/dining|ess|manger|comedor|eet|pranzo/i, mdi.mdiTableChair],
+  [/living|lounge|wohn|salon|s.jour|sala|woon|soggiorno/i, "living room"],
+  [/kitchen|k.che|cuisine|cocina|keuken|cucina/i, "kitchen"],
+  [/hall|entr|corridor|flur|diele|couloir|pasillo|gang|ingresso/i, "hall"],
+  [/kid|child|nursery|kinder|enfant|ni.o|bambin/i, "children"],
+  [/bath|shower|bad|bain|ba.o|bagno/i, "bathroom"],
+  [/toilet|wc|loo/i, "toilet"],
+  [/bed|schlaf|chambre|dormitorio|slaap|camera/i, "bedroom"],
+  [/office|study|work|b.ro|arbeit|bureau|despacho|kantoor|studio|ufficio/i, "office"],
+  [/garage|carport|garaje/i, "garage"],
+  [/garden|terrace|balcon|outside|garten|terrasse|jardin|jard.n|tuin|giardino|außen/i, "garden"],
+  [/cellar|basement|keller|cave|s.tano|kelder|cantina/i, "cellar"],
+  [/dining|ess|manger|comedor|eet|pranzo/i, "dining room"],
 ];
+/** Icons of rooms. */
+export const PLACES = {
+  "living room": mdi.mdiSofa,
+  kitchen: mdi.mdiSilverwareForkKnife,
+  hall: mdi.mdiCoatRack,
+  children: mdi.mdiTeddyBear,
+  bathroom: mdi.mdiShower,
+  toilet: mdi.mdiToilet,
+  bedroom: mdi.mdiBed,
+  office: mdi.mdiDesk,
+  garage: mdi.mdiCar,
+  garden: mdi.mdiTree,
+  cellar: mdi.mdiStairsDown,
+  "dining room": mdi.mdiTableChair,
+  room: mdi.mdiFloorPlan,
+};
 const SCENES = [
   [/evening|dinner|abend|soir|noche|avond|sera|cena|d.ner/i, mdi.mdiWeatherSunset],
   [/film|movie|cinema|kino|cine/i, mdi.mdiMovieOpen],
@@ -157,7 +177,7 @@ const SCENES = [
 
 const firstOf = (rows, text) => rows.find(([words]) => words.test(text))?.[1];
 
-export const roomSign = (name) => firstOf(ROOMS, name) ?? mdi.mdiFloorPlan;
+export const roomSign = (name) => PLACES[iconOf(roomKey(name))] ?? PLACES[firstOf(ROOMS, name) ?? "room"];
 export const sceneSign = (name) => firstOf(SCENES, name) ?? mdi.mdiPalette;
 
 /** What the icon of a device shows, by its kind, else by words of its name, else by its type. */
@@ -169,5 +189,14 @@ export function thingOf(device) {
   if (device.type === "door_lock") return device.type;
   return THINGS[device.kind] ? device.kind : { contact_sensor: "door", closure: "door", window_covering: "shade" }[device.type] ?? (THINGS[device.type] ? device.type : "x_unknown");
 }
+
+/** What else the icon of a device may show, by the choice of the owner. */
+const CHOICES = [
+  ["light", "ceiling", "floor", "desk", "strip", "lamp"],
+  ["plug", "switch", "dishwasher", "washer", "fridge", "coffee", "fan", "pump", "siren", "light", "lamp", "video_player", "speaker"],
+  ["blind", "shutter", "shade", "curtain", "awning", "garage_door", "gate"],
+  ["door", "window", "garage_door", "gate"],
+];
+export const choicesOf = (device) => CHOICES.find((row) => row.includes(thingOf(device))) ?? [];
 
 export const Sign = ({ path, size = 24 }) => html`<svg class="sign" viewBox="0 0 24 24" width=${size} height=${size} aria-hidden="true"><path d=${path} /></svg>`;

@@ -11,6 +11,7 @@ import { switched } from "./kinds/switch.js";
 import { THINGS, thingOf } from "./icons.js";
 import { readingOf } from "./house.js";
 import { say } from "./language.js";
+import { iconOf } from "./layout.js";
 import { capital, sinceText } from "./words.js";
 
 const KINDS = new Map([alarm, climate, closure, contact, cover, hazard, light, lock, media, motion, mower, switched, vacuum, valve].flatMap((kind) => kind.types.map((type) => [type, kind])));
@@ -33,7 +34,7 @@ export const silenceOf = (device) => (!device.is_reachable ? say("unreachable") 
 /** What its color says. */
 export const toneOf = (device) => (silenceOf(device) ? "silent" : kindOf(device).tone(device));
 
-export const signOf = (device) => THINGS[thingOf(device)][kindOf(device).isActive(device) ? 0 : 1];
+export const signOf = (device) => (THINGS[iconOf(device.id)] ?? THINGS[thingOf(device)])[kindOf(device).isActive(device) ? 0 : 1];
 
 /** The state of a device in words, since when it is open where that is known. */
 export function stateOf(device) {

@@ -2,8 +2,9 @@
 import { useEffect, useState } from "preact/hooks";
 import { ask, call } from "./door.js";
 import { html } from "./html.js";
-import { HIDDEN, rooms } from "./house.js";
+import { isHidden, rooms } from "./house.js";
 import { say } from "./language.js";
+import { keep } from "./layout.js";
 import { Managing } from "./managing.js";
 
 const wordsIn = (text) => text.split(",").map((one) => one.trim()).filter(Boolean);
@@ -21,7 +22,8 @@ export function Owner({ device }) {
     event.preventDefault();
     const given = new FormData(event.target);
     const [name, room] = [given.get("name").trim(), given.get("room").trim()];
-    const tags = [...wordsIn(given.get("tags")), ...(given.get("hidden") ? [HIDDEN] : [])];
+    const tags = wordsIn(given.get("tags"));
+    const hides = given.get("hidden") === "on";
     const calls = [
       ...(name === device.given ? [] : [["alias", name ? { alias: name } : { alias: device.given, remove: true }]]),
       ...(room === device.room ? [] : [["place", { room, is_new: given.get("new") === "on" }]]),
@@ -34,6 +36,7 @@ export function Owner({ device }) {
       if (message) problems.push(message);
       if (what === "place") setIsDoubtful(!success);
     }
+    if (hides !== isHidden(device.id)) await keep("hidden", device.id, hides);
     setTold(problems);
   };
   return html`<${Managing}><form class="fields" onSubmit=${submit}>
@@ -41,8 +44,8 @@ export function Owner({ device }) {
     <label><span>${say("Room")}</span> <input name="room" maxlength="200" list=${list} defaultValue=${device.room} /></label>
     <datalist id=${list}>${known.map((one) => html`<option key=${one} value=${one} />`)}</datalist>
     ${isDoubtful && html`<label><input type="checkbox" name="new" /> ${say("a new room")}</label>`}
-    <label><span>${say("Tags")}</span> <input name="tags" defaultValue=${device.tags.filter((one) => one !== HIDDEN).join(", ")} /></label>
-    <label><input type="checkbox" name="hidden" defaultChecked=${device.tags.includes(HIDDEN)} /> ${say("hide it in the house")}</label>
+    <label><span>${say("Tags")}</span> <input name="tags" defaultValue=${device.tags.join(", ")} /></label>
+    <label><input type="checkbox" name="hidden" defaultChecked=${isHidden(device.id)} /> ${say("hide it in the house")}</label>
     <p class="buttons"><button>${say("save")}</button></p>
     <p role="status" class=${told?.length ? "bad" : "quiet"}>${told && (told.join("; ") || say("saved"))}</p>
   </form><//>`;

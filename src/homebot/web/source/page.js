@@ -1,13 +1,13 @@
 // The page: the view that the address names, in its frame.
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
-import { useEffect, useState } from "preact/hooks";
 import { agreement, outcome } from "./acts.js";
 import { connect, connection } from "./door.js";
 import { Frame } from "./frame.js";
 import { follow, isLoaded, nameOf } from "./house.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
+import { later } from "./later.js";
 import { sheet } from "./tile.js";
 import { Climate } from "./views/climate.js";
 import { Energy } from "./views/energy.js";
@@ -17,26 +17,6 @@ import { More } from "./views/more.js";
 import { Room } from "./views/room.js";
 import { Security } from "./views/security.js";
 import { loadVocabulary, titled } from "./words.js";
-
-/** Whether a view could not be loaded: homebot is away, or was updated, so that its files have other names. */
-const isOutdated = signal(false);
-const YOUNG = 5000; // ms in which a new load of the page would not help
-
-effect(() => {
-  if (isOutdated.value && connection.value.state === "open" && performance.now() > YOUNG) location.reload();
-});
-
-/** A view that is loaded when it is first shown. */
-function later(load) {
-  let View = null;
-  return function Later(props) {
-    const [, setLoaded] = useState(View !== null);
-    useEffect(() => {
-      if (!View) load().then((loaded) => setLoaded((View = loaded) !== null), () => (isOutdated.value = true));
-    }, []);
-    return View && html`<${View} ...${props} />`;
-  };
-}
 
 /** Each view: its title, its component, and the view of the rail that it is below; without a title, of one thing that the address names. */
 const VIEWS = {

@@ -1,13 +1,13 @@
 // The sheet of a device: its main control, why it is so, today, and the ways to everything else.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { tell } from "./acts.js";
 import { Controls } from "./controls.js";
-import { ask, call, connection, may } from "./door.js";
-import { FAVORITE, deviceOf } from "./house.js";
+import { call, connection, may } from "./door.js";
+import { deviceOf } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
 import { kindOf, signOf, stateOf, toneOf } from "./kinds.js";
 import { say } from "./language.js";
+import { isKept, keep } from "./layout.js";
 import { LastKnown, Marks } from "./marks.js";
 import { Mini } from "./mini.js";
 import { Owner } from "./owner.js";
@@ -40,16 +40,12 @@ function Opened({ id }) {
     };
   }, []);
   const kind = kindOf(device);
-  const isFavorite = device.tags.includes(FAVORITE);
-  const star = async () => {
-    const { success, message } = await ask("/discovery/tag", { device: id, tag: FAVORITE, remove: isFavorite });
-    if (!success) tell(message, false);
-  };
+  const isFavorite = isKept("favorites", id);
   return html`<div class="shade" onClick=${() => isReady && closeSheet()}></div>
     <section ref=${box} class=${isReady ? "sheet" : "sheet new"} role="dialog" aria-modal="true" aria-labelledby="sheetname" tabindex="-1">
       <header><span class=${`icon ${toneOf(device)}`}><${Sign} path=${signOf(device)} size=${28} /></span>
         <div><h2 id="sheetname"><bdi>${device.name}</bdi></h2><p>${[device.room && titled(device.room), stateOf(device)].filter(Boolean).join(" · ")} <${Marks} device=${device} /></p></div>
-        ${may("manage") && html`<button type="button" class="round" aria-pressed=${String(isFavorite)} aria-label=${say("favorite")} onClick=${star}><${Sign} path=${SIGNS.star} /></button>`}
+        ${may("act") && html`<button type="button" class="round" aria-pressed=${String(isFavorite)} aria-label=${say("favorite")} onClick=${() => keep("favorites", id, !isFavorite)}><${Sign} path=${isFavorite ? SIGNS.star : SIGNS.starOff} /></button>`}
         <button type="button" class="round" aria-label=${say("close|do")} onClick=${closeSheet}><${Sign} path=${SIGNS.close} /></button></header>
       <div class="body">
         <${LastKnown} device=${device} />

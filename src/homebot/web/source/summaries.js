@@ -1,9 +1,10 @@
 // What the house is like, in few words: for chips, rooms, and the views of security, climate and energy.
 import { computed } from "@preact/signals";
-import { read, readingOf, rooms, shown, isHidden, deviceOf } from "./house.js";
+import { deviceOf, floors, isHidden, read, readingOf, rooms, shown } from "./house.js";
 import { thingOf } from "./icons.js";
 import { isPerson, kindOf, toneOf } from "./kinds.js";
 import { say } from "./language.js";
+import { isKept, layout, roomKey, usage } from "./layout.js";
 import { titled, valueText } from "./words.js";
 
 export const OUTSIDE = /outside|outdoor|garden|balcon|terrace|au(ß|ss)en|draußen|garten|extérieur|exterior|jardin|jardín|buiten|tuin|esterno|giardino/i;
@@ -11,8 +12,16 @@ export const OUTSIDE = /outside|outdoor|garden|balcon|terrace|au(ß|ss)en|drauß
 export const isOpen = (device) => toneOf(device) === "open";
 export const isLightOn = (device) => device.type === "light" && kindOf(device).isActive(device);
 
-/** The rooms that are shown, each with its devices; that without a name last. */
-export const roomList = computed(() => rooms.value.map(([room, ids]) => [room, ids.filter((id) => !isHidden(id)).map((id) => deviceOf(id)?.value).filter((one) => one && !isPerson(one))]).filter(([, devices]) => devices.length));
+/** The rooms, each with its devices: first as the owner orders them, then by floor, use and name; that without a name last. */
+export const allRooms = computed(() => {
+  const own = layout.value.rooms.map((one) => one.toLowerCase());
+  const found = rooms.value.map(([room, ids]) => [room, ids.filter((id) => !isHidden(id)).map((id) => deviceOf(id)?.value).filter((one) => one && !isPerson(one))]).filter(([, devices]) => devices.length);
+  const key = ([room, devices]) => [room === "", (own.indexOf(room.toLowerCase()) + 1) || Infinity, floors.value.get(room.toLowerCase()) ?? "\uffff", -devices.reduce((sum, one) => sum + usage.value.total(one.id), 0)];
+  const keyed = found.map((row) => [key(row), row]);
+  keyed.sort(([a], [b]) => [0, 1, 2, 3].map((at) => (a[at] < b[at] ? -1 : a[at] > b[at] ? 1 : 0)).find(Boolean) ?? 0);
+  return keyed.map(([, row]) => row);
+});
+export const roomList = computed(() => allRooms.value.filter(([room]) => !isKept("hidden", roomKey(room))));
 
 export const people = computed(() => shown.value.filter((one) => one.type === "x_person" || one.type === "x_tracker"));
 export const isAtHome = (person) => read(person, "at_home") ?? read(person, "place") === "home";

@@ -1,63 +1,76 @@
 // Home: what is urgent, the time and the people, the house in four chips, favorites, scenes, and rooms.
 import { computed, signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useState } from "preact/hooks";
 import { Alerts } from "../alerts.js";
 import { perform } from "../acts.js";
 import { now, zone } from "../clock.js";
 import { connection, may } from "../door.js";
-import { FAVORITE, count, isHidden, isLoaded, rooms, shown } from "../house.js";
+import { count, deviceOf, isHidden, isLoaded, rooms, shown } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign, roomSign, thingOf } from "../icons.js";
 import { isAside, kindOf } from "../kinds.js";
 import { capital, label as labelOf, hasWords, hour, titled, valueText } from "../words.js";
 import { locale, say } from "../language.js";
+import { later } from "../later.js";
+import { askUsage, beginVisit, layout, usage } from "../layout.js";
 import { LastKnown } from "../marks.js";
 import { Scenes } from "../scenes.js";
 import { airOf, isAtHome, isLightOn, isOutside, openOf, openText, people, powerOf, roomList, temperatureText } from "../summaries.js";
 import { Tile } from "../tile.js";
 
 const MANY = 30; // devices from which on they can be searched
-const MOST = 8; // favorites that are filled
+const MOST = 8; // favorites that are filled by use
 const GROUPS = ["lights", "climate", "doors", "covers", "media", "others"];
 
 const sought = signal("");
 const showsHidden = signal(false);
 const hidden = computed(() => rooms.value.flatMap(([, ids]) => ids.filter(isHidden)));
-/** The favorites of the owner; the places up to eight are filled by what is operated most in a house. */
+const isEditing = signal(false);
+const Edit = later(async () => (await import("./edit.js")).Edit);
+
+/** The favorites of the owner; the places up to eight are filled by use at this time of day, then by what most people use. */
 const favorites = computed(() => {
-  const own = shown.value.filter((one) => one.tags.includes(FAVORITE));
-  const others = shown.value.filter((one) => !own.includes(one) && GROUPS.includes(kindOf(one).group) && !isAside(one) && one.settable.length);
+  const { favorites: starred, not_here: never } = layout.value;
+  const known = rooms.value.flatMap(([, ids]) => ids.filter((id) => !isHidden(id))).map((id) => deviceOf(id).peek());
+  const own = starred.map((id) => known.find((one) => one.id === id)).filter(Boolean);
+  const others = known.filter((one) => !own.includes(one) && !never.includes(one.id) && GROUPS.includes(kindOf(one).group) && !isAside(one) && one.settable.length);
   const order = others.sort((a, b) => GROUPS.indexOf(kindOf(a).group) - GROUPS.indexOf(kindOf(b).group));
   const [lamps, rest] = [order.filter((one) => kindOf(one).group === "lights"), order.filter((one) => kindOf(one).group !== "lights")];
-  return [...own, ...lamps.slice(0, 4), ...rest, ...lamps.slice(4)].slice(0, Math.max(MOST, own.length)).map((one) => one.id);
+  const { total, atThisHour } = usage.value;
+  const filled = [...lamps.slice(0, 4), ...rest, ...lamps.slice(4)].map(({ id }) => [atThisHour(id), total(id), id]).sort((a, b) => b[0] - a[0] || b[1] - a[1]);
+  return [...own.map((one) => one.id), ...filled.map(([, , id]) => id)].slice(0, Math.max(MOST, own.length));
 });
 
 export function Home() {
-  const [ids, setIds] = useState([]); // nothing moves under a finger
   const isReady = isLoaded.value;
-  useEffect(() => {
-    if (isReady) setIds(favorites.value);
-  }, [isReady, shown.value.length, shown.value.map((one) => one.tags.includes(FAVORITE)).join()]);
+  useLayoutEffect(() => {
+    if (isReady) beginVisit();
+    if (isReady) askUsage();
+    return () => (isEditing.value = false);
+  }, []);
   const isSought = Boolean(sought.value.trim());
   if (!isReady) return html`<p class="empty">${say("Asking homebot for its devices …")}</p>`;
+  const ids = favorites.value;
   return html`
     <${Alerts} />
     <${Top} />
     <h1 class="hidden">${connection.value.home || say("Home")}</h1>
     ${!count.value && html`<p class="empty">${say("No device is known yet. They appear here as the gateways find them.")}</p>`}
     <${Chips} />
-    ${ids.length > 0 && html`<section class="favorites" aria-labelledby="favorites">
-      <div class="head"><h2 id="favorites">${say(isSought ? "Search" : "Favorites")}</h2>${count.value > MANY && html`<label class="search"><${Sign} path=${SIGNS.search} /><span class="hidden">${say("Search")}</span><input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label>`}</div>
+    ${isEditing.value && html`<${Edit} ids=${ids} onDone=${() => (isEditing.value = false)} />`}
+    ${!isEditing.value && ids.length > 0 && html`<section class="favorites" aria-labelledby="favorites">
+      <div class="head"><h2 id="favorites">${say(isSought ? "Search" : "Favorites")}</h2>${count.value > MANY && html`<label class="search"><${Sign} path=${SIGNS.search} /><span class="hidden">${say("Search")}</span><input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label>`}
+        ${may("act") && !isSought && html`<button type="button" class="edit" onClick=${() => (isEditing.value = true)}><${Sign} path=${SIGNS.pencil} size=${20} /> ${capital(say("edit"))}</button>`}</div>
       ${isSought ? html`<${Found} />` : html`<${Tiles} ids=${ids} />`}</section>`}
-    ${!isSought &&
+    ${!isSought && !isEditing.value &&
       html`<${Scenes} />
         <section aria-labelledby="rooms"><h2 id="rooms">${say("Rooms")}</h2><div class="rooms">${roomList.value.map(([room, devices]) => html`<${RoomCard} key=${room} room=${room} devices=${devices} />`)}</div></section>`}
     <${LastKnown} />
-    ${hidden.value.length > 0 && html`<p class="choices"><button type="button" aria-pressed=${showsHidden.value} onClick=${() => (showsHidden.value = !showsHidden.value)}>${say("show {count} hidden", { count: hidden.value.length })}</button></p>`}
+    ${!isEditing.value && hidden.value.length > 0 && html`<p class="choices"><button type="button" aria-pressed=${showsHidden.value} onClick=${() => (showsHidden.value = !showsHidden.value)}>${say("show {count} hidden", { count: hidden.value.length })}</button></p>`}
     ${showsHidden.value && html`<${Tiles} ids=${hidden.value} />`}`;
 }
 
-const Tiles = ({ ids }) => html`<div class="tiles">${ids.map((id) => html`<${Tile} key=${id} id=${id} room=${shown.value.find((one) => one.id === id)?.room ?? ""} />`)}</div>`;
+const Tiles = ({ ids }) => html`<div class="tiles">${ids.map((id) => html`<${Tile} key=${id} id=${id} room=${deviceOf(id)?.peek().room ?? ""} />`)}</div>`;
 
 function Found() {
   const found = shown.value.filter((one) => hasWords(`${one.name} ${one.given} ${labelOf(one.type)} ${one.room}`, sought.value)).map((one) => one.id);

@@ -10,7 +10,7 @@ import { isAside, kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
 import { LastKnown } from "../marks.js";
 import { Scenes } from "../scenes.js";
-import { airOf, isLightOn, roomList, temperatureText } from "../summaries.js";
+import { airOf, allRooms, isLightOn, roomList, temperatureText } from "../summaries.js";
 import { Tile, openSheet } from "../tile.js";
 import { titled, valueText } from "../words.js";
 import { toggleLights } from "./home.js";
@@ -20,7 +20,7 @@ const LATELY = 6; // entries
 
 export function Room({ id }) {
   const [showsAll, setShowsAll] = useState(false);
-  const [room, devices] = roomList.value.find(([name]) => name.toLowerCase() === id.toLowerCase()) ?? [];
+  const [room, devices] = allRooms.value.find(([name]) => name.toLowerCase() === id.toLowerCase()) ?? [];
   if (!isLoaded.value) return html`<p class="empty">${say("Asking homebot for its devices …")}</p>`;
   const own = devices ?? [];
   const group = (name) => own.filter((one) => kindOf(one).group === name);

@@ -1,4 +1,4 @@
-import{l as n}from"./chunk-6NAYE6O2.js";import{a as $,c as l,t as o,x as t}from"./chunk-UXC6REBR.js";import{G as s}from"./chunk-QEF6ZHXC.js";function f({entry:e,outcome:d,own:i="",names:c}){let{device:a}=e;return s`<li class=${i?"own":""}>
+import{t as n}from"./chunk-5P2UGUKK.js";import{a as $,c as l,t as o,x as t}from"./chunk-AUYVAPFZ.js";import{H as s}from"./chunk-FJW2QC2U.js";function f({entry:e,outcome:d,own:i="",names:c}){let{device:a}=e;return s`<li class=${i?"own":""}>
     <time>${o(e.at)}</time>
     ${!i&&s`<span>${a&&s`<a href=${`#/device/${encodeURIComponent(a)}`}>${n(a)}</a>`}</span>`}
     <span class=${p(e)?"bad":""}>
