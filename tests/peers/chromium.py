@@ -125,7 +125,10 @@ class Page:
         return bool(found)
 
     async def write(self, selector: str, text: str) -> None:
-        await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
+        def write() -> None:
+            self._until(lambda: self.browser.find_elements("css selector", selector))[0].send_keys(text)
+
+        await to_thread.run_sync(write)
 
     def filled(self, selector: str, text: str) -> None:
         """Let the field of *selector* have *text*, in the thread of the caller."""

@@ -36,6 +36,7 @@ class Ecosystem:
         service_types: The types of their DNS-SD services, in full: ``_hap._tcp.local.``.
         name_key: The key of TXT records that says the name which people gave; empty for none.
         gateway: The plug-in of the gateway that works with these services; empty for none.
+        server: The scheme and the usual port of the server to which the gateway connects; None for none.
         is_shared: Whether devices of other ecosystems belong to it too, whose own gateways come first.
         code_prefix: The beginning of the text of their setup codes, in capitals; empty for none.
     """
@@ -43,6 +44,7 @@ class Ecosystem:
     service_types: ClassVar[frozenset[str]] = frozenset()
     name_key: ClassVar[str] = ""
     gateway: ClassVar[str] = ""
+    server: ClassVar[tuple[str, int] | None] = None
     is_shared: ClassVar[bool] = False
     code_prefix: ClassVar[str] = ""
 

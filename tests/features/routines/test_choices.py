@@ -87,7 +87,10 @@ async def test_a_wait_in_the_other_way_goes_on_after_a_restart() -> None:
     [
         ({"if": ["study lamp onn"]}, "routines.choose.do.0: if.0: 'study lamp onn' names no state"),
         ({"do": ["hall lamp onn"]}, "routines.choose.do.0: do.0: 'hall lamp onn' is no step"),
-        ({"do": [CHOICE]}, "routines.choose.do.0: do.0: must be a text in quotes"),
+        (
+            {"do": [{"if": [], "do": ["wait 1m"]}]},
+            "routines.choose.do.0: do.0: if: is empty; it should have at least 1 item",
+        ),
         ({"else": [CHOICE | {"if": ["onn"]}]}, "routines.choose.do.0: else.0: if.0: 'onn'"),
         ({"do": []}, "routines.choose.do.0: do"),
         ({"otherwise": ["undo"]}, "routines.choose.do.0: otherwise: unknown key; known are if, do, else"),

@@ -6,7 +6,6 @@ Changes come one after the other. One that homebot refuses leaves the file as it
 from __future__ import annotations
 
 import asyncio
-import re
 import tomllib
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any, Final, NamedTuple, final
 import anyio
 from anyio import to_thread
 
+from homebot.conventions.ecosystem import ecosystems
 from homebot.devices.app_messages import Reload, ReloadRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, gateway_of
@@ -39,9 +39,9 @@ _TABLES: Final = frozenset({"alerts", "discovery", "gateways", "home", "notify",
 """The first names of tables that may be changed: none that runs programs, or has rights and policies."""
 
 _SECRETS: Final = frozenset({"password", "token"})
-_FILE_NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
-_SERVERS: Final = {"mqtt": ("mqtt", 1883), "homeassistant": ("http", 8123)}
-"""By gateway: the scheme and the usual port of its server, which is looked for on this computer."""
+_MAX_NAME: Final = 64
+_BROKER: Final = ("mqtt", 1883)
+"""The scheme and the usual port of a broker, which is looked for on this computer as the servers of ecosystems are."""
 
 _LOOK_FOR_S: Final = 1.0
 _LEAVE_AFTER_S: Final = 0.5
@@ -109,7 +109,8 @@ class Setup:
         file = await to_thread.run_sync(self._file)
         tables = await to_thread.run_sync(_gateways_in, file)
         gateways = {*filter(None, map(gateway_of, self._node.graph.get_node_names()))}
-        for gateway, (scheme, port) in _SERVERS.items():
+        servers = {"mqtt": _BROKER} | {one.gateway: one.server for one in ecosystems() if one.server is not None}
+        for gateway, (scheme, port) in servers.items():
             if gateway not in gateways | tables.keys() and await self._listens(port):
                 url = f"{scheme}://127.0.0.1:{port}"
                 unused += (UnusedDevices(gateway=gateway, devices=(), names=(), next="", url=url),)
@@ -240,10 +241,15 @@ def _secret_files(request: ChangeSetupRequest, folder: Path) -> Mapping[str, tup
         raise UsageError("only the table of a gateway takes a password or a token")
     found = {}
     for pair in request.secrets:
-        if pair.key not in _SECRETS or not pair.value.isprintable() or not _FILE_NAME.fullmatch(table[-1]):
+        if pair.key not in _SECRETS or not pair.value.isprintable() or not _is_file_name(table[-1]):
             raise UsageError(f"{pair.key[:40]!r} of {'.'.join(table)[:100]} cannot be kept in a file of its own")
         found[pair.key] = folder / f"gateway-{table[-1]}.{pair.key}", f"{pair.value}\n".encode()
     return found
+
+
+def _is_file_name(text: str) -> bool:
+    letters = text.replace("-", "").replace("_", "")
+    return len(text) <= _MAX_NAME and letters.isascii() and letters.isalnum()
 
 
 def _put_secrets(secrets: Mapping[Path, bytes | None]) -> None:

@@ -14,6 +14,7 @@ class HomeAssistant(Ecosystem):
 
     service_types = frozenset({"_home-assistant._tcp.local."})
     gateway = "homeassistant"
+    server = ("http", 8123)
 
     @classmethod
     def next_step(cls, service: FoundService) -> str:
