@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, TypeVar, cast
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import progress
+from homebot.devices.device_names import ask_which, devices_called, names_of
 from homebot.devices.names import EXPLAIN_DEVICE, FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import to_seconds
 from homebot.errors import PeerError, UsageError
-from homebot.support.folding import fold
+from homebot.support.names import CLOSE, spellings
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean, similar_to
-from homebot.words.names import find_name
 from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
@@ -29,9 +29,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_NEAR = 100
 _WIDEST = 1000
-_TYPO = 0.8
 
 _PAGE = 200
 """Devices in one answer, which takes a few milliseconds to assemble."""
@@ -98,26 +96,22 @@ def device_or_similar(door: DoorClient, name: str) -> Device | list[str]:
         PeerError: There are several; names all.
     """
     found = _find_named(door, name)
-    return similar_to(name, found, _TYPO) if isinstance(found, list) else found
+    return similar_to(name, found, CLOSE) if isinstance(found, list) else found
 
 
 def _find_named(door: DoorClient, name: str) -> Device | list[str]:
     """Return the only device that is called *name*; if there is none, the ids and names of all."""
     if not name.strip():
         raise UsageError("give the id or the name of a device; `homebot devices` lists all")
-    named = _called(name, _near(door, name))
-    if len(named) == 1:
-        return named[0]
-    devices = all_devices(door, lambda device: device)
-    named = _called(name, devices)
-    if len(named) == 1:
-        return named[0]
-    if named:
-        raise PeerError(
-            f"{len(named)} devices are called {name}; give the id of one: "
-            + ", ".join(printable(one.id) for one in named[:10])
-        )
-    return [printable(text) for one in devices for text in (one.id, one.name)]
+    query = " or ".join(f"{field}={quoted(spelling)}" for spelling in spellings(name) for field in ("id", "name"))
+    answer = JsonMessage(door.call(FIND_DEVICES, {"query": query, "is_checked": False}))
+    called = devices_called(name, cast("list[Device]", answer.devices))
+    persons = [device for device in called if "x_person" in device.service_types]
+    if len(called) > 1 and len(persons) != 1:
+        raise PeerError(printable(ask_which(name, called), _WIDEST))
+    if called:
+        return (persons or called)[0]
+    return [printable(text) for names in all_devices(door, names_of) for text in names]
 
 
 def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
@@ -205,20 +199,3 @@ def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Calla
         return answer
 
     return page
-
-
-def _near(door: DoorClient, name: str) -> list[Device]:
-    """Return the devices that a search for *name* finds; none if there are too many to transfer."""
-    answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
-    page = cast("QueryDevicesResponse", JsonMessage(answer))
-    return [result.device for result in page.results] if page.total <= _NEAR else []
-
-
-def _called(name: str, devices: Sequence[Device]) -> list[Device]:
-    """Return the device with the id *name*, or the only person with that name, or all devices with it."""
-    own = [device for device in devices if device.id == name]
-    names = {device.id: (device.id, device.name, *device.names) for device in devices}
-    wanted = fold(find_name(name, [text for texts in names.values() for text in texts]) or name)
-    named = own or [device for device in devices if wanted in map(fold, names[device.id])]
-    persons = [one for one in named if "x_person" in one.service_types]
-    return persons if len(persons) == 1 else named

@@ -7,7 +7,8 @@ from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
-from homebot.devices.device_lookup import DeviceLookup, ask_which
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.device_names import ask_which, is_called, names_of
 from homebot.devices.names import GROUP
 from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
@@ -18,8 +19,8 @@ from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.support.folding import fold, words_of
-from homebot.support.similar import did_you_mean
-from homebot.words.phrases import ARTICLE, EVERYTHING
+from homebot.support.names import close_names, spellings
+from homebot.words.phrases import EVERYTHING
 from homebot.words.queries import parse_query
 from homebot.words.readings import Readings, readings_of
 from homebot.words.suitable_parts import controls, part_name, settings_by_part, takes
@@ -27,9 +28,6 @@ from homebot.words.tokens import split_at
 
 MAX_DEVICES: Final = 1000
 """Devices that one command may be for."""
-
-_TYPO: Final = 0.8
-"""How similar a name must be to be suggested."""
 
 Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
 
@@ -109,11 +107,9 @@ class CommandTargets:
         named = await self._called(_TargetPhrase(request, target, And(()), is_alternative=False))
         if found := _clear(named) or await self._read(request, target):
             return found
-        names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
+        names = {name for device in await self._lookup.devices() for name in names_of(device)}
         joined = "join devices with 'or'" if len(split_at(target, "and", ",")) > 1 else "`homebot find` shows what does"
-        article = ARTICLE.match(target)
-        hint = did_you_mean(article["name"] if article else target, names, joined, _TYPO)
-        raise NoTargetError(f"no device fits {target!r}; {hint}")
+        raise NoTargetError(f"no device fits {target!r}; {close_names(target, names, joined)}")
 
     async def _read(self, request: CommandDevicesRequest, target: str) -> list[Target]:
         """Return the targets according to the query *target*; an ambiguous one is an error."""
@@ -149,27 +145,24 @@ class CommandTargets:
         return _clear(best), False
 
     async def _called(self, phrase: _TargetPhrase) -> _Matches:
-        """Find the device, or its part, that has the id or name, perhaps quoted or with an article."""
-        article = ARTICLE.match(phrase.text)
-        for text in dict.fromkeys((phrase.text, article["name"] if article else phrase.text.strip('"'))):
-            if (found := await self._called_exactly(phrase.request, text)).targets:
-                return found
-        return _Matches([])
-
-    async def _called_exactly(self, request: CommandDevicesRequest, text: str) -> _Matches:
+        """Find the device, its part, or the group that has the id or name."""
+        request, text = phrase.request, phrase.text
         device_id, _, part_id = text.partition("#")
         called = await self._lookup.called(text, device_id)
         if part_id and called and called[0].id.casefold() == device_id.casefold():
             if (part := called[0].part(part_id)) is None:
                 raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
             return _Matches([(called[0], (part,))])
-        if len(called) > 1:
-            return _Matches([(one, one.parts) for one in called], ask_which(text, called))
-        if called:
-            members = await self._of_native_group(request, called[0])
-            return members or _parts_called(request, called[0], text)
-        group = FactIs(GROUP, fold(text))
-        return _Matches([(one, _parts(one, group)) for one in await self._lookup.devices(group)])
+        for name in spellings(text):
+            if len(called) > 1 and is_called(called[0], name):
+                return _Matches([(device, device.parts) for device in called], ask_which(name, called))
+            if called and is_called(called[0], name):
+                members = await self._of_native_group(request, called[0])
+                return members or _parts_called(request, called[0], name)
+            group = FactIs(GROUP, fold(name))
+            if grouped := await self._lookup.devices(group):
+                return _Matches([(device, _parts(device, group)) for device in grouped])
+        return _Matches([])
 
     async def _of_native_group(self, request: CommandDevicesRequest, device: Device) -> _Matches | None:
         """Find the members of a group that a gateway knows as the device; None for any other, or if none takes it."""
@@ -287,7 +280,7 @@ def _is_called(device: Device, part: DevicePart, name: str) -> bool:
 
 def _called(device: Device) -> set[str]:
     """Return the words of the id and the names of *device*."""
-    return set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names))))
+    return set(chain.from_iterable(map(words_of, names_of(device))))
 
 
 def _main_parts(device: Device) -> tuple[DevicePart, ...]:

@@ -18,7 +18,8 @@ from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import target_of
-from homebot.devices.device_lookup import DeviceLookup, ask_which
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.device_names import ask_which
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
     GetLeasesRequest,

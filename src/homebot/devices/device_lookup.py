@@ -1,7 +1,7 @@
 """Look-up of devices in the directory: by id, by query, and by the address of raw commands."""
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from functools import lru_cache
 from typing import Final, TypeAlias, final
@@ -9,11 +9,10 @@ from typing import Final, TypeAlias, final
 from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
 from homebot.devices.device import is_commanded
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import FactIs, NameIs, Or, Query
+from homebot.devices.query.terms import Query
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
-from homebot.support.folding import fold
 
 __all__ = ["DeviceLookup"]
 
@@ -45,13 +44,10 @@ class DeviceLookup:
         return None
 
     async def called(self, name: str, device_id: str = "") -> tuple[Device, ...]:
-        """Return the device with the id *device_id*, or *name* if it is empty; else all devices with that name or id.
+        """Return the devices that *name* calls; see :func:`homebot.devices.device_names.devices_called`."""
+        from homebot.devices.device_names import devices_called, name_query  # noqa: PLC0415 - for names alone
 
-        In that case the id is matched regardless of case.
-        """
-        device_id = device_id or name
-        found = await self.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(name)))))
-        return tuple(one for one in found if one.id == device_id) or found
+        return devices_called(name, await self.devices(name_query(name, device_id)), device_id)
 
     async def devices(self, query: Query | None = None) -> tuple[Device, ...]:
         """Return the devices that fit *query*, or all."""
@@ -95,11 +91,6 @@ class DeviceLookup:
         except ServiceError:
             return ""
         return self._by_address.get(place, "")
-
-
-def ask_which(name: str, called: Sequence[Device]) -> str:
-    """Return the request for the id of one of the devices *called* so."""
-    return f"{len(called)} devices are called {name}; give the id of one: {', '.join(one.id for one in called[:10])}"
 
 
 @lru_cache(maxsize=1024)

@@ -5,17 +5,18 @@ from typing import Final, NamedTuple, final
 
 import anyio
 
-from homebot.devices.device import Device
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.device_names import names_of
 from homebot.devices.health import HealthRequest, HealthResponse
-from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
+from homebot.devices.names import GET_PLACES, QUERY_DEVICES
 from homebot.devices.places_messages import GetPlaces
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import AreaIs, NameIs, Query
-from homebot.devices.services import FindDevices, QueryDevices
+from homebot.devices.query.terms import AreaIs, Query
+from homebot.devices.services import QueryDevices
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import find_name, no_such
 
 _ANNOUNCED_WITHIN: Final = 300.0
 """Seconds after the start before a name without a device counts as misspelt.
@@ -58,7 +59,7 @@ class ConfiguredNames:
         self._log = node.log
         self._read = read
         self._is_due = False
-        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._lookup = DeviceLookup(node)
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
         self._places = node.create_client(GetPlaces, GET_PLACES)
 
@@ -108,31 +109,17 @@ class ConfiguredNames:
     async def _unknown_rooms(self, rooms: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
         stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if rooms else []
         for key, name in rooms:
-            if fold(name) not in map(fold, stated) and not await self._is_area(name):
-                areas = {device.area for device in await self._fitting()} - {""}
-                yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
+            if not find_name(name, stated) and not await self._lookup.devices(AreaIs(fold(name))):
+                areas = {device.area for device in await self._lookup.devices()} - {""}
+                known = [*stated, *areas][:_MAX_COMPARED]
+                yield f"{key}: {no_such('room', name, known, 'no device is in it')}"
 
     async def _unknown_devices(self, devices: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
         for key, name in devices:
-            if not any(fold(name) in map(fold, _names(device)) for device in await self._fitting(NameIs(fold(name)))):
-                names = [name for device in await self._fitting() for name in _names(device)]
-                yield f"{key}: there is no device {name!r}; {_hint(name, names, '`homebot devices` lists all')}"
+            if not await self._lookup.called(name):
+                known = [text for device in await self._lookup.devices() for text in names_of(device)][:_MAX_COMPARED]
+                yield f"{key}: {no_such('device', name, known, '`homebot devices` lists all')}"
 
     async def _mistake(self, query: Query) -> str:
         answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
         return answer.message if answer.is_mistake else ""
-
-    async def _is_area(self, name: str) -> bool:
-        return any(fold(device.area) == fold(name) for device in await self._fitting(AreaIs(fold(name))))
-
-    async def _fitting(self, query: Query | None = None) -> tuple[Device, ...]:
-        request = FindDevices.Request(query=() if query is None else query_terms(query))
-        return (await self._find.call(request)).devices
-
-
-def _names(device: Device) -> tuple[str, ...]:
-    return device.id, device.name, *device.names
-
-
-def _hint(name: str, known: Sequence[str], otherwise: str) -> str:
-    return did_you_mean(name, known[:_MAX_COMPARED], otherwise)

@@ -13,7 +13,7 @@ from homebot.discovery.groups import group_name
 from homebot.discovery.index import DeviceIndex
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.words.names import find_name, no_such
+from homebot.support.names import find_name, no_such
 
 
 class GroupList:

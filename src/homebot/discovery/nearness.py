@@ -11,9 +11,10 @@ from typing import Final, NamedTuple, final
 
 from homebot.clock import TimeSlice
 from homebot.devices.device import Device
+from homebot.devices.device_names import name_query
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import IsNear, IsUnapproved, NameIs, Query
+from homebot.devices.query.terms import IsNear, IsUnapproved, Query
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.services import QueryDevicesResponse
 from homebot.devices.value import PlainValue
@@ -264,8 +265,8 @@ class Nearness:
     def _device(self, named: str) -> Device | None:
         """Return the device with the id or name *named*."""
         if (device_id := self._named.get(named)) is None:
-            found = {named} if self._index.get(named) else self._index.find(NameIs(fold(named)))
-            device_id = self._named[named] = min(found, default="")
+            called = self._index.find(name_query(named))
+            device_id = self._named[named] = named if named in called else min(called, default="")
         return self._index.get(device_id)
 
     def _no_ways(self, devices: list[str], room: str, locked: frozenset[str]) -> Iterator[tuple[str, str]]:

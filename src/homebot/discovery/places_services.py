@@ -154,10 +154,12 @@ class PlacesServices:
 
     def _check_free(self, alias: str, device_id: str) -> None:
         """Check that no other device is called *alias*."""
+        from homebot.devices.device_names import names_of  # noqa: PLC0415 - for aliases alone
+
         name = fold(alias)
         for other in sorted(self._index.find(NameIs(name)) - {device_id}):
             device = self._index.get(other)
-            if device is not None and name in map(fold, (device.id, *device.names)):  # else the name of a part
+            if device is not None and name in map(fold, names_of(device)):  # else the name of a part
                 raise RefusedError(f"the alias {alias!r}", f"{device.id} is called that already")
 
     def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:

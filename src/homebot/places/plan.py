@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import ConfigError
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import no_such
 
 MAX_ROOMS = 1000
 """The limit of rooms of one house."""
@@ -194,8 +194,7 @@ class HousePlan:
             return room.name
         if fold(name) != OUTSIDE:
             known = [one.name for one in self._rooms.values()]
-            hint = did_you_mean(name, known, f"rooms are {', '.join(known) or 'none'}")
-            raise ConfigError(self.source, key, f"there is no room {name!r}; {hint}")
+            raise ConfigError(self.source, key, no_such("room", name, known))
         return OUTSIDE
 
 

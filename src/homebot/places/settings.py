@@ -11,7 +11,7 @@ from homebot.places.facts import CLOSED_DOOR, FactName, OwnerFact, Places, read_
 from homebot.places.floor_plan import FloorPlan
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom, Point, Rings, door_name
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import no_such
 
 _MAX_CHARACTERS = 100
 _MAX_NAMES = 50
@@ -213,8 +213,7 @@ def stated_position(text: str, plan: HousePlan) -> str:
     position = read_position(text)
     floors = {fold(floor): floor for floor in plan.floors}
     if position.floor and floors and fold(position.floor) not in floors:
-        hint = did_you_mean(position.floor, plan.floors, f"floors are {', '.join(plan.floors)}")
-        raise UsageError(f"there is no floor {position.floor!r}; {hint}")
+        raise UsageError(no_such("floor", position.floor, plan.floors))
     only = {room.floor for room in plan.rooms if room.polygons}
     floor = position.floor or (only.pop() if len(only) == 1 else "")  # a floor added later does not change it
     return position._replace(floor=floors.get(fold(floor), floor)).text
@@ -225,8 +224,7 @@ def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
     room, _ = plan.locate(name)
     if room and plan.rooms and plan.room(room) is None and fold(room) != OUTSIDE:
         known = [one.name for one in plan.rooms]
-        hint = did_you_mean(room, known, f"rooms are {', '.join(known)}")
-        raise ConfigError(source, key, f"there is no room {room!r}; {hint}")
+        raise ConfigError(source, key, no_such("room", room, known))
     return room
 
 

@@ -18,7 +18,7 @@ from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 from homebot.messages.std_msgs import Header
 from homebot.places.polygon import Polygon
-from homebot.words.names import resolve_name
+from homebot.support.names import resolve_name
 from homebot.words.steps import SendRobot
 from homebot.words.triggers import RobotArrival
 

@@ -25,7 +25,7 @@ from homebot.robots.sensors import follow_motion, read_poses, read_tags
 from homebot.robots.settings import RobotSettings
 from homebot.robots.vacuum import Vacuum
 from homebot.support.folding import fold
-from homebot.words.names import find_name, no_such
+from homebot.support.names import find_name, no_such
 
 UNSURE = "robots.unsure"
 EXPIRED = "robots.expired"

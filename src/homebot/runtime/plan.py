@@ -24,6 +24,7 @@ from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_door
+from homebot.support.names import no_such
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -319,8 +320,7 @@ def _discovery(config: Config) -> DirectorySettings:
     settings = parse_settings(DirectorySettings, config.discovery, config.source, "discovery", config.folder)
     for name in settings.prefer:
         if name not in config.gateways:
-            hint = did_you_mean(name, config.gateways, f"gateways are {', '.join(config.gateways) or 'none'}")
-            raise ConfigError(config.source, "discovery.prefer", f"there is no gateway {name!r}; {hint}")
+            raise ConfigError(config.source, "discovery.prefer", no_such("gateway", name, config.gateways))
     return settings
 
 
@@ -347,8 +347,7 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
         room = plan.room(name)
         if room is None:
             known = [one.name for one in plan.rooms]
-            hint = did_you_mean(name, known, f"rooms are {', '.join(known)}")
-            raise ConfigError(source, f"{_DOORS}.{name}", f"there is no room {name!r}; {hint}")
+            raise ConfigError(source, f"{_DOORS}.{name}", no_such("room", name, known))
         if len(contacts) < len(room.doors):
             joined = f"{len(room.doors)} doors (to {', '.join(room.doors)})"
             problem = f"{room.name} has {joined}, but only {len(contacts)} of them with a contact; each needs one"

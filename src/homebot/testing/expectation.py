@@ -8,10 +8,10 @@ import anyio
 
 from homebot.devices import handles
 from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.device_names import devices_called
 from homebot.devices.handles import Handle
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.errors import UsageError
-from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
 
@@ -111,12 +111,9 @@ class Expectation(HouseWatcher):
         return values
 
     def _device(self) -> Device | None:
-        wanted = fold(self._name)
         devices = self._known.values()
         named = [device for device in devices if device.id == self._name or device.id.rpartition("/")[2] == self._name]
-        named = named or [
-            device for device in devices if wanted in {fold(text) for text in (device.name, *device.names)}
-        ]
+        named = named or [*devices_called(self._name, devices)]
         if len(named) > 1:
             raise UsageError(f"{self._name} may be {_listed([device.id for device in named])}; give the id of one")
         return named[0] if named else None

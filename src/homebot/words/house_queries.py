@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import final
 
 from homebot.devices.device import Device
+from homebot.devices.device_names import names_of
 from homebot.devices.query.facets import shared_facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import AreaIs, InArea, NameIs, PartIs, Query, TypeIs, leaves
@@ -40,9 +41,7 @@ class WordsQuery:
         was_named, before = self._named.pop(device.id, None) is not None, self._others.pop(device.id, None)
         self._with_parts.discard(device.id)
         has_part = not is_gone and not self._names.isdisjoint(shared_facets_of(device).named_parts)
-        is_named = has_part or (
-            not is_gone and not self._names.isdisjoint(map(fold, (device.id, device.name, *device.names)))
-        )
+        is_named = has_part or (not is_gone and not self._names.isdisjoint(map(fold, names_of(device))))
         if is_named:
             self._named[device.id] = device
         if has_part:

@@ -1,5 +1,6 @@
 """The text of a routine: a table ``[[routines]]`` in TOML. Pure."""
 
+import re
 from collections.abc import Mapping
 from typing import Final
 
@@ -11,6 +12,12 @@ _WIDTH: Final = 100
 def routine_text(table: Mapping[str, object]) -> str:
     """Return *table* as TOML, as a person would write it."""
     return "".join(("[[routines]]\n", *(f"{key} = {_lines(value)}\n" for key, value in table.items())))
+
+
+def rename_scene(text: str, old: str, new: str) -> str:
+    """Return the table *text* of a routine, with the scene *old* called *new* in the steps that apply it."""
+    step = re.compile(rf"""(?P<quote>["'])scene\s+{re.escape(old)}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
+    return step.sub(lambda match: f"{match['quote']}scene {new}", text)
 
 
 def _lines(value: object) -> str:

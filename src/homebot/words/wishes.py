@@ -7,9 +7,9 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import StateIs
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.support.names import find_name, resolve_name
 from homebot.support.similar import did_you_mean
 from homebot.words.commands import is_relative
-from homebot.words.names import find_name, resolve_name
 from homebot.words.people import AT_HOME
 from homebot.words.phrases import (
     AT_VALUE,

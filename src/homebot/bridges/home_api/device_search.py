@@ -7,14 +7,13 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 from homebot.bridges.home_api.shapes import ProblemError
+from homebot.devices.device_names import devices_called, name_query
 from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import FactIs, NameIs, Or
 from homebot.devices.services import MAX_LISTED
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.messages.json import message_to_json
-from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import close_names
 from homebot.words.queries import parse_query
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 _MAX_PAGES = 10
 _MAX_NAMED = 10
 _MAX_SIMILAR = 3
-_TYPO = 0.8
 
 
 class HomeCalls(Protocol):
@@ -81,11 +79,11 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
 
 
 async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
-    """Return the devices with the id, with or without a part, or the name *text*; one with the id alone."""
-    ident = text.partition("#")[0]
-    terms = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text)))))
+    """Return the devices with the id, with or without a part, or the name *text*."""
+    device_id = text.partition("#")[0]
+    terms = query_terms(name_query(text, device_id))
     found = await _found(home, {"query": [message_to_json(term) for term in terms]})
-    return [one for one in found if one.id == ident] or found
+    return devices_called(text, found, device_id)
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:
@@ -97,7 +95,7 @@ async def _fitting(home: HomeCalls, text: str) -> list[str]:
     near = [one.id for one in (await listed(home, query=text, limit=_MAX_SIMILAR)).devices]
     names = near or [name for one in await all_listed(home) for name in (one.id, one.name)]
     reason = answer.message or "a list of all devices shows what there is"
-    hint = f"did you mean {' or '.join(near)}?" if near else did_you_mean(text, names, reason, _TYPO)
+    hint = f"did you mean {' or '.join(near)}?" if near else close_names(text, names, reason)
     raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
 
 

@@ -8,6 +8,7 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import LIGHTS_UP
 from homebot.devices.device import State
 from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.device_names import devices_called
 from homebot.devices.names import GET_PLACES, WHERE_IS_ROBOT
 from homebot.devices.places_messages import DoorInfo, GetPlaces, GetPlacesResponse
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
@@ -19,7 +20,6 @@ from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.features.goals.operators import PlanStep
 from homebot.graph import EntityKind, Node
 from homebot.robots.drive import check_move
-from homebot.support.folding import fold
 from homebot.words.steps import SendRobot
 from homebot.words.wishes import KnownNames
 
@@ -49,12 +49,10 @@ class HouseSnapshot:
     problems: Mapping[str, str]
 
     def called(self, named: str) -> Device | None:
-        """Return the device with that id or name; None if there is none."""
+        """Return the first device with that id or name; None if there is none."""
         if not named or named in self.devices:
             return self.devices.get(named)
-        wanted = fold(named)
-        fitting = (one for one in self.devices.values() if wanted in map(fold, (one.name, *one.names)))
-        return min(fitting, key=lambda one: one.id, default=None)
+        return min(devices_called(named, self.devices.values()), key=lambda device: device.id, default=None)
 
     def after(self, steps: Iterable[PlanStep]) -> "HouseSnapshot":
         """Return the house as it is when *steps* are done."""

@@ -8,6 +8,7 @@ import anyio
 
 from homebot.devices.device import Device, DeviceChange, DevicePart, StateChange
 from homebot.devices.device_lookup import references
+from homebot.devices.device_names import devices_called, names_of
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.query.terms import TypeIs
 from homebot.errors import ServiceError
@@ -72,14 +73,15 @@ class TrackerWatch(HouseWatcher):
         A person with the name or a tracker of one of *people* is left out, and so is one that is a tracker there.
         """
         names = {*map(fold, people)}
-        taken = [tracker for one in people.values() for text in one.trackers for tracker in self._called(text)]
+        known = self._devices.values()
+        taken = [tracker for one in people.values() for text in one.trackers for tracker in devices_called(text, known)]
         return {
             one.id: one.name
             for one in self._devices.values()
             if one.freshness != "stale" or one.reachable.state == "no"  # else its system has it no more
             for part in one.parts
             if part.part.members and part.part.service_type == "x_tracker"  # no announcement over MQTT can have both
-            if names.isdisjoint(map(fold, (one.name, *one.names)))
+            if names.isdisjoint(map(fold, names_of(one)))
             if not any(_is_of(tracker, one, part) for tracker in taken)
         }
 
@@ -87,15 +89,10 @@ class TrackerWatch(HouseWatcher):
         """Return the sign of each tracker of the device with the id *name*, or else of those with that name."""
         return {
             f"{device.id}#{part}": sign_of(device, known.state(part, PLACE), tag)
-            for device in self._called(name)
+            for device in devices_called(name, self._devices.values())
             if (known := view.get(device.id)) is not None
             for part, tag in _places(device)
         }
-
-    def _called(self, name: str) -> list[Device]:
-        if name in self._devices:
-            return [self._devices[name]]
-        return [one for one in self._devices.values() if fold(name) in map(fold, (one.name, *one.names))]
 
 
 def _is_of(tracker: Device, person: Device, part: DevicePart) -> bool:

@@ -19,9 +19,9 @@ from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import ago
 from homebot.errors import HomebotError, PeerError, UsageError
+from homebot.support.names import resolve_name
 from homebot.support.printable import printable
 from homebot.support.toml_text import toml_value
-from homebot.words.names import resolve_name
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import RoutineInfo, RoutinesResponse

@@ -14,7 +14,7 @@ from homebot.devices.names import LIST_ROUTINES
 from homebot.devices.value import ShortText
 from homebot.devices.wording.time_format import iso
 from homebot.features.routines import PROPOSE_ROUTINE
-from homebot.words.names import find_name, no_such
+from homebot.support.names import find_name, no_such
 
 
 class RoutineQuestion(Question):

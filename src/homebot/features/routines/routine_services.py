@@ -31,8 +31,8 @@ from homebot.features.routines.routine import Routine
 from homebot.features.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.graph import Node
 from homebot.support.logger import get_logger
+from homebot.support.names import resolve_name
 from homebot.support.toml_text import toml_value
-from homebot.words.names import resolve_name
 from homebot.words.rights import read_scope
 from homebot.words.suitable_parts import part_name
 

@@ -19,7 +19,7 @@ from homebot.features.scenes.scene_book import SavedScene, SceneBook
 from homebot.features.scenes.scene_words import values_text
 from homebot.messages import Time
 from homebot.support.folding import fold
-from homebot.words.names import no_such
+from homebot.support.names import no_such, spellings
 from homebot.words.suitable_parts import part_name
 
 Place: TypeAlias = tuple[str, str]
@@ -105,33 +105,26 @@ class HouseScenes:
     def find(self, name: str) -> Scene:
         """Return the scene with this name or id, such as ``Film in living``: of the owner, or else the only native one.
 
-        The name may stand in quotation marks.
-
         Raises:
             UsageError: There is none, or there are several; the message names them.
         """
-        name = name.strip('"')
-        own = self._book.scenes.get(fold(name))
-        if own is not None:
-            parts = self.current(own).parts
-            return Scene(own.name, own.name, {place_of(target): values for target, values in parts.items()})
-        if (configured := self.configured.get(fold(name))) is not None:
-            return configured
         native = list(self.native())
-        found = [one for one in native if one.id == name] or [
-            one for one in native if fold(name) in (fold(one.name), fold(one.full_name))
-        ]
-        if len(found) > 1:
-            ids = " or ".join(repr(one.full_name) for one in found[:_MAX_NAMED])
-            raise UsageError(f"{len(found)} scenes are called {name!r}; name one: {ids}")
-        if not found:
-            known = [
-                *map(_NAME, self._book.scenes.values()),
-                *map(_NAME, self.configured.values()),
-                *map(_NAME, native),
+        for text in spellings(name):
+            if (own := self._book.scenes.get(fold(text))) is not None:
+                parts = self.current(own).parts
+                return Scene(own.name, own.name, {place_of(target): values for target, values in parts.items()})
+            if (configured := self.configured.get(fold(text))) is not None:
+                return configured
+            found = [scene for scene in native if scene.id == text] or [
+                scene for scene in native if fold(text) in (fold(scene.name), fold(scene.full_name))
             ]
-            raise UsageError(no_such("scene", name, known, "`homebot scene list` shows them"))
-        return found[0]
+            if len(found) > 1:
+                ids = " or ".join(repr(scene.full_name) for scene in found[:_MAX_NAMED])
+                raise UsageError(f"{len(found)} scenes are called {text!r}; name one: {ids}")
+            if found:
+                return found[0]
+        known = map(_NAME, (*self._book.scenes.values(), *self.configured.values(), *native))
+        raise UsageError(no_such("scene", name, known, "`homebot scene list` shows them"))
 
     def check_hides_none(self, name: str) -> None:
         """Raise UsageError if a scene of the owner called *name* would hide a configured or a native one."""

@@ -20,7 +20,7 @@ from homebot.features.scenes.scene_words import present_values, read_values
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.words.names import find_name, no_such
+from homebot.support.names import find_name, no_such
 from homebot.words.suitable_parts import part_name
 
 _MAX_NAMED: Final = 5

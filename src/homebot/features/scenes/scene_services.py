@@ -31,7 +31,7 @@ from homebot.features.scenes.scene_changes import SceneChanges
 from homebot.features.scenes.settings import SceneSettings
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.words.names import rename_scene
+from homebot.words.routine_text import rename_scene
 
 if TYPE_CHECKING:
     from homebot.feature_context import FeatureContext

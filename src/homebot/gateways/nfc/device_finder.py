@@ -7,6 +7,7 @@ from urllib.parse import urlsplit
 
 from homebot.conventions.nfc.pointer import Pointer
 from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices.device_names import is_called
 from homebot.devices.identity import identifiers
 from homebot.devices.names import TEACH_PLACE
 from homebot.devices.places_messages import TeachPlace, TeachPlaceRequest
@@ -14,7 +15,6 @@ from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit
-from homebot.support.folding import fold
 
 TAUGHT: Final = "nfc.place_taught"
 NOT_TAUGHT: Final = "nfc.place_not_taught"
@@ -122,10 +122,9 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     yield from _tests_of_addresses(pointer)
     if pointer.words:
         words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
-        folded = frozenset(fold(word) for word in words)
         yield lambda device: device.id in words
         yield lambda device: not declared.isdisjoint(device.identifiers) or not words.isdisjoint(device.identifiers)
-        yield lambda device: not folded.isdisjoint(fold(name) for name in (device.name, *device.names))
+        yield lambda device: any(is_called(device, word) for word in words)
 
 
 def _tests_of_codes(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:

@@ -9,6 +9,7 @@ from typing import Final, NamedTuple, TypeVar, final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.device_names import names_of
 from homebot.devices.part import Capability, Part
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
@@ -190,7 +191,7 @@ def slug_of(name: str) -> str:
 
 
 def _names(device: Device) -> set[str]:
-    return {fold(name) for name in (device.id, device.name, *device.names)}
+    return {*map(fold, names_of(device))}
 
 
 def _listed(device: Device) -> dict[str, str]:

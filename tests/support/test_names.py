@@ -3,7 +3,7 @@
 import pytest
 
 from homebot.errors import UsageError
-from homebot.words.names import find_name, resolve_name
+from homebot.support.names import find_name, resolve_name
 
 ROOMS = ("Küche", "The Den", "Living room")
 

@@ -1,23 +1,38 @@
-"""Names that people write, of a room, scene, routine or group. Pure.
+"""Names that people write, of a device, person, robot, room, group, scene or routine. Pure.
 
 A name is the whole name without regard to case and accents; a similar one is a suggestion, and never the answer.
 """
 
-import re
 from collections.abc import Iterable
+from typing import Final
 
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
+ARTICLES: Final = ("the", "a", "an", "my")
+
+CLOSE: Final = 0.8
+"""How similar a name must be to be suggested for a text that may also be other words."""
+
+_QUOTES: Final = "\"'"
+
+
+def spellings(text: str) -> tuple[str, ...]:
+    """Return the names that *text* may be, the most literal first: all of it, without quotes, without an article."""
+    whole = text.strip()
+    plain = whole[1:-1] if whole[:1] in _QUOTES and whole[1:].endswith(whole[:1]) else whole.strip('"')
+    article, _, name = plain.partition(" ")
+    bare = name.strip(' "') if article.casefold() in ARTICLES else plain
+    return tuple(dict.fromkeys(filter(None, (whole, plain, bare))))
+
 
 def find_name(text: str, names: Iterable[str]) -> str:
-    """Return the first of *names* that *text* is, perhaps in quotes or after ``the``; empty for none."""
+    """Return the first of *names* that *text* is, perhaps in quotes or after an article; empty for none."""
     known: dict[str, str] = {}
     for name in names:
         known.setdefault(fold(name), name)
-    plain = fold(text.strip('"'))
-    return known.get(fold(text)) or known.get(plain) or known.get(plain.removeprefix("the "), "")
+    return next((known[name] for name in map(fold, spellings(text)) if name in known), "")
 
 
 def resolve_name(kind: str, text: str, names: Iterable[str], otherwise: str = "") -> str:
@@ -43,7 +58,6 @@ def no_such(kind: str, text: str, names: Iterable[str], otherwise: str = "") -> 
     return f"there is no {kind} {text!r}; {hint}"
 
 
-def rename_scene(text: str, old: str, new: str) -> str:
-    """Return the table *text* of a routine, with the scene *old* called *new* in the steps that apply it."""
-    step = re.compile(rf"""(?P<quote>["'])scene\s+{re.escape(old)}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
-    return step.sub(lambda found: f"{found['quote']}scene {new}", text)
+def close_names(text: str, names: Iterable[str], otherwise: str) -> str:
+    """Return ``did you mean …?`` if one of *names* is close to *text*, or else *otherwise*."""
+    return did_you_mean(spellings(text)[-1], names, otherwise, CLOSE)
