@@ -48,3 +48,8 @@ def test_a_name_calls_whole_names_the_most_literal_first(text: str, ids: list[st
     called = devices_called(text, DEVICES)
     assert [device.id for device in called] == ids
     assert all(fits(name_query(text), facets_of(device)) for device in called)
+
+
+def test_the_id_before_a_part_calls_its_device_whatever_its_case() -> None:
+    assert [device.id for device in devices_called("LAMP_1#left", DEVICES, "LAMP_1")] == ["lamp_1"]
+    assert [device.id for device in devices_called("lamp", DEVICES, "lamp")] == ["lamp_1", "lamp_2"]

@@ -47,7 +47,8 @@ def devices_called(text: str, devices: Iterable[Device], device_id: str = "") ->
     devices = tuple(devices)
     if exact := tuple(device for device in devices if device.id == (device_id or text)):
         return exact
-    by_id = tuple(device for device in devices if device_id and device.id.casefold() == device_id.casefold())
+    is_part = device_id not in {"", text}
+    by_id = tuple(device for device in devices if is_part and device.id.casefold() == device_id.casefold())
     for name in () if by_id else spellings(text):
         if called := tuple(device for device in devices if is_called(device, name)):
             return called
