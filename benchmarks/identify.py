@@ -11,7 +11,7 @@ from plan import Plan
 from report import Report, verdict
 
 sys.path.append(str(Path(__file__).parents[1]))
-from tests.identify.rooms import Rooms, identify
+from tests.features.identify.rooms import Rooms, identify
 
 __all__ = ["run"]
 

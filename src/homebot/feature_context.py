@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, MutableMapping, Sequence
     from datetime import tzinfo
     from pathlib import Path
+    from random import Random
 
     from pydantic import BaseModel
 
@@ -95,6 +96,9 @@ class FeatureContext:
         store: Returns the store of a name, which is kept across restarts, and which no app can have.
         config_file: Returns the file of the configuration; None if the run has none. Called in a thread.
         write_stores: Writes all changes of stores now; returns the problem, empty for none.
+        notify: Sends people a message with a title from a node of that name; returns whether it was sent.
+        random: The source of random numbers.
+        began_at: The time before anything started, in seconds since the Unix epoch.
         restart: Ends the run, and begins another; None where only a person can.
     """
 
@@ -112,4 +116,7 @@ class FeatureContext:
     store: Callable[[str], MutableMapping[str, Any]]
     config_file: Callable[[], Path | None]
     write_stores: Callable[[], Awaitable[str]]
+    notify: Callable[[str, str, str], Awaitable[bool]]
+    random: Random
+    began_at: float
     restart: Callable[[], None] | None = None

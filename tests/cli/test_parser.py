@@ -61,6 +61,7 @@ def test_other_mistakes_are_shown_with_the_usage(capsys: Text) -> None:
         ("verify lamp --seconds 11m", "argument --seconds: must be from 5 to 600 seconds, got '11m'\n"),
     ],
 )
+@pytest.mark.rooms("identify")
 def test_a_number_out_of_range_is_refused_with_the_range(capsys: Text, line: str, problem: str) -> None:
     with pytest.raises(SystemExit):
         main(line.split())

@@ -27,8 +27,8 @@ from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.features.habits.recorded import is_persons
-from homebot.identify.candidates import CandidatePart
-from homebot.identify.kept_values import KeptValues
+from homebot.features.identify.candidates import CandidatePart
+from homebot.features.identify.kept_values import KeptValues
 
 pytestmark = pytest.mark.virtual_time
 

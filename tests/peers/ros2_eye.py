@@ -10,9 +10,9 @@ import pyzeros
 import zenoh
 from ros2_pyterfaces.cyclone.all_msgs import Illuminance
 
-from homebot.devices.identify_messages import IdentifyDevice, IdentifyDeviceGoal
 from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.services import QueryDevices
+from homebot.features.identify.messages import IdentifyDevice, IdentifyDeviceGoal
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.type_hash import type_hash
 from homebot.messages.unique_identifier_msgs import UUID

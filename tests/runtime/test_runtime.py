@@ -157,7 +157,6 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
         "/discovery",
         "/control",
         *(f"/{feature.name}" for feature in all_features() if feature.server),
-        "/identify",
         "/first",
         "/second",
         "/rosbridge_websocket",

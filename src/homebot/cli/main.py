@@ -33,8 +33,6 @@ COMMANDS: Final = {
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",
     "do": "command devices, and print the outcomes",
-    "identify": "find which of several devices a sensor sees: they blink, and it looks",
-    "verify": "check whether a device is the one that a sensor sees",
     "show": "show everything known about a device",
     "doctor": "diagnose problems, even before the start: gateways, silent devices, weak batteries, crashes, files",
     "forget": "remove a device from the index",

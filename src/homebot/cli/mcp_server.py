@@ -16,7 +16,8 @@ from websockets.exceptions import WebSocketException
 
 from homebot.bridges.home_api.agent_server import AgentMistakeError, DoorPlace, HouseApi
 from homebot.cli.door_address import DoorAddress, client_context
-from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
+from homebot.devices.names import HOME_HEADER
+from homebot.rights import OfferedService
 
 _MAX_WAIT_S: Final = 900.0
 """Seconds; homebot answers sooner, after the usual response time of the slowest device."""
@@ -58,16 +59,18 @@ class ApiClient(HouseApi):
         return response.status_code, found.decode(errors="replace")
 
     @asynccontextmanager
-    async def identification(self, goal: Mapping[str, object]) -> AsyncIterator[Callable[[], Awaitable[Any]]]:
-        """See :meth:`HouseApi.identification`."""
-        frame = {"op": "send_action_goal", "id": "goal", "action": IDENTIFY_DEVICE, "args": goal, "feedback": True}
+    async def send_goal(
+        self, action: OfferedService, goal: Mapping[str, object]
+    ) -> AsyncIterator[Callable[[], Awaitable[Any]]]:
+        """See :meth:`HouseApi.send_goal`."""
+        frame = {"op": "send_action_goal", "id": "goal", "action": action.name, "args": goal, "feedback": True}
         where = f"{'ws' if self._tls is None else 'wss'}://{self._address.where}"
         try:
             async with connect(
                 where, ssl=self._tls, additional_headers=self._headers, proxy=None, max_size=_MAX_BYTES
             ) as door:
                 self._check_home({} if door.response is None else door.response.headers)
-                await door.send(json.dumps({**frame, "action_type": "homebot/action/IdentifyDevice"}))
+                await door.send(json.dumps({**frame, "action_type": action.ros_type}))
 
                 async def received() -> Any:
                     return json.loads(await door.recv())

@@ -56,7 +56,6 @@ CORE_SERVICES: Final = (
     OfferedService(names.HOLD_DEVICE, Right.ACT),
     OfferedService(names.HOLD_PART, Right.ACT, waits=True),
     OfferedService(names.HOME_PLACE, Right.ACT),
-    OfferedService(names.IDENTIFY_DEVICE, Right.ACT),
     OfferedService(names.IMPORT_PLACES, Right.MANAGE),
     OfferedService(names.LIST_APPS, Right.READ),
     OfferedService(names.LIST_DEVICES, Right.READ),

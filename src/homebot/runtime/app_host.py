@@ -36,8 +36,6 @@ STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 
 _MAX_REHEARSED = 10_000
-IDENTIFY_VALUES = "identify/values"
-"""The names of stores that no app can have."""
 
 
 class RehearsedAct(NamedTuple):

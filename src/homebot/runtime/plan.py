@@ -51,7 +51,6 @@ OWN_NODES = frozenset(
         "control",
         "discovery",
         "homebot",
-        "identify",
         "robots",
         "rosapi",
         "rosbridge_websocket",

@@ -30,14 +30,7 @@ from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import (
-    COPY_FILES,
-    IDENTIFY_DEVICE,
-    LIST_TOKENS,
-    POSE_TOPICS,
-    RELOAD,
-    START_RECORDER,
-)
+from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD, START_RECORDER
 from homebot.devices.own_services import is_own, row_of_service
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
@@ -45,7 +38,7 @@ from homebot.feature import Feature, all_features, load
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import EntityKind, Graph, Node, RosoutFeed
 from homebot.places import HousePlan
-from homebot.runtime.app_host import IDENTIFY_VALUES, STORE_FILE, AppHost, table_of
+from homebot.runtime.app_host import STORE_FILE, AppHost, table_of
 from homebot.runtime.app_loading import AppPlanner
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
@@ -67,7 +60,6 @@ if TYPE_CHECKING:
     from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
-    from homebot.runtime.identify_starter import IdentifyStarter
     from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.session_keeper import SessionKeeper
     from homebot.runtime.simulated_house import HouseOfRun
@@ -390,7 +382,6 @@ class Runtime:
         yield from (
             running(feature.name, partial(self._feature, feature)) for feature in all_features() if feature.server
         )
-        yield running("identify", self._identify)
         if self.record_into is not None:
             yield running("recorder", partial(self._recording.record_into, self.record_into))
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
@@ -508,22 +499,11 @@ class Runtime:
             store=self.app_host.store,
             config_file=lambda: self.config.file,
             write_stores=self.app_host.write_stores,
+            notify=self.app_host.context.notify,
+            random=self._context.random or Random(),  # noqa: S311 - no secret
+            began_at=self.app_host.began_at,
             restart=self.restart,
         )
-
-    async def _identify(self, *, task_status: TaskStatus[None]) -> None:
-        async with Node(self.graph, "identify") as node:
-            starter = cache(partial(self._identify_starter, node))
-            node.offer_action("homebot/action/IdentifyDevice", IDENTIFY_DEVICE, lambda: starter().serve())
-            if self.app_host.has_kept(IDENTIFY_VALUES):
-                starter()
-            task_status.started()
-            await anyio.sleep_forever()
-
-    def _identify_starter(self, node: Node) -> IdentifyStarter:
-        from homebot.runtime.identify_starter import IdentifyStarter  # noqa: PLC0415 - few homes identify
-
-        return IdentifyStarter(node, self.app_host, lambda: self._controller, self._context.random)
 
     def _greet(self) -> None:
         plan = self._plan

@@ -1,4 +1,4 @@
-"""The tools of agents, over ``homebot mcp`` and at the door: the HTTP API, and an action.
+"""The tools of agents, over ``homebot mcp`` and at the door: the HTTP API, and actions.
 
 Only this file and the tools of features import the MCP SDK.
 
@@ -11,7 +11,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from http import HTTPStatus
-from operator import itemgetter
 from typing import Annotated, Any, Final, NamedTuple, TypeAlias
 from urllib.parse import quote, urlencode
 
@@ -33,6 +32,7 @@ from homebot.bridges.home_api.shapes import (
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.services import MAX_LISTED
 from homebot.feature import all_features, load
+from homebot.rights import OfferedService
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 from homebot.version import __version__
@@ -91,31 +91,8 @@ class _Unasked(Sure):
     confirm: bool = True
 
 
-class _CandidateLine(BaseModel):
-    """A candidate, and by how much it changes the sensor's value; the problem if it takes part no more."""
-
-    device: str
-    part: str
-    probability: float
-    effect: float | None
-    deviation: float | None
-    problem: str
-
-
-class _IdentifyAnswer(BaseModel):
-    """The part in view, empty for none of the candidates and if it is not sure."""
-
-    success: bool
-    message: str
-    device: str
-    part: str
-    probability: float
-    left_out: list[dict[str, str]]
-    candidates: list[_CandidateLine]
-
-
 class HouseApi(ABC):
-    """The HTTP API and an action of a house, with the rights of one client.
+    """The HTTP API and the actions of a house, with the rights of one client.
 
     Attributes:
         door: Its door, for programs of this computer.
@@ -134,8 +111,10 @@ class HouseApi(ABC):
         """
 
     @abstractmethod
-    def identification(self, goal: Mapping[str, object]) -> AbstractAsyncContextManager[Callable[[], Awaitable[Any]]]:
-        """Send *goal* to the action that identifies; yield a function for its next frame. Leaving cancels it.
+    def send_goal(
+        self, action: OfferedService, goal: Mapping[str, object]
+    ) -> AbstractAsyncContextManager[Callable[[], Awaitable[Any]]]:
+        """Send *goal* to *action*; yield a function for its next frame. Leaving cancels it.
 
         Raises:
             ToolError: As for :meth:`ask`.
@@ -154,13 +133,15 @@ class HouseApi(ABC):
         """Return the answer to *body* as JSON, like :meth:`read`."""
         return _checked(*await self.ask("POST", path, json.dumps(body).encode()))
 
-    async def identify(self, goal: Mapping[str, object], report: Callable[[Any], Awaitable[None]]) -> Any:
-        """Return the result of the action that identifies, and *report* its feedback; an end of the caller cancels it.
+    async def perform_goal(
+        self, action: OfferedService, goal: Mapping[str, object], report: Callable[[Any], Awaitable[None]]
+    ) -> Any:
+        """Return the result of *goal*, and *report* its feedback; an end of the caller cancels it.
 
         Raises:
             ToolError: As for :meth:`read`.
         """
-        async with self.identification(goal) as received:
+        async with self.send_goal(action, goal) as received:
             while (answer := await received())["op"] == "action_feedback":
                 await report(answer["values"])
         if isinstance(found := answer.get("values"), dict):
@@ -203,8 +184,8 @@ class _HouseServer(MCPServer):
 def house_server(api: HouseApi) -> MCPServer:
     """Return a server with tools that use *api*."""
     server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
-    for add in (_add_questions, _add_command, _add_identification):
-        add(server, api)
+    _add_questions(server, api)
+    _add_command(server, api)
     for feature in all_features():
         if feature.tools:
             load(feature.tools)(server, api)
@@ -266,26 +247,6 @@ def _add_command(server: MCPServer, api: HouseApi) -> None:
         return tool_answer(await api.post("/api/command", wanted))
 
     server.add_tool(command, annotations=ACTS)
-
-
-def _add_identification(server: MCPServer, api: HouseApi) -> None:
-    async def identify(
-        devices: Annotated[Words, Field(description="a query")],
-        sensor: Annotated[Words, Field(description="its id or name, or a topic of a robot")],
-        context: Context,
-        at_night: Annotated[bool, Field(description="also while people sleep")] = False,  # noqa: FBT002 - JSON
-    ) -> Annotated[CallToolResult, _IdentifyAnswer]:
-        """Find which `light in hall` a sensor sees: they blink."""
-        goal = {"candidates": devices, "topic": sensor, "at_night": at_night}
-
-        async def report(feedback: Any) -> None:
-            best = max(feedback["candidates"], key=itemgetter("probability"))
-            likely, none = best["probability"], feedback["none"]
-            await context.report_progress(feedback["look"]["at"], None, f"{best['name']} {likely:.0%}, none {none:.0%}")
-
-        return tool_answer(_IdentifyAnswer.model_validate(await api.identify(goal, report)).model_dump_json())
-
-    server.add_tool(identify, annotations=ACTS)
 
 
 def tool_answer(text: str) -> CallToolResult:

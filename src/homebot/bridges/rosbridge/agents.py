@@ -20,7 +20,6 @@ from homebot.bridges.rosbridge.access import MissingRightError
 from homebot.bridges.rosbridge.goals import SentGoals
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import SendActionGoal
-from homebot.devices.names import IDENTIFY_DEVICE
 from homebot.errors import PeerError
 
 if TYPE_CHECKING:
@@ -29,11 +28,12 @@ if TYPE_CHECKING:
     from homebot.bridges.home_api.device_search import HomeCalls
     from homebot.bridges.rosbridge.client import OutsideClient
     from homebot.bridges.rosbridge.connection import HttpExchange
+    from homebot.rights import OfferedService
 
 _METHODS: Final = ("DELETE", "POST")
 _MAX_FRAMES: Final = 100
 _MAX_BYTES: Final = 1024 * 1024
-"""Frames and bytes of an identification that wait for the agent's client."""
+"""Frames and bytes of a goal that wait for the agent's client."""
 
 
 @final
@@ -57,10 +57,12 @@ class HouseOfAgent(HouseApi):
         return found.status, found.body.decode()
 
     @asynccontextmanager
-    async def identification(self, goal: Mapping[str, object]) -> AsyncIterator[Callable[[], Awaitable[Any]]]:
-        """See :meth:`HouseApi.identification`."""
+    async def send_goal(
+        self, action: OfferedService, goal: Mapping[str, object]
+    ) -> AsyncIterator[Callable[[], Awaitable[Any]]]:
+        """See :meth:`HouseApi.send_goal`."""
         client, shared = self.client, self.client.shared
-        op = SendActionGoal(op="send_action_goal", id="goal", action=IDENTIFY_DEVICE, args=dict(goal), feedback=True)
+        op = SendActionGoal(op="send_action_goal", id="goal", action=action.name, args=dict(goal), feedback=True)
         try:
             client.access.check(op, shared.node.resolve_name)
         except MissingRightError as exc:

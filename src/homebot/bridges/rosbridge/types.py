@@ -36,7 +36,6 @@ _CORE_MODULES: Final = (
     "homebot.devices.device",
     "homebot.devices.gateway_messages",
     "homebot.devices.command_messages",
-    "homebot.devices.identify_messages",
     "homebot.devices.lease_messages",
     "homebot.devices.places_messages",
     "homebot.devices.robot_messages",

@@ -10,7 +10,7 @@ from random import Random
 from statistics import median
 from typing import Final, TypeAlias, final
 
-from homebot.identify.belief import Belief, Seen
+from homebot.features.identify.belief import Belief, Seen
 
 Code: TypeAlias = "tuple[bool, ...] | None"
 """Whether each candidate is bright; None to look again."""

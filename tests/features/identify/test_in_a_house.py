@@ -2,8 +2,8 @@
 
 import pytest
 
-from homebot.devices.identify_messages import IdentifyDevice, IdentifyDeviceGoal, IdentifyDeviceResult
-from homebot.devices.names import IDENTIFY_DEVICE
+from homebot.features.identify import IDENTIFY_DEVICE
+from homebot.features.identify.messages import IdentifyDevice, IdentifyDeviceGoal, IdentifyDeviceResult
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient
 from homebot.house.description import parse_world
@@ -27,7 +27,7 @@ async def identified(house: VirtualHouse, candidates: str = "light") -> Identify
     """Identify a lamp in the evening: by day the sensor reports no change as small as that of a lamp."""
     await house.run_for("1m")
     async with Node(house.runtime.graph, "rosie") as node:
-        client = ActionClient(node, IdentifyDevice, IDENTIFY_DEVICE)
+        client = ActionClient(node, IdentifyDevice, IDENTIFY_DEVICE.name)
         goal = IdentifyDeviceGoal(candidates=candidates, topic="hall_lux", seconds=90.0, issuer="/rosie")
         sent = await client.send_goal(goal)
         _, result = await sent.result()

@@ -7,7 +7,7 @@ from statistics import median
 import anyio
 import pytest
 from tests.control.conftest import ignore, obey_after
-from tests.identify.conftest import Room
+from tests.features.identify.conftest import Room
 from tests.sizes import size
 
 pytestmark = pytest.mark.virtual_time

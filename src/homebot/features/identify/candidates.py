@@ -12,9 +12,9 @@ from homebot.command_words.targets import CommandTargets, NoTargetError
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, Setting
-from homebot.devices.identify_messages import MAX_CANDIDATES, IdentifyDeviceGoal
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
+from homebot.features.identify.messages import MAX_CANDIDATES, IdentifyDeviceGoal
 from homebot.support.folding import fold
 from homebot.words.queries import parse_query
 from homebot.words.suitable_parts import part_name, settings_by_part

@@ -1,4 +1,4 @@
-"""``homebot identify``."""
+"""``homebot identify`` and ``homebot verify``."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from homebot.cli.arguments import duration, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.goals import perform_goal
-from homebot.devices.names import IDENTIFY_DEVICE
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
+from homebot.features.identify import IDENTIFY_DEVICE
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.identify_messages import IdentifyDeviceFeedback, IdentifyDeviceResult
+    from homebot.features.identify.messages import IdentifyDeviceFeedback, IdentifyDeviceResult
 
 _EXAMPLES = """\
   homebot identify 'lights in hall' --with /rosie/light
@@ -29,7 +29,11 @@ The candidates change all together, each in its own code, never three times in a
 of them well. Then all are as before. Exit code 0 means that the answer is sure, also if it is none of them; 1 that it
 is not.
 """
-_TYPE: Final = "homebot/action/IdentifyDevice"
+_VERIFY_EXAMPLES = """\
+  homebot verify 'Hall lamp' --with /rosie/light
+
+Exit code 0 means that this is the device that the sensor sees; 1 that it is not, or not surely.
+"""
 _BARS: Final = "▁▂▃▄▅▆▇█"
 _MAX_SHOWN: Final = 3
 _MAX_NAME: Final = 30
@@ -38,13 +42,18 @@ _HALF: Final = 0.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    set_client_command(parser, partial(identify, is_check=False), _EXAMPLES, acts=True)
+    set_client_command(parser, partial(_identify, is_check=False), _EXAMPLES, acts=True)
     parser.add_argument("candidates", metavar="QUERY", help="the candidates, as for `homebot do`: 1 to 32")
-    add_options(parser)
+    _add_options(parser)
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that both commands have."""
+def add_verify_arguments(parser: argparse.ArgumentParser) -> None:
+    set_client_command(parser, partial(_identify, is_check=True), _VERIFY_EXAMPLES, acts=True)
+    parser.add_argument("candidates", metavar="DEVICE", help="the id or name of the device")
+    _add_options(parser)
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--with",
         dest="topic",
@@ -78,8 +87,7 @@ def _region(text: str) -> list[int]:
     return [x, y, width, height]
 
 
-def identify(options: argparse.Namespace, *, is_check: bool) -> int:
-    """Identify, and print the answer; return 0 if it is sure, and for a check if it is the device."""
+def _identify(options: argparse.Namespace, *, is_check: bool) -> int:
     goal = {
         "candidates": options.candidates,
         "topic": options.topic,
@@ -93,7 +101,8 @@ def identify(options: argparse.Namespace, *, is_check: bool) -> int:
     }
 
     def run(door: DoorClient, _: argparse.Namespace) -> int:
-        values = perform_goal(door, IDENTIFY_DEVICE, _TYPE, goal, (lambda _: None) if options.json else _print_look)
+        on_feedback = (lambda _: None) if options.json else _print_look
+        values = perform_goal(door, IDENTIFY_DEVICE.name, IDENTIFY_DEVICE.ros_type, goal, on_feedback)
         result = cast("IdentifyDeviceResult", JsonMessage(values))
         if options.json:
             print(json_text(values))

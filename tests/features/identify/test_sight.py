@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.identify.sight import Noise, Sight
+from homebot.features.identify.sight import Noise, Sight
 
 
 class Steady(Sight):

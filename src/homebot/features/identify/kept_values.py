@@ -20,8 +20,8 @@ from homebot.errors import LinkError, ServiceError
 
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup
+    from homebot.features.identify.candidates import CandidatePart
     from homebot.graph import Node
-    from homebot.identify.candidates import CandidatePart
 
 LEFT = "identify.left"
 PUT_BACK = "identify.put_back"

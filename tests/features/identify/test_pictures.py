@@ -7,7 +7,7 @@ from io import BytesIO
 import pytest
 
 from homebot.errors import UsageError
-from homebot.identify.pictures import Region, brightness, compressed_brightness
+from homebot.features.identify.pictures import Region, brightness, compressed_brightness
 from homebot.messages import Time
 from homebot.messages.sensor_msgs import CompressedImage, Image
 from homebot.messages.std_msgs import Header

@@ -5,11 +5,11 @@ from random import Random
 from statistics import median
 
 import pytest
-from tests.identify.rooms import Rooms, identify
+from tests.features.identify.rooms import Rooms, identify
 from tests.sizes import size
 
-from homebot.identify.belief import Belief, Seen
-from homebot.identify.inquiry import Inquiry
+from homebot.features.identify.belief import Belief, Seen
+from homebot.features.identify.inquiry import Inquiry
 
 ROOMS = size(50, 2000)
 

@@ -7,7 +7,7 @@ import copy
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, obey_after
-from tests.identify.conftest import Room, served
+from tests.features.identify.conftest import Room, served
 from tests.one_task import in_one_task
 from tests.sizes import size
 

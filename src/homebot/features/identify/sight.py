@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import anyio
 
 from homebot.errors import InvalidNameError, UsageError
+from homebot.features.identify.pictures import Region, brightness, compressed_brightness
 from homebot.graph.qos import qos_profile_sensor_data
-from homebot.identify.pictures import Region, brightness, compressed_brightness
 from homebot.messages.definition import fields_of
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean

@@ -8,16 +8,6 @@ from homebot.devices.device import KeyValue
 from homebot.messages.action import ActionType
 from homebot.messages.message import Message, ServiceAnswer, UInt32
 
-__all__ = [
-    "MAX_CANDIDATES",
-    "CandidateState",
-    "IdentifyDevice",
-    "IdentifyDeviceFeedback",
-    "IdentifyDeviceGoal",
-    "IdentifyDeviceResult",
-    "LookRecord",
-]
-
 MAX_CANDIDATES = 32
 
 _Name = Annotated[str, Field(max_length=300)]

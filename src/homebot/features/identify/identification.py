@@ -18,21 +18,21 @@ import anyio
 from homebot.command_words.undo_record import plain_states
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import target_of
-from homebot.devices.identify_messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, ReleaseLease, RenewLease
 from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError, UsageError
-from homebot.identify.belief import Seen
-from homebot.identify.inquiry import STILL_LOOKS, Inquiry
+from homebot.features.identify.belief import Seen
+from homebot.features.identify.inquiry import STILL_LOOKS, Inquiry
+from homebot.features.identify.messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord
 
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup
+    from homebot.features.identify.candidates import CandidatePart
+    from homebot.features.identify.kept_values import KeptValues
+    from homebot.features.identify.sight import Sight
     from homebot.graph import Node
-    from homebot.identify.candidates import CandidatePart
-    from homebot.identify.kept_values import KeptValues
-    from homebot.identify.sight import Sight
 
 _FADES: Final = 6.0
 """Seconds after which a look begins though a candidate still reports changes, as one with an effect does for ever."""

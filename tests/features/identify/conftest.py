@@ -17,18 +17,19 @@ from tests.one_task import in_one_task
 from homebot.clock import home_time
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.identify_messages import (
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.outcomes import Outcome
+from homebot.features.identify import IDENTIFY_DEVICE
+from homebot.features.identify.identify_server import IdentifyServer
+from homebot.features.identify.kept_values import KeptValues
+from homebot.features.identify.messages import (
     IdentifyDevice,
     IdentifyDeviceFeedback,
     IdentifyDeviceGoal,
     IdentifyDeviceResult,
 )
-from homebot.devices.names import IDENTIFY_DEVICE, PERFORM_COMMAND
-from homebot.devices.outcomes import Outcome
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ClientGoal
-from homebot.identify.identify_server import IdentifyServer
-from homebot.identify.kept_values import KeptValues
 from homebot.messages.json import message_from_json
 from homebot.messages.std_msgs import Float64
 
@@ -91,7 +92,7 @@ class Room:
     async def begin(self, **goal: object) -> Goal:
         await anyio.sleep(0.01)  # of virtual time, in which the directory takes everything in
         fields = {"candidates": "light in hall", "topic": "/rosie/light", "issuer": "client:rosie", **goal}
-        client = ActionClient(self.home.app, IdentifyDevice, IDENTIFY_DEVICE)
+        client = ActionClient(self.home.app, IdentifyDevice, IDENTIFY_DEVICE.name)
         asked = message_from_json(IdentifyDeviceGoal, fields)
         return await client.send_goal(asked, self.feedback.append)
 

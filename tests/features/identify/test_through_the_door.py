@@ -11,7 +11,7 @@ import anyio
 import pytest
 from tests.bridges.conftest import Peer
 from tests.control.conftest import Home, obey_after
-from tests.identify.conftest import Room, served
+from tests.features.identify.conftest import Room, served
 from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 

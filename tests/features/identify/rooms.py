@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from math import exp, inf
 from random import Random
 
-from homebot.identify.belief import Seen
-from homebot.identify.inquiry import STILL_LOOKS, Inquiry
-from homebot.identify.sight import Noise
+from homebot.features.identify.belief import Seen
+from homebot.features.identify.inquiry import STILL_LOOKS, Inquiry
+from homebot.features.identify.sight import Noise
 
 PERIOD = 0.2
 SETTLES = 0.8

@@ -13,25 +13,29 @@ import anyio
 from homebot.clock import home_time
 from homebot.command_words.command_service import UNNAMED_CLIENT
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.identify_messages import (
+from homebot.devices.wording.journal_words import issuer_text
+from homebot.errors import HomebotError
+from homebot.features.identify import IDENTIFY_DEVICE, VALUES
+from homebot.features.identify.candidates import CandidatePart, Preview, check_beds, check_time, find_candidates
+from homebot.features.identify.identification import Identification
+from homebot.features.identify.kept_values import KeptValues
+from homebot.features.identify.messages import (
     IdentifyDevice,
     IdentifyDeviceFeedback,
     IdentifyDeviceGoal,
     IdentifyDeviceResult,
 )
-from homebot.devices.names import IDENTIFY_DEVICE
-from homebot.devices.wording.journal_words import issuer_text
-from homebot.errors import HomebotError
+from homebot.features.identify.seen_places import check_robot, keep_seen
+from homebot.features.identify.sight import open_sight
 from homebot.graph.actions import ActionServer, Preemption, ServerGoal
-from homebot.identify.candidates import CandidatePart, Preview, check_beds, check_time, find_candidates
-from homebot.identify.identification import Identification
-from homebot.identify.kept_values import KeptValues
-from homebot.identify.seen_places import check_robot, keep_seen
-from homebot.identify.sight import open_sight
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
+    from homebot.devices import Device, DevicePart
+    from homebot.devices.command_messages import CommandRequest
     from homebot.devices.device import KeyValue
+    from homebot.devices.outcomes import Refused
+    from homebot.feature_context import FeatureContext
     from homebot.graph import Node
 
 _TELLING: Final = 5.0
@@ -69,7 +73,7 @@ class IdentifyServer:
         self._lookup = DeviceLookup(node)
         self._kept = kept
         self._preview, self._notify, self._quiet, self._random = preview, notify, quiet, random
-        ActionServer(node, IdentifyDevice, IDENTIFY_DEVICE, self._execute, preemption=Preemption.QUEUE)
+        ActionServer(node, IdentifyDevice, IDENTIFY_DEVICE.name, self._execute, preemption=Preemption.QUEUE)
 
     async def _execute(self, goal: IdentifyGoal) -> IdentifyDeviceResult:
         request = goal.request.model_copy(update={"issuer": goal.request.issuer or UNNAMED_CLIENT})
@@ -179,3 +183,29 @@ def _result(
         looks=tuple(identification.looks),
         left_out=left_out,
     )
+
+
+@final
+class IdentifyStarter:
+    """Puts back what a killed homebot left, and starts the server with the first goal."""
+
+    def __init__(self, node: Node, house: FeatureContext) -> None:
+        self._node, self._house = node, house
+        self._kept = KeptValues(node, DeviceLookup(node), house.store(VALUES), house.write_stores, house.began_at)
+        node.create_task(self._kept.run)
+
+    def serve(self, _: str) -> None:
+        """Create the server."""
+
+        async def tell(message: str, title: str) -> None:
+            await self._house.notify(message, title, self._node.full_name)
+
+        IdentifyServer(self._node, self._kept, self._preview, tell, self._quiet_hours, self._house.random)
+
+    def _preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
+        control = self._house.control()
+        return None if control is None else control.preview(request, device, part)  # then nothing can be held either
+
+    def _quiet_hours(self) -> tuple[tuple[time, time], ...]:
+        control = self._house.control()
+        return () if control is None else control.quiet_hours()

@@ -4,11 +4,11 @@ from contextlib import closing
 from math import cos, hypot, sin
 from typing import Final
 
-from homebot.devices.identify_messages import IdentifyDeviceGoal
 from homebot.devices.names import SEEN, TEACH_PLACE, WHERE_IS_ROBOT
 from homebot.devices.places_messages import TeachPlace, TeachPlaceRequest
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.errors import ServiceError, UsageError
+from homebot.features.identify.messages import IdentifyDeviceGoal
 from homebot.graph import Node
 
 _ERROR: Final = 0.1

@@ -9,7 +9,7 @@ from itertools import pairwise
 import anyio
 import pytest
 from tests.control.conftest import Home, hold_request, ignore, obey_after
-from tests.identify.conftest import Room
+from tests.features.identify.conftest import Room
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import TAG_DEVICE, WHERE_IS_ROBOT
