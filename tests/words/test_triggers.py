@@ -2,9 +2,12 @@
 
 import pytest
 
+from homebot.devices.device import DevicePart
+from homebot.devices.part import Part
+from homebot.devices.query.terms import NameIs, leaves
 from homebot.errors import UsageError
 from homebot.words.times import DaysAndTime, SunMoment
-from homebot.words.triggers import Becomes, Press, RobotArrival, read_trigger
+from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_press, read_trigger
 
 
 def test_a_state_may_have_to_last() -> None:
@@ -98,3 +101,17 @@ def test_times_of_the_day_and_of_the_sun() -> None:
 def test_a_mistake_is_named(text: str, problem: str) -> None:
     with pytest.raises(UsageError, match=problem):
         read_trigger(text)
+
+
+@pytest.mark.parametrize("text", ["Anna arrives", '"Anna" arrives', "the Anna arrives"])
+def test_a_person_is_found_by_a_name_in_quotes_or_after_an_article(text: str) -> None:
+    trigger = read_trigger(text)
+    assert isinstance(trigger, PersonMoves)
+    assert NameIs("anna") in [*leaves(trigger.query)]
+
+
+def test_a_button_is_found_by_a_name_after_an_article() -> None:
+    press = read_press("Remote#the left press double")
+    assert press is not None
+    part = DevicePart(id="l", part=Part(id="l", service_type="generic_switch", name="Left"), routes=())
+    assert press.is_of(part)

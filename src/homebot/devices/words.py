@@ -27,12 +27,12 @@ Source of the words for to lock, unlock, open and disarm: the actions and states
 """
 
 import json
-import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import chain, product, repeat
+from itertools import chain, pairwise, product, repeat
 from pathlib import Path
+from string import ascii_lowercase, ascii_uppercase
 from typing import Final, NamedTuple, TypeAlias
 
 from homebot.support.folding import words_of
@@ -58,7 +58,6 @@ ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
 
 _GROUPS: Final = ALL_THAT_ASK | SIREN | GARAGE | WINDOW | COVERING | LAMP | MACHINE
 _DIGITS: Final = "0123456789"
-_CAMEL_CASE: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 class _Phrase(NamedTuple):
@@ -90,9 +89,15 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
         anywhere: Whether the position of the words in *text* does not matter.
     """
     found = _matching_words(text, groups, anywhere=anywhere)
-    if found or text.islower() or (apart := _CAMEL_CASE.sub(" ", text)) == text:
+    if found or text.islower():
         return found
-    return _matching_words(apart, groups, anywhere=anywhere)
+    ends = [
+        place
+        for place, pair in enumerate(pairwise(text), 1)
+        if pair[0] in ascii_lowercase and pair[1] in ascii_uppercase
+    ]
+    apart = " ".join(text[begin:end] for begin, end in pairwise((0, *ends, len(text))))
+    return _matching_words(apart, groups, anywhere=anywhere) if ends else ""
 
 
 def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:

@@ -6,12 +6,12 @@ from homebot.devices.always_ask import waits_for_approval, why_it_asks
 from homebot.devices.client_rights import ALL_RIGHTS, ClientRights
 from homebot.devices.device import Device
 from homebot.devices.harmless import why_not_covered
-from homebot.devices.opening_kinds import opening_kind
 from homebot.devices.services import ListDevicesRequest, ListedDevice, ListedReading
 from homebot.discovery.description import position_of
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
 from homebot.rights import Right
+from homebot.words.opening_kinds import opening_kind
 
 _UNKNOWN: Final = Time(sec=0, nanosec=0)
 

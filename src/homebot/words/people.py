@@ -5,6 +5,7 @@ from typing import Final, NamedTuple
 from homebot.devices.query.terms import And, NameIs, Not, Or, Query, StateIs, TypeIs, leaves
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.support.names import spellings
 from homebot.words.phrases import PERSON_IS, PERSON_MOVES
 from homebot.words.vocabulary import HOUSEHOLD, HOUSEHOLD_FACTS
 
@@ -93,4 +94,5 @@ def starts_unknown(query: Query) -> bool:
 
 
 def _person(name: str) -> Query:
-    return And((TypeIs("person", frozenset({"x_person"}), by_word=False), NameIs(fold(name.strip('"')))))
+    names = tuple(map(NameIs, dict.fromkeys(map(fold, spellings(name)))))
+    return And((TypeIs("person", frozenset({"x_person"}), by_word=False), names[0] if len(names) == 1 else Or(names)))

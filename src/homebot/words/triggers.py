@@ -12,6 +12,7 @@ from homebot.devices.device import DevicePart
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.support.names import find_name
 from homebot.words.days import read_days_after_word
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import (
@@ -97,7 +98,7 @@ class Press:
 
     def is_of(self, part: DevicePart) -> bool:
         """Return whether *part* of a device is the button."""
-        return not self.part or self.part in map(fold, (part.id, part.part.name, part.part.tag))
+        return not self.part or bool(find_name(self.part, (part.id, part.part.name, part.part.tag)))
 
 
 @dataclass(frozen=True, slots=True)
