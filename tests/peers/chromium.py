@@ -101,11 +101,15 @@ class Page:
         return await to_thread.run_sync(self.shown, text, place)
 
     async def hides(self, text: str, place: str = "#page") -> None:
-        await to_thread.run_sync(lambda: self._until(lambda: text not in self._text(place)))
+        await to_thread.run_sync(self.hidden, text, place)
+
+    def hidden(self, text: str, place: str = "#page") -> None:
+        """Wait until *place* has *text* no more, in the thread of the caller."""
+        self.until(lambda: text not in self._text(place))
 
     async def connected(self, clients: int) -> None:
         """Wait until the door has so many clients."""
-        await to_thread.run_sync(lambda: self._until(lambda: self.door.client_count == clients))
+        await to_thread.run_sync(lambda: self.until(lambda: self.door.client_count == clients))
 
     async def click(self, selector: str) -> None:
         await to_thread.run_sync(lambda: self.clicked(selector))
@@ -115,7 +119,7 @@ class Page:
 
         What is drawn between the look and the click may move it below the bar.
         """
-        self._until(lambda: self._is_clicked(selector))
+        self.until(lambda: self._is_clicked(selector))
 
     def _is_clicked(self, selector: str) -> bool:
         found = self.browser.find_elements("css selector", selector)
@@ -126,13 +130,13 @@ class Page:
 
     async def write(self, selector: str, text: str) -> None:
         def write() -> None:
-            self._until(lambda: self.browser.find_elements("css selector", selector))[0].send_keys(text)
+            self.until(lambda: self.browser.find_elements("css selector", selector))[0].send_keys(text)
 
         await to_thread.run_sync(write)
 
     def filled(self, selector: str, text: str) -> None:
         """Let the field of *selector* have *text*, in the thread of the caller."""
-        field = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        field = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
         field.clear()
         field.send_keys(text)
 
@@ -141,7 +145,7 @@ class Page:
 
     def tabbed(self, selector: str) -> None:
         """Press the element of *selector* with the keyboard alone, in the thread of the caller."""
-        wanted = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        wanted = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
         for _ in range(100):
             active = self.browser.switch_to.active_element
             if active == wanted:
@@ -171,7 +175,7 @@ class Page:
 
     def tapped(self, selector: str) -> None:
         """Do the same in the thread of the caller."""
-        found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        found = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
         x, y, *size = self.place_of(found)
         assert min(size) >= SMALLEST_TARGET, f"{selector} is {size} pixels"
         self.finger("touchStart", (x, y))
@@ -183,7 +187,7 @@ class Page:
 
     def held(self, selector: str, seconds: float) -> None:
         """Do the same in the thread of the caller."""
-        found = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        found = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
         x, y, _, _ = self.place_of(found)
         self.finger("touchStart", (x, y))
         self.pass_time(seconds)
@@ -242,14 +246,15 @@ class Page:
 
     def shown(self, text: str, place: str = "#page") -> str:
         """Wait until *place* has *text*, in the thread of the caller."""
-        shown: str = self._until(lambda: found if text in (found := self._text(place)) else "")
+        shown: str = self.until(lambda: found if text in (found := self._text(place)) else "")
         return shown
 
     def _text(self, place: str) -> str:
         text: str = self.browser.find_element("css selector", place).text
         return text
 
-    def _until(self, seen: Callable[[], Any]) -> Any:
+    def until(self, seen: Callable[[], Any]) -> Any:
+        """Return what *seen* returns, as soon as that is something, in the thread of the caller."""
         support: Any = pytest.importorskip("selenium.webdriver.support.ui")
         errors: Any = pytest.importorskip("selenium.common.exceptions")
         moving = [errors.StaleElementReferenceException, errors.ElementClickInterceptedException]

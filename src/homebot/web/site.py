@@ -78,8 +78,8 @@ def answer(
 
 @cache
 def build() -> str:
-    """Return the name of this build of the page: it changes with any of its files."""
-    digests = [f"{name} {_file(name, is_packed=False)[0]}" for name in _names() if name != _WORKER]
+    """Return the name of this build of the page, which its files tell: it changes with any of them."""
+    digests = [f"{name} {hashlib.sha256(_shipped(name)).hexdigest()}" for name in _names()]
     return hashlib.sha256("\n".join(digests).encode()).hexdigest()[:16]
 
 
@@ -91,12 +91,18 @@ def _names() -> tuple[str, ...]:
 
 @cache
 def _file(name: str, *, is_packed: bool) -> tuple[str, bytes]:
-    body = _vocabulary() if name == _VOCABULARY else files("homebot.web").joinpath("page", name).read_bytes()
+    body = _shipped(name)
+    if name == _INDEX:
+        body = body.replace(b"{build}", build().encode())
     if name == _WORKER:  # a browser takes a worker for a new one if its text differs
         shell = [file for file in _names() if file != _WORKER]
         body = f"const BUILD = {json.dumps(build())}, FILES = {json.dumps(shell)};\n".encode() + body
     body = gzip.compress(body, mtime=0) if is_packed else body
     return f'"{hashlib.sha256(body).hexdigest()[:32]}"', body
+
+
+def _shipped(name: str) -> bytes:
+    return _vocabulary() if name == _VOCABULARY else files("homebot.web").joinpath("page", name).read_bytes()
 
 
 def _vocabulary() -> bytes:

@@ -1,6 +1,6 @@
 // The connection to homebot: rosbridge v2, as every other client speaks it.
 import { signal } from "@preact/signals";
-import { setTime, setZone } from "./clock.js";
+import { now, setTime, setZone } from "./clock.js";
 
 const FIRST_DELAY = 500; // ms until the first attempt to connect again, twice as long each time
 const LONGEST_DELAY = 10_000;
@@ -11,8 +11,11 @@ const CODE = /^[2-9A-Z]{4}-?[2-9A-Z]{4}$/i;
 export const EXPIRED = "This code is not valid any more: homebot prints another when it starts.";
 const OWN_RIGHTS = ["read", "act: all", "manage"];
 
-/** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, and the name of the home. */
-export const connection = signal({ state: "connecting", reason: "", home: "" });
+/** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, the home's name, and the page's build. */
+export const connection = signal({ state: "connecting", reason: "", home: "", build: "" });
+
+/** When homebot was last heard, in seconds since the Unix epoch; 0 for never in this tab. */
+export const heardAt = signal(0);
 
 /** The right that the last request lacked, as homebot says it: the page asks for a token. */
 export const missing = signal("");
@@ -168,6 +171,7 @@ function lose(own, { code: status, reason } = {}) {
   if (socket !== own) return;
   socket = null;
   clearTimeout(watch);
+  if (connection.value.state === "open") heardAt.value = now();
   failAll();
   if (status === 1008) {
     become("refused", code ? EXPIRED : reason);
@@ -214,7 +218,7 @@ function receive(own, frame) {
     if (frame.result) setZone(frame.values.zone);
   } else if (frame.op === "service_response" && frame.id === "page-open") {
     delay = FIRST_DELAY;
-    become("open", "", frame.values?.home);
+    become("open", "", frame.values);
     for (const opener of openers) opener();
     if (code) becomeKnown();
   } else if (frame.op === "service_response") {
@@ -238,8 +242,8 @@ function failAll() {
   for (const id of [...calls.keys()]) finish(id, new Error("homebot cannot be reached"));
 }
 
-function become(state, reason = "", home = connection.value.home) {
-  connection.value = { state, reason, home };
+function become(state, reason = "", { home, build } = connection.value) {
+  connection.value = { state, reason, home, build };
 }
 
 /** A frame with its time, by which homebot knows what a link that was silent delivers too late. */

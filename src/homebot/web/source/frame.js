@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { outcome } from "./acts.js";
 import { urgent } from "./alerts.js";
-import { EXPIRED, connection, logIn, logOut, missing, token } from "./door.js";
+import { EXPIRED, connection, heardAt, logIn, logOut, missing, token } from "./door.js";
 import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
@@ -11,6 +11,7 @@ import { Agreement, Questions } from "./questions.js";
 import { Sheet } from "./sheet.js";
 import { openOf } from "./summaries.js";
 import { sheet } from "./tile.js";
+import { timeText } from "./words.js";
 
 /** Whether the form for a token is open. */
 export const isLoggingIn = signal(false);
@@ -37,7 +38,7 @@ export function Frame({ above, children }) {
         <${Link} view="more" text="More" above=${above in LAST ? "more" : above} name="others" />
       </nav>
       <div class="page">
-        <p role="status" class=${state === "open" ? "hidden" : "notice"}>${state === "open" ? say(count.value === 1 ? "{count} device" : "{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}</p>
+        <p role="status" class=${state === "open" ? "hidden" : "notice"}>${state === "open" ? say(count.value === 1 ? "{count} device" : "{count} devices", { count: count.value }) : mustLogIn ? say("not logged in") : reason && heardAt.value ? say("homebot cannot be reached since {time}: perhaps it is restarting.", { time: timeText({ sec: heardAt.value, nanosec: 0 }) }) : say(reason || "connecting …")}</p>
         ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
         ${isLoaded.value && !count.value && above !== "system" && html`<p class="notice"><a href="#/setup">${say("No device is there yet: set up your home.")}</a></p>`}
         <${Questions} />

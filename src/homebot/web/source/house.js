@@ -1,6 +1,7 @@
 // The devices of the house, live: one signal a device, so that a change renders one row.
-import { batch, computed, signal } from "@preact/signals";
-import { call, onOpen, subscribe } from "./door.js";
+import { batch, computed, effect, signal } from "@preact/signals";
+import { now } from "./clock.js";
+import { call, connection, heardAt, onOpen, subscribe } from "./door.js";
 import { askUsage, beginVisit, isKept } from "./layout.js";
 import { spoken } from "./words.js";
 
@@ -44,7 +45,40 @@ export const shown = computed(() => rooms.value.flatMap(([, found]) => found.fil
 
 export const nameOf = (id) => devices.get(id)?.value.name ?? id;
 
+const LAST = "homebot.house";
+
+/** Keep the house for this tab, as it may be loaded anew while homebot is away. */
+function keepHouse() {
+  if (!isLoaded.value) return;
+  const found = [...devices.values()].map((one) => ({ ...one.value, name: one.value.given, states: [...one.value.states.values()] }));
+  try {
+    sessionStorage.setItem(LAST, JSON.stringify({ at: connection.value.state === "open" ? now() : heardAt.value, home: connection.value.home, found }));
+  } catch {
+    sessionStorage.removeItem(LAST); // the house is larger than what a tab may keep
+  }
+}
+
+/** Show the house that this tab knew last. */
+function takeHouse() {
+  const kept = sessionStorage.getItem(LAST);
+  if (!kept) return;
+  const { at, home, found } = JSON.parse(kept);
+  batch(() => {
+    for (const device of found) put(device, -1);
+    sortIds();
+    heardAt.value = at;
+    connection.value = { ...connection.value, home };
+    isLoaded.value = true;
+  });
+}
+
 export function follow() {
+  addEventListener("pagehide", keepHouse);
+  effect(() => {
+    const { state, reason } = connection.value;
+    if (state === "connecting" && reason && !isLoaded.peek()) takeHouse();
+    if (state === "refused") sessionStorage.removeItem(LAST);
+  });
   subscribe("/discovery/states", (change) => later(() => applyValues(change)));
   subscribe("/discovery/changes", (change) => later(() => applyDevice(change)));
   onOpen(load);

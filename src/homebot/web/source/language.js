@@ -8,7 +8,9 @@ const ENGLISH = { texts: {}, reasons: [] };
 const CHOICE = "homebot.language";
 
 const first = [localStorage.getItem(CHOICE), ...navigator.languages].map((one) => one?.slice(0, 2)).find((one) => one in LANGUAGES) ?? "en";
-let table = (await LOADERS[first]?.()) ?? ENGLISH;
+const tableOf = async (name) => (await LOADERS[name]?.().catch(() => {})) ?? ENGLISH; // English, where homebot is away
+
+let table = await tableOf(first);
 let patterns = patternsOf(table);
 
 export const language = signal(first);
@@ -20,7 +22,7 @@ effect(() => (document.documentElement.lang = language.value));
 
 export async function choose(name) {
   localStorage.setItem(CHOICE, name);
-  table = (await LOADERS[name]?.()) ?? ENGLISH;
+  table = await tableOf(name);
   patterns = patternsOf(table);
   language.value = name;
 }

@@ -16,11 +16,11 @@ export const roomKey = (room) => `room:${room}`;
 export const iconOf = (key) => layout.value.icons.find((one) => one.key === key)?.value ?? "";
 export const isKept = (list, key) => layout.value[list].includes(key);
 
-let touched = -CALM;
+let touched = -Infinity;
 let waiting = 0;
-addEventListener("pointerdown", () => (touched = performance.now()), true);
+for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, () => (touched = performance.now()), true);
 
-/** For how many milliseconds nobody has touched this screen. */
+/** For how many milliseconds nobody has touched this screen, since it was opened. */
 export const untouched = () => performance.now() - touched;
 
 subscribe("/page/layout", function take(told) {

@@ -8,6 +8,7 @@ import { follow, isLoaded, nameOf } from "./house.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { later } from "./later.js";
+import "./offline.js";
 import { sheet } from "./tile.js";
 import { Climate } from "./views/climate.js";
 import { Energy } from "./views/energy.js";

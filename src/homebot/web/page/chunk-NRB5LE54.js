@@ -1,4 +1,4 @@
-import{t as n}from"./chunk-5P2UGUKK.js";import{a as $,c as l,t as o,x as t}from"./chunk-AUYVAPFZ.js";import{H as s}from"./chunk-FJW2QC2U.js";function f({entry:e,outcome:d,own:i="",names:c}){let{device:a}=e;return s`<li class=${i?"own":""}>
+import{u as n}from"./chunk-E4ZU5TWP.js";import{a as $,c as l,t as o,x as t}from"./chunk-Q45TKNX5.js";import{I as s}from"./chunk-E5CCYWQY.js";function f({entry:e,outcome:d,own:i="",names:c}){let{device:a}=e;return s`<li class=${i?"own":""}>
     <time>${o(e.at)}</time>
     ${!i&&s`<span>${a&&s`<a href=${`#/device/${encodeURIComponent(a)}`}>${n(a)}</a>`}</span>`}
     <span class=${p(e)?"bad":""}>
