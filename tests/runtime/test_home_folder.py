@@ -79,7 +79,14 @@ def test_the_id_is_written_beside_comments_and_once(file: Path) -> None:
     assert file.stat().st_mtime_ns == seen
 
 
-@pytest.mark.parametrize("text", ['home.name = "villa"\n', 'home = {name = "villa"}\n', "# only a comment"])
+def test_the_id_is_written_beside_a_dotted_name(file: Path) -> None:
+    file.write_text('# ours\nhome.name = "villa"  # or so\nhome.language = "de"\n' + BROKER)
+    home = keep(start(file), "lamp").name
+    written = f'home.id = "{home}"  # made by homebot, which finds the data of this home by it'
+    assert file.read_text().splitlines()[:3] == ["# ours", written, 'home.name = "villa"  # or so']
+
+
+@pytest.mark.parametrize("text", ['home = {name = "villa"}\n', "# only a comment"])
 def test_a_file_in_which_no_line_can_be_added_or_with_no_table_is_known_by_its_path(file: Path, text: str) -> None:
     file.write_text(text)
     keep(start(file), "lamp")

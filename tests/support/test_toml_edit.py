@@ -9,6 +9,7 @@ from homebot.support.toml_edit import REMOVED, edit_toml
 
 FILE = """\
 # my house
+door.port = 9090  # of the page
 [home]
 name = "Villa"   # as on the letter box # really
 
@@ -45,6 +46,12 @@ name = "x"
         (("gateways", "my hue"), {"act": False}, [], ["act = false"]),
         (("gateways", "a b"), {"x y": 1}, [], ["", '[gateways."a b"]', '"x y" = 1']),
         (("home",), {"name": "Villa"}, [], []),
+        (
+            ("door",),
+            {"port": 9091, "host": "::1"},
+            ["door.port = 9090  # of the page"],
+            ['door.host = "::1"', "door.port = 9091  # of the page"],
+        ),
     ],
 )
 def test_one_line_changes(

@@ -26,8 +26,7 @@ from homebot.names import unescape_token
 from homebot.runtime.plan import make_plan
 from homebot.support.data_folder import data_directory
 from homebot.support.logger import get_logger
-from homebot.support.toml_file import parse_toml, read_toml
-from homebot.support.toml_lines import line_of
+from homebot.support.toml_file import read_toml
 
 MOVED = "home.moved"
 OTHERS = "home.others"
@@ -39,7 +38,7 @@ _HOMES: Final = "homes"
 _ID: Final = re.compile(r"[0-9a-f]{16}")
 _TOKEN: Final = re.compile(r"\w+", re.ASCII)
 _MAX_FOLDERS: Final = 1000
-_HOME_TABLE: Final = re.compile(r"\s*\[\s*home\s*\]")
+_MADE: Final = "  # made by homebot, which finds the data of this home by it"
 
 _log = get_logger(node="/homebot")
 
@@ -263,25 +262,16 @@ def _id_in(file: Path) -> str | None:
 
 def _write_id(file: Path, home: str) -> bool:
     """Write the id into *file*, in which nothing else changes; return whether that could be done."""
+    from homebot.support.toml_edit import edit_toml  # noqa: PLC0415 - once in the life of a home
+
     try:
         text = file.read_bytes().decode()
-        tables = parse_toml(text.removeprefix("\ufeff").replace("\r\n", "\n"), str(file))
-        lines, end = text.splitlines(keepends=True), "\r\n" if "\r\n" in text else "\n"
-        written = f'id = "{home}"  # made by homebot, which finds the data of this home by it{end}'
-        table = tables.setdefault("home", {})
-        if isinstance(table, dict) and (number := line_of(text, "home", "id") if "id" in table else 0):
-            lines[number - 1] = written
-        elif head := next((number for number, line in enumerate(lines, 1) if _HOME_TABLE.match(line)), 0):
-            lines.insert(head, written)
-        else:
-            lines += [end if text.endswith(end) or not text else end * 2, f"[home]{end}", written]
-        new = "".join(lines)
-        if not isinstance(table, dict) or parse_toml(new.removeprefix("\ufeff"), str(file)) != tables | {
-            "home": table | {"id": home}
-        }:
-            return False
-        _write(file.resolve(), new, like=file)
-    except (OSError, UnicodeDecodeError, ConfigError):
+        mark = "\ufeff" if text.startswith("\ufeff") else ""
+        new = edit_toml(text.removeprefix(mark).replace("\r\n", "\n"), ("home",), {"id": home})
+        if _MADE not in new:
+            new = new.replace(f'id = "{home}"', f'id = "{home}"{_MADE}', 1)
+        _write(file.resolve(), mark + (new.replace("\n", "\r\n") if "\r\n" in text else new), like=file)
+    except (OSError, UsageError, ValueError):
         return False
     return True
 

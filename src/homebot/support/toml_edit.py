@@ -59,13 +59,14 @@ def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> I
     """Yield texts that may have the change; only one that reads as wanted counts."""
     lines = text.splitlines(keepends=True)
     new = "" if value is REMOVED else f"{toml_value({key: value})[2:-2]}\n"
+    name = ".".join(toml_value({one: 0})[2:-2].partition(" =")[0] for one in table)
     at = line_of(text, *table, key) - 1
-    if key and at >= 0:
-        yield "".join((*lines[:at], *([_with_comment(lines[at], new)] if new else []), *lines[at + 1 :]))
+    for line in (new, new and f"{name}.{new}") if key and at >= 0 else ():
+        yield "".join((*lines[:at], *([_with_comment(lines[at], line)] if line else []), *lines[at + 1 :]))
     if head := line_of(text, *table):
         yield "".join((*lines[:head], new, *lines[head:]))
+        yield "".join((*lines[: head - 1], new and f"{name}.{new}", *lines[head - 1 :]))  # beside a dotted key
     gap = "" if not text else "\n" if text.endswith("\n") else "\n\n"
-    name = ".".join(toml_value({one: 0})[2:-2].partition(" =")[0] for one in table)
     yield f"{text}{gap}[{name}]\n{new}"
 
 

@@ -31,7 +31,9 @@ def line_of(text: str, *path: str) -> int:
                 here = (*here, str(tables[here] - 1))
             found.setdefault(here, number)
         elif (key := _KEY.match(line)) is not None:
-            found.setdefault((*here, *_names(key["path"])), number)
+            names = _names(key["path"])
+            for length in range(1, len(names) + 1):
+                found.setdefault((*here, *names[:length]), number)
     known = next((path[:length] for length in range(len(path), 0, -1) if path[:length] in found), None)
     if known is None:
         return 0
