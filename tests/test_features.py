@@ -29,6 +29,7 @@ from homebot.runtime.plan import make_plan
 from homebot.words.queries import parse_query
 
 FEATURES = {feature.name: feature for feature in all_features()}
+ROOT = Path(__file__).parents[1] / "src/homebot"
 
 
 @pytest.fixture
@@ -140,6 +141,26 @@ def test_no_module_outside_its_folder_imports_a_feature_names_a_module_of_it_or_
                 named = {services.get(text, ""), *re.findall(r"homebot\.features\.(\w+)", text)} - {"", own}
                 if named and path != "devices/names.py":
                     found.append(f"{path}: {text}")
+    assert found == []
+
+
+def test_no_script_of_the_page_imports_that_of_a_feature_or_spells_its_service() -> None:
+    """The scripts of ``web`` and the feature ``page`` are two halves of one thing, and speak with each other."""
+    services = {service.name: name for name, feature in FEATURES.items() for service in feature.services}
+    source, features = ROOT / "web/source", ROOT / "features"
+    made = {"features.js", "languages"}  # by collect.js, which runs in Node
+    found = []
+    for script in ({*source.rglob("*.js")} - {source / "collect.js"}).union(features.glob("*/page/*.js")):
+        own = script.relative_to(features).parts[0] if script.is_relative_to(features) else "page"
+        text = script.read_text()
+        found += [f"{script}: {one}" for one in re.findall(r'"(/[^"]+)"', text) if services.get(one, own) != own]
+        for path in re.findall(r'(?:from |import |import\()"(\.[^"]+)"', text):  # from where `make page` copies it to
+            folder = script.parent if own == "page" else source / "features" / own
+            place = (folder / path).resolve().relative_to(source)
+            is_own = place.parts[:2] == ("features", own)
+            file = features / own / "page" / place.name if is_own else source / place
+            if not file.exists() and place.parts[0] not in made:
+                found.append(f"{script}: {path}")
     assert found == []
 
 

@@ -1,7 +1,7 @@
 // The frame around each view: the rail at the side, or the bar below; the connection, the token, questions and outcomes.
 import { signal } from "@preact/signals";
 import { outcome } from "./acts.js";
-import { urgent } from "./alerts.js";
+import { addedMark, withAdded } from "./added.js";
 import { EXPIRED, connection, heardAt, logIn, logOut, missing, token } from "./door.js";
 import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
@@ -17,15 +17,15 @@ import { timeText } from "./words.js";
 export const isLoggingIn = signal(false);
 
 /** The views of the rail; on a phone the last ones are behind "More". */
-export const FIRST = { home: "Home", security: "Security", climate: "Climate", energy: "Energy" };
-export const LAST = { plan: "Plan", routines: "Routines", journal: "Journal", system: "System" };
+export const FIRST = withAdded({ home: "Home", security: "Security", climate: "Climate" });
+export const LAST = withAdded({ plan: "Plan", journal: "Journal", system: "System" });
 
 const Link = ({ view, text, above, mark, name = "" }) => html`<a href=${`#/${view}`} class=${name} aria-current=${view === above ? "page" : undefined}><${Sign} path=${SIGNS[view]} size=${26} /><span>${say(text)}</span>${mark > 0 && html`<b>${mark}</b>`}</a>`;
 
 export function Frame({ above, children }) {
   const { state, reason } = connection.value;
   const mustLogIn = state === "refused";
-  const marks = { home: urgent().length, security: openOf(shown.value).length };
+  const marks = { security: openOf(shown.value).length };
   const skip = (event) => {
     event.preventDefault();
     document.getElementById("content").focus();
@@ -33,7 +33,7 @@ export function Frame({ above, children }) {
   return html`<div class="frame" inert=${Boolean(sheet.value)}>
       <a class="skip" href="#content" onClick=${skip}>${say("to the content")}</a>
       <nav class="rail" aria-label=${say("views")}>
-        ${Object.entries(FIRST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} mark=${marks[view]} />`)}
+        ${Object.entries(FIRST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} mark=${(marks[view] ?? 0) + addedMark(view)} />`)}
         ${Object.entries(LAST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} name="last" />`)}
         <${Link} view="more" text="More" above=${above in LAST ? "more" : above} name="others" />
       </nav>

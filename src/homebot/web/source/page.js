@@ -2,6 +2,7 @@
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
 import { agreement, outcome } from "./acts.js";
+import { VIEWS as ADDED } from "./added.js";
 import { connect, connection } from "./door.js";
 import { Frame } from "./frame.js";
 import { follow, isLoaded, nameOf } from "./house.js";
@@ -11,7 +12,6 @@ import { later } from "./later.js";
 import "./offline.js";
 import { sheet } from "./tile.js";
 import { Climate } from "./views/climate.js";
-import { Energy } from "./views/energy.js";
 import { Home } from "./views/home.js";
 import { Lights } from "./views/lights.js";
 import { More } from "./views/more.js";
@@ -19,26 +19,23 @@ import { Room } from "./views/room.js";
 import { Security } from "./views/security.js";
 import { loadVocabulary, titled } from "./words.js";
 
-/** Each view: its title, its component, and the view of the rail that it is below; without a title, of one thing that the address names. */
+/** Each view: its title, its component, the view of the rail that is `above` it, and whether it has a heading of its own; without a title, it is of one thing that the address names. */
 const VIEWS = {
-  home: ["Home", Home],
-  security: ["Security", Security],
-  climate: ["Climate", Climate],
-  energy: ["Energy", Energy],
-  lights: ["Lights", Lights, "home"],
-  plan: ["Plan", later(async () => (await import("./views/plan.js")).Plan)],
-  routines: ["Routines", later(async () => (await import("./views/routines.js")).Routines)],
-  journal: ["Journal", later(async () => (await import("./views/journal.js")).Journal)],
-  system: ["System", later(async () => (await import("./views/system.js")).System)],
-  more: ["More", More],
-  setup: ["Set up", later(async () => (await import("./views/setup.js")).Setup), "system"],
-  device: ["", later(async () => (await import("./views/device.js")).Device), "home"],
-  room: ["", Room, "home"],
-  graph: ["Graph", later(async () => (await import("./views/graph.js")).Graph), "system"],
-  rates: ["Rates", later(async () => (await import("./views/rates.js")).Rates), "system"],
+  home: { title: "Home", View: Home, hasHead: true },
+  security: { title: "Security", View: Security, hasHead: true },
+  climate: { title: "Climate", View: Climate, hasHead: true },
+  lights: { title: "Lights", View: Lights, above: "home", hasHead: true },
+  plan: { title: "Plan", View: later(async () => (await import("./views/plan.js")).Plan) },
+  journal: { title: "Journal", View: later(async () => (await import("./views/journal.js")).Journal) },
+  system: { title: "System", View: later(async () => (await import("./views/system.js")).System) },
+  more: { title: "More", View: More, hasHead: true },
+  setup: { title: "Set up", View: later(async () => (await import("./views/setup.js")).Setup), above: "system" },
+  device: { title: "", View: later(async () => (await import("./views/device.js")).Device), above: "home", hasHead: true },
+  room: { title: "", View: Room, above: "home", hasHead: true },
+  graph: { title: "Graph", View: later(async () => (await import("./views/graph.js")).Graph), above: "system" },
+  rates: { title: "Rates", View: later(async () => (await import("./views/rates.js")).Rates), above: "system" },
+  ...ADDED,
 };
-/** Views with a heading of their own. */
-const OWN_HEADS = new Set(["home", "security", "climate", "energy", "lights", "more", "device", "room"]);
 /** Addresses of before. */
 const OLD = { house: "home" };
 
@@ -61,8 +58,8 @@ function placeNow() {
 
 function Page() {
   const { view, id } = place.value;
-  const [title, View, above = view] = VIEWS[view] ?? [];
-  return html`<${Frame} above=${above}>${!OWN_HEADS.has(view) && html`<h1>${say(title ?? "homebot")}</h1>`}${View ? html`<${View} key=${title || id} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}<//>`;
+  const { title, View, above = view, hasHead } = VIEWS[view] ?? {};
+  return html`<${Frame} above=${above}>${!hasHead && html`<h1>${say(title ?? "homebot")}</h1>`}${View ? html`<${View} key=${title || id} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}<//>`;
 }
 
 addEventListener("hashchange", () => {
@@ -78,7 +75,7 @@ effect(() => {
 });
 effect(() => {
   const { view, id } = place.value;
-  const text = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? titled(id) : say(VIEWS[view]?.[0] ?? "");
+  const text = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? titled(id) : say(VIEWS[view]?.title ?? "");
   document.title = [text, connection.value.home || "homebot"].filter(Boolean).join(" · ");
 });
 loadVocabulary();

@@ -1,5 +1,6 @@
 // The sheet of a device: its main control, why it is so, today, and the ways to everything else.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { Added } from "./added.js";
 import { Controls } from "./controls.js";
 import { call, connection, may } from "./door.js";
 import { deviceOf } from "./house.js";
@@ -9,7 +10,6 @@ import { kindOf, signOf, stateOf, toneOf } from "./kinds.js";
 import { say } from "./language.js";
 import { isKept, keep } from "./layout.js";
 import { LastKnown, Marks } from "./marks.js";
-import { Mini } from "./mini.js";
 import { Owner } from "./owner.js";
 import { closeSheet, giveFocusBack, sheet } from "./tile.js";
 import { ActButton } from "./buttons.js";
@@ -54,7 +54,7 @@ function Opened({ id }) {
         <${Rest} device=${device} main=${kind.main} />
         ${may("manage") && html`<details class="part"><summary>${say("Name, room and tags")}</summary><${Owner} device=${device} /></details>`}
         <p class="links"><a href=${`#/device/${encodeURIComponent(id)}`}>${say("Values, history, facts")} <${Sign} path=${SIGNS.right} /></a></p>
-        <${Mini} device=${device} />
+        <${Added} at="day" device=${device} />
       </div>
     </section>`;
 }

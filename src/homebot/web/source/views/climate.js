@@ -1,10 +1,10 @@
 // Climate: each room with what is measured, what is set, what heats, and windows that are open beside heating.
+import { Added } from "../added.js";
 import { read } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign, roomSign, thingOf } from "../icons.js";
 import { kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
-import { Mini } from "../mini.js";
 import { Stepper, stepped } from "../stepper.js";
 import { airOf, isOpen, isOutside, roomList, temperatureText } from "../summaries.js";
 import { openSheet } from "../tile.js";
@@ -37,6 +37,6 @@ function RoomClimate({ room, devices, warm, heaters }) {
     <h2><span class=${`icon ${tone}`}><${Sign} path=${heaters[0] ? signOf(heaters[0]) : roomSign(room)} /></span> <a href=${`#/room/${encodeURIComponent(room)}`}>${room ? titled(room) : say("Without a room")}</a> ${open.length > 0 && html`<span class="mark open"><${Sign} path=${SIGNS.window} size=${20} /><span class="hidden">${say("{name} open", { name: open[0].name })}</span></span>`}</h2>
     <p class="number"><b>${warm === undefined ? "–" : temperatureText(warm)}</b> <span>${others.map(([capability, value]) => `${label(capability)} ${valueText(capability, value)}`).join(" · ")}</span></p>
     ${heaters.map((one) => html`<div key=${one.id} class="heater"><button type="button" class="link" onClick=${() => openSheet(one.id)}>${one.name}</button> <small>${stateOf(one)}</small>${one.may_act && stepped(one) ? html`<${Stepper} device=${one} reading=${stepped(one)} />` : ""}</div>`)}
-    ${source && html`<${Mini} device=${source} capability=${read(source, "local_temperature") !== undefined ? "local_temperature" : "temperature"} />`}
+    ${source && html`<${Added} at="day" device=${source} capability=${read(source, "local_temperature") !== undefined ? "local_temperature" : "temperature"} />`}
   </section>`;
 }

@@ -1,5 +1,6 @@
 // All of one device: its values, commands, history, what is known of it and from where, and why it is as it is.
 import { useEffect, useState } from "preact/hooks";
+import { Added } from "../added.js";
 import { now } from "../clock.js";
 import { Controls } from "../controls.js";
 import { call, connection, may } from "../door.js";
@@ -13,7 +14,6 @@ import { Owner } from "../owner.js";
 import { openSheet } from "../tile.js";
 import { Why } from "../why.js";
 import { durationText, label, seconds, spoken, timeText, valueText } from "../words.js";
-import { History } from "./history.js";
 
 /** Capabilities that only the name of their part tells. */
 const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
@@ -53,7 +53,7 @@ export function Device({ id }) {
         </section>
       </div>
       <div>
-        <${History} key=${id} device=${short} />
+        <${Added} key=${id} at="device" device=${short} />
         <${Why} device=${short} />
       </div>
     </div>

@@ -1,21 +1,20 @@
 // Home: what is urgent, the time and the people, the house in four chips, favorites, scenes, and rooms.
 import { computed, signal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useState } from "preact/hooks";
-import { Alerts } from "../alerts.js";
 import { perform } from "../acts.js";
+import { Added } from "../added.js";
 import { now, zone } from "../clock.js";
 import { connection, may } from "../door.js";
 import { count, deviceOf, isHidden, isLoaded, rooms, shown } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign, roomSign, thingOf } from "../icons.js";
 import { isAside, kindOf } from "../kinds.js";
-import { capital, label as labelOf, hasWords, hour, titled, valueText } from "../words.js";
+import { capital, label as labelOf, hasWords, hour, titled } from "../words.js";
 import { locale, say } from "../language.js";
 import { later } from "../later.js";
 import { askUsage, beginVisit, layout, usage } from "../layout.js";
 import { LastKnown } from "../marks.js";
-import { Scenes } from "../scenes.js";
-import { airOf, isAtHome, isLightOn, isOutside, openOf, openText, people, powerOf, roomList, temperatureText } from "../summaries.js";
+import { airOf, isAtHome, isLightOn, isOutside, openOf, openText, people, roomList, temperatureText } from "../summaries.js";
 import { Tile } from "../tile.js";
 
 const MANY = 30; // devices from which on they can be searched
@@ -52,7 +51,7 @@ export function Home() {
   if (!isReady) return html`<p class="empty">${say("Asking homebot for its devices …")}</p>`;
   const ids = favorites.value;
   return html`
-    <${Alerts} />
+    <${Added} at="top" />
     <${Top} />
     <h1 class="hidden">${connection.value.home || say("Home")}</h1>
     ${!count.value && html`<p class="empty">${say("No device is known yet. They appear here as the gateways find them.")}</p>`}
@@ -63,7 +62,7 @@ export function Home() {
         ${may("act") && !isSought && html`<button type="button" class="edit" onClick=${() => (isEditing.value = true)}><${Sign} path=${SIGNS.pencil} size=${20} /> ${capital(say("edit"))}</button>`}</div>
       ${isSought ? html`<${Found} />` : html`<${Tiles} ids=${ids} />`}</section>`}
     ${!isSought && !isEditing.value &&
-      html`<${Scenes} />
+      html`<${Added} at="scenes" />
         <section aria-labelledby="rooms"><h2 id="rooms">${say("Rooms")}</h2><div class="rooms">${roomList.value.map(([room, devices]) => html`<${RoomCard} key=${room} room=${room} devices=${devices} />`)}</div></section>`}
     <${LastKnown} />
     ${!isEditing.value && hidden.value.length > 0 && html`<p class="choices"><button type="button" aria-pressed=${showsHidden.value} onClick=${() => (showsHidden.value = !showsHidden.value)}>${say("show {count} hidden", { count: hidden.value.length })}</button></p>`}
@@ -106,12 +105,11 @@ function Chips() {
   const warm = airOf(devices.filter((one) => !isOutside(one)));
   const heats = devices.some((one) => kindOf(one).group === "climate" && kindOf(one).tone(one) === "heat");
   const guards = devices.some((one) => kindOf(one).group === "doors");
-  const meters = devices.some((one) => [...one.states.values()].some((reading) => reading.capability === "power"));
   return html`<nav class="chips" aria-label=${say("summary")}>
     ${guards && html`<${Chip} view="security" sign=${open.length ? (SIGNS[thingOf(open[0])] ?? SIGNS.lock) : SIGNS.shield} text=${openText(open)} tone=${open.length ? "open" : "secure"} />`}
     ${lights.length > 0 && html`<${Chip} view="lights" sign=${SIGNS.lights} text=${on ? say("{count} on", { count: on }) : say("all off")} tone=${on ? "lit" : "rest"} />`}
     ${warm !== undefined && html`<${Chip} view="climate" sign=${SIGNS.climate} text=${temperatureText(warm)} tone=${heats ? "heat" : "rest"} />`}
-    ${meters && html`<${Chip} view="energy" sign=${SIGNS.energy} text=${valueText("power", Math.round(powerOf(devices)))} tone="on" />`}
+    <${Added} at="chips" devices=${devices} Chip=${Chip} />
   </nav>`;
 }
 

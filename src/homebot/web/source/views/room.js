@@ -1,6 +1,6 @@
 // A room: its lights, then climate, covers, media and doors as cards, sensors, and what happened there lately.
 import { useEffect, useState } from "preact/hooks";
-import { Alerts } from "../alerts.js";
+import { Added } from "../added.js";
 import { call, connection, may } from "../door.js";
 import { Entry } from "../entry.js";
 import { isLoaded } from "../house.js";
@@ -9,7 +9,6 @@ import { SIGNS, Sign } from "../icons.js";
 import { isAside, kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
 import { LastKnown } from "../marks.js";
-import { Scenes } from "../scenes.js";
 import { airOf, allRooms, isLightOn, roomList, temperatureText } from "../summaries.js";
 import { Tile, openSheet } from "../tile.js";
 import { titled, valueText } from "../words.js";
@@ -30,7 +29,7 @@ export function Room({ id }) {
   const rest = [...group("doors"), ...group("others").filter((one) => !isAside(one))];
   const [warm, humidity] = [airOf(own), airOf(own, ["humidity"])];
   return html`
-    <${Alerts} />
+    <${Added} at="top" />
     <header class="top">
       <a class="round back" href="#/home" aria-label=${say("Home")}><${Sign} path=${SIGNS.left} size=${28} /></a>
       <h1><bdi>${id ? titled(id) : say("Without a room")}</bdi></h1>
@@ -38,7 +37,7 @@ export function Room({ id }) {
       ${lights.length > 0 && may("act") && html`<button type="button" class=${on ? "pill lit" : "pill"} onClick=${() => toggleLights(lights)}><${Sign} path=${on ? SIGNS.lights : SIGNS.bulbOff} /> ${on ? `${say("{count} on", { count: on })} · ${say("all off")}` : say("all on")}</button>`}
     </header>
     <nav class="tabs" aria-label=${say("rooms")}>${roomList.value.map(([name]) => html`<a key=${name} href=${`#/room/${encodeURIComponent(name)}`} aria-current=${name.toLowerCase() === id.toLowerCase() ? "page" : undefined}>${name ? titled(name) : say("Without a room")}</a>`)}</nav>
-    <${Scenes} room=${id} />
+    <${Added} at="scenes" room=${id} />
     ${!devices && html`<p class="empty">${say("There is no device in a room {room}.", { room: id })}</p>`}
     <div class="roomgrid">
       ${lights.length > 0 && html`<section class="all" aria-labelledby="lights"><h2 id="lights">${say("Lights")}</h2><${Tiles} devices=${lights} /></section>`}

@@ -1,6 +1,6 @@
 // Security: the house in one sentence, each door and window as a large state, the alarm, cameras, smoke, water and motion.
 import { useEffect, useState } from "preact/hooks";
-import { Alerts } from "../alerts.js";
+import { Added } from "../added.js";
 import { ActButton } from "../buttons.js";
 import { call, connection } from "../door.js";
 import { Entry } from "../entry.js";
@@ -47,7 +47,7 @@ export function Security() {
   const cameras = devices.filter((one) => one.type === "camera");
   return html`
     <h1 class="hidden">${say("Security")}</h1>
-    <${Alerts} />
+    <${Added} at="top" />
     ${doors.length > 0 && html`<section class=${open.length ? "banner open" : "banner secure"} role="status"><${Sign} path=${!open.length ? SIGNS.shield : isOpen(open[0].device) ? (SIGNS[thingOf(open[0].device)] ?? SIGNS.lock) : SIGNS.lock} size=${56} />
       <div><h2>${say(open.length ? "The house is open" : "The house is closed")}</h2><p>${[open.map(({ device }) => placeName(device)).join(", "), silent.length > 0 && say("not known: {names}", { names: silent.map(({ device }) => placeName(device)).join(", ") })].filter(Boolean).join(" · ")}</p></div></section>`}
     <div class=${panels.length + cameras.length ? "securitygrid sided" : "securitygrid"}>

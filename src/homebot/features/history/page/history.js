@@ -1,11 +1,11 @@
 // The history of a device: one of its values as a plot, and its energy by day.
 import { useEffect, useState } from "preact/hooks";
-import { now } from "../clock.js";
-import { call, connection } from "../door.js";
-import { html } from "../html.js";
-import { locale, numberText, say } from "../language.js";
-import { Plot } from "../plot.js";
-import { label, unitOf, wordsOf } from "../words.js";
+import { now } from "../../clock.js";
+import { call, connection } from "../../door.js";
+import { html } from "../../html.js";
+import { locale, numberText, say } from "../../language.js";
+import { Plot } from "../../plot.js";
+import { label, unitOf, wordsOf } from "../../words.js";
 
 const PERIODS = [["1 h", 3600], ["24 h", 86_400], ["7 d", 604_800], ["30 d", 2_592_000], ["1 y", 31_536_000]]; // seconds
 const POINTS = 300;

@@ -1,16 +1,16 @@
 // Energy: now, today beside comparable days, seven days, by room, by device, and what no meter of a device counted.
 import { useEffect, useState } from "preact/hooks";
-import { now, zone } from "../clock.js";
-import { call, connection } from "../door.js";
-import { read, shown } from "../house.js";
-import { html } from "../html.js";
-import { Sign } from "../icons.js";
-import { signOf } from "../kinds.js";
-import { locale, say } from "../language.js";
-import { Mini } from "../mini.js";
-import { powerOf } from "../summaries.js";
-import { openSheet } from "../tile.js";
-import { titled, valueText } from "../words.js";
+import { now, zone } from "../../clock.js";
+import { call, connection } from "../../door.js";
+import { read, shown } from "../../house.js";
+import { html } from "../../html.js";
+import { Sign } from "../../icons.js";
+import { signOf } from "../../kinds.js";
+import { locale, say } from "../../language.js";
+import { Mini } from "./mini.js";
+import { powerOf } from "../../summaries.js";
+import { openSheet } from "../../tile.js";
+import { titled, valueText } from "../../words.js";
 
 const DAYS = 29; // so that each weekday has four before it
 const SHOWN = 7;

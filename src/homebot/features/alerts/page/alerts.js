@@ -1,12 +1,12 @@
 // What is wrong in the house, above everything: what cannot wait by itself, the rest as numbers.
 import { effect, signal } from "@preact/signals";
-import { tell } from "./acts.js";
-import { ask, connection, may, subscribe } from "./door.js";
-import { deviceOf, nameOf } from "./house.js";
-import { html } from "./html.js";
-import { SIGNS, Sign } from "./icons.js";
-import { language, say } from "./language.js";
-import { openSheet } from "./tile.js";
+import { tell } from "../../acts.js";
+import { ask, connection, may, subscribe } from "../../door.js";
+import { deviceOf, nameOf } from "../../house.js";
+import { html } from "../../html.js";
+import { SIGNS, Sign } from "../../icons.js";
+import { language, say } from "../../language.js";
+import { openSheet } from "../../tile.js";
 
 const findings = signal([]);
 const repeats = signal(false); // whether people are told again and again

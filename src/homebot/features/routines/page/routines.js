@@ -1,12 +1,12 @@
 // The routines: on or off, what they do, their last runs, and a form that writes their text.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { agree, tell } from "../acts.js";
-import { ask, call, connection, may } from "../door.js";
-import { FEATURES } from "../features.js";
-import { html } from "../html.js";
-import { say } from "../language.js";
-import { Managing, Remove } from "../managing.js";
-import { seconds, spoken, timeIn, timeText } from "../words.js";
+import { agree, tell } from "../../acts.js";
+import { Added } from "../../added.js";
+import { ask, call, connection, may } from "../../door.js";
+import { html } from "../../html.js";
+import { say } from "../../language.js";
+import { Managing, Remove } from "../../managing.js";
+import { seconds, spoken, timeIn, timeText } from "../../words.js";
 
 const AGAIN = 5000; // ms
 const MODES = ["single", "restart", "queued", "parallel"];
@@ -41,7 +41,7 @@ export function Routines() {
     <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}<//>
     ${written && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
     <div class="columns">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>
-    ${FEATURES.map(({ parts }) => parts?.routines && html`<${parts.routines} zone=${found.zone} onChange=${look} />`)}`;
+    <${Added} at="routines" zone=${found.zone} onChange=${look} Parts=${Parts} />`;
 }
 
 function Routine({ routine, zone, change, onEdit }) {
@@ -67,7 +67,7 @@ function Routine({ routine, zone, change, onEdit }) {
 }
 
 /** What starts a routine, its conditions and its steps. */
-export function Parts({ of: { when, conditions, steps }, children }) {
+function Parts({ of: { when, conditions, steps }, children }) {
   const parts = [["when", when], ["if", conditions], ["do", steps]].filter(([, texts]) => texts.length);
   return html`<dl>
     ${parts.map(([word, texts]) => html`<div key=${word}><dt>${say(`${word}|routine`)}</dt><dd>${texts.map((text, index) => html`<div key=${index}>${text}</div>`)}</dd></div>`)}

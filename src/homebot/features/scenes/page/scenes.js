@@ -1,14 +1,14 @@
 // The scenes: applied and undone with a button; with the right to it they are saved, edited and removed.
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { agree, tell } from "./acts.js";
-import { ask, call, connection, may, missing } from "./door.js";
-import { deviceOf, rooms } from "./house.js";
-import { html } from "./html.js";
-import { SIGNS, Sign, sceneSign } from "./icons.js";
-import { say } from "./language.js";
-import { Remove } from "./managing.js";
-import { capital, spoken, titled } from "./words.js";
+import { agree, tell } from "../../acts.js";
+import { ask, call, connection, may, missing } from "../../door.js";
+import { deviceOf, rooms } from "../../house.js";
+import { html } from "../../html.js";
+import { SIGNS, Sign, sceneSign } from "../../icons.js";
+import { say } from "../../language.js";
+import { Remove } from "../../managing.js";
+import { capital, spoken, titled } from "../../words.js";
 
 const LONGEST = 300; // seconds until the last part has obeyed
 

@@ -1,10 +1,10 @@
 // Today of a device in one small drawing: a line of its number, or a strip of when it was on or open.
 import { useEffect, useState } from "preact/hooks";
-import { now } from "./clock.js";
-import { call, connection } from "./door.js";
-import { html } from "./html.js";
-import { say } from "./language.js";
-import { hour, label, valueText } from "./words.js";
+import { now } from "../../clock.js";
+import { call, connection } from "../../door.js";
+import { html } from "../../html.js";
+import { say } from "../../language.js";
+import { hour, label, valueText } from "../../words.js";
 
 const HOURS = 24;
 const [WIDTH, HEIGHT] = [480, 64];

@@ -1,0 +1,3 @@
+import { Alerts, urgent } from "./alerts.js";
+
+export const page = { parts: { top: Alerts }, marks: { home: () => urgent().length } };

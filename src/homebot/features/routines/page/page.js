@@ -1,0 +1,3 @@
+import { later } from "../../later.js";
+
+export const page = { views: { routines: { title: "Routines", View: later(async () => (await import("./routines.js")).Routines), after: "plan" } } };

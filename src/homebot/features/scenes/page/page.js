@@ -1,0 +1,3 @@
+import { Scenes } from "./scenes.js";
+
+export const page = { parts: { scenes: Scenes } };
