@@ -11,16 +11,18 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import LAST_RUN, NOBODY, NOT
+from homebot.words.phrases import LAST_RUN, NOBODY, NOT, STARTED_BY, TIMED_OUT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
     Becomes,
     Press,
+    Trigger,
     is_time_or_person,
     read_press,
     read_state,
+    read_trigger,
     reject_joined,
 )
 
@@ -66,13 +68,29 @@ class LastRun:
 
 
 @dataclass(frozen=True, slots=True)
+class StartedBy:
+    """This run was started by this trigger of the routine, or by another one or a person."""
+
+    text: str
+    trigger: Trigger
+    is_other: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class TimedOut:
+    """The last wait of this run ended because it was too long, or did not."""
+
+    is_so: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class AnyOf:
     """At least one of several conditions holds."""
 
     conditions: tuple["Condition", ...]
 
 
-Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | LastRun | AnyOf
+Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | LastRun | StartedBy | TimedOut | AnyOf
 """A press holds in the run that it started."""
 
 
@@ -85,9 +103,9 @@ def read_condition(text: str) -> Condition:
     """
     plain = " ".join(text.split())
     parts = split_at(plain, "or")
-    if any(map(is_time_or_person, parts if len(parts) > 1 else ())) or _denies(parts):
+    if any(map(_stands_alone, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
-    if (found := _of_time(plain)) is not None:
+    if (found := _of_run(plain) or _of_time(plain)) is not None:
         return found
     reject_joined(plain, "and")
     if _denies(split_at(plain, "and")):
@@ -142,6 +160,19 @@ def _denies(parts: Sequence[str]) -> bool:
             read_state(one["state"])
             return True
     return False
+
+
+def _stands_alone(text: str) -> bool:
+    """Return whether the condition *text* is not the state of devices, which one query may join."""
+    return _of_run(text) is not None or is_time_or_person(text)
+
+
+def _of_run(text: str) -> Condition | None:
+    is_denied = text.casefold().startswith("not ")
+    plain = text[len("not ") :] if is_denied else text
+    if (found := STARTED_BY.match(plain)) is not None:
+        return StartedBy(found["what"], read_trigger(found["what"]), is_denied)
+    return None if TIMED_OUT.match(plain) is None else TimedOut(not is_denied)
 
 
 def _of_time(text: str) -> Condition | None:

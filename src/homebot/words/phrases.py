@@ -22,6 +22,8 @@ CHANGES: Final = Phrase("{what} changes")
 
 # Times.
 INTERVAL: Final = Phrase("every {length:length}")
+STARTED_BY: Final = Phrase("started by {what}")
+TIMED_OUT: Final = Phrase("[the] [last] wait timed out")
 LAST_RUN: Final = Phrase(
     "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"
 )
@@ -41,7 +43,10 @@ ARRIVAL: Final = Phrase("{robot:word} word~arrives in {room}", "{robot:word} wor
 WAIT_UNTIL: Final = Phrase(
     "wait until {state} [,] at most {most} , then end~stop|go|continue [on]", "wait until {state} [,] at most {most}"
 )
-WAIT: Final = Phrase("wait {length:length}")
+WAIT_FOR: Final = Phrase(
+    "wait for {what} [,] at most {most} , then end~stop|go|continue [on]", "wait for {what} [,] at most {most}"
+)
+WAIT: Final = Phrase("wait {length:length} to {most:length}", "wait {length:length}")
 NOTIFY: Final = Phrase("notify [:] {text}")
 SWITCH_ROUTINE: Final = Phrase("routine {name} way~on|off", "turn|switch way~on|off [the] routine {name}")
 SCENE: Final = Phrase("scene {name} , over {length:length}", "scene {name}")

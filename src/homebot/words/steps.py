@@ -1,6 +1,7 @@
 """The steps of a routine, as text. Pure."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
@@ -17,11 +18,23 @@ from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
 from homebot.words.message_values import MessageValue, read_message
-from homebot.words.phrases import DIM, DRIVE, HUE, MEANT_STEPS, NOTIFY, OVER, SCENE, SWITCH_ROUTINE, WAIT, WAIT_UNTIL
+from homebot.words.phrases import (
+    DIM,
+    DRIVE,
+    HUE,
+    MEANT_STEPS,
+    NOTIFY,
+    OVER,
+    SCENE,
+    SWITCH_ROUTINE,
+    WAIT,
+    WAIT_FOR,
+    WAIT_UNTIL,
+)
 from homebot.words.queries import parse_query
 from homebot.words.times import read_duration
-from homebot.words.tokens import split_steps
-from homebot.words.triggers import Becomes, Press, read_press, read_state
+from homebot.words.tokens import split_at, split_steps
+from homebot.words.triggers import Becomes, Press, Trigger, read_press, read_state, read_trigger
 
 MAX_LINES: Final = 50
 """The limit of the steps, triggers and conditions of a routine, each."""
@@ -119,9 +132,14 @@ class Notify:
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """A pause, in seconds."""
+    """A pause, in seconds.
+
+    Attributes:
+        most: The end of the span from which its length is drawn; 0 for a fixed one.
+    """
 
     seconds: float
+    most: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +151,20 @@ class WaitUntil:
     """
 
     state: Becomes
+    most: float
+    stops: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class WaitFor:
+    """A wait until one of *triggers* comes, whatever is so already, at most so many seconds.
+
+    Attributes:
+        stops: Whether the run is over if none has come.
+    """
+
+    text: str
+    triggers: tuple[Trigger, ...]
     most: float
     stops: bool = False
 
@@ -156,7 +188,7 @@ class SwitchRoutine:
     is_on: bool
 
 
-Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | Undo | Stop | SwitchRoutine
+Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | WaitFor | Undo | Stop | SwitchRoutine
 
 
 class _NoStepError(UsageError):
@@ -191,8 +223,14 @@ def _read(plain: str) -> Step:
         return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain), stops)
     if plain.casefold().startswith("wait until"):
         raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
+    if (awaited := WAIT_FOR.match(plain)) is not None:
+        stops = awaited.get("end", "").casefold() == "stop"
+        return WaitFor(awaited["what"], read_triggers(awaited["what"]), read_duration(awaited["most"], plain), stops)
     if (pause := WAIT.match(plain)) is not None:
-        return Wait(read_duration(pause["length"], plain, "s"))
+        length, most = (read_duration(pause[key], plain, "s") if pause.get(key) else 0.0 for key in ("length", "most"))
+        if "most" in pause and most <= length:
+            raise UsageError(f"{plain!r}: the longest wait must be longer than the shortest")
+        return Wait(length, most)
     if (driven := DRIVE.match(plain)) is not None:
         return SendRobot(plain, driven["robot"].casefold(), driven["room"].strip('"'))
     if (held := DIM.match(plain)) is not None:
@@ -205,6 +243,19 @@ def _read(plain: str) -> Step:
         length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
         return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
     return _read_do(plain)
+
+
+def read_triggers(text: str) -> tuple[Trigger, ...]:
+    """Return the triggers in *text*, joined by ``or`` as far as they are not one.
+
+    Raises:
+        UsageError: One of them is no trigger.
+    """
+    parts = split_at(text, "or")
+    if len(parts) > 1:
+        with suppress(UsageError):
+            return (read_trigger(text),)
+    return tuple(map(read_trigger, parts))
 
 
 def _read_do(text: str) -> Do:

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, MutableMapping, Sequence
+from contextlib import ExitStack
 from datetime import datetime, time
 from functools import partial
 from typing import Any, Final, assert_never
 
+import anyio
 from pydantic import BaseModel
 from typing_extensions import TypeVar
 
 from homebot.apps import App
+from homebot.apps.jobs import Job
 from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.command_messages import CommandDevices
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
-from homebot.features.routines.run import RoutineRun, RunPlace
+from homebot.features.routines.run import RoutineRun, RunFacts, RunPlace
 from homebot.features.routines.watches import (
     ArrivalWatch,
+    OnStart,
     PersonWatch,
     PressWatch,
     ValueWatch,
@@ -30,9 +34,18 @@ from homebot.features.routines.watches import (
 )
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, SunIs
+from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
-from homebot.words.triggers import Becomes, Changes, EachInterval, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.words.triggers import (
+    Becomes,
+    Changes,
+    EachInterval,
+    PersonMoves,
+    Press,
+    RobotArrival,
+    Trigger,
+    read_trigger,
+)
 
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
@@ -43,6 +56,7 @@ _RAN_AT: Final = "ran_at"
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 _Conditions = Sequence[tuple[str, Condition]]
+_Watched = DaysAndTime | SunMoment | EachInterval | EachHour | Press | Changes | PersonMoves | RobotArrival
 
 
 class RoutineBase(App[SettingsT_co]):
@@ -61,48 +75,45 @@ class RoutineBase(App[SettingsT_co]):
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
         self._checks = HandlerRuns(node, self.start_task, "conditions", "queued", is_quiet=True)
 
-    def watch(self, triggers: Sequence[str], on_start: Callable[[object], None]) -> None:
-        """Call *on_start* with the cause whenever one of *triggers* comes."""
-
-        def start() -> None:
-            on_start(CURRENT_CAUSE.get())
-
+    def watch(self, triggers: Sequence[str], on_start: Callable[[str, object], None]) -> None:
+        """Call *on_start* with its text and the cause whenever one of *triggers* comes."""
         for text in triggers:
             trigger = read_trigger(text)
-            match trigger:
-                case DaysAndTime():
-                    self.daily(trigger.time, start, days=trigger.days, name=text)
-                case SunMoment():
-                    self.at(trigger.event, start, offset=trigger.offset, name=text)
-                case EachInterval():
-                    self.every(trigger.length, start, name=text)
-                case EachHour():
-                    for hour in range(24):
-                        self.daily(f"{hour}:{trigger.minute:02}", start, name=f"{text} ({hour})")
-                case Becomes():
-                    self.start_task(partial(self._follow, trigger, on_start))
-                case Press():
-                    PressWatch(self.node, trigger, on_start)
-                case Changes():
-                    ValueWatch(self.node, trigger, on_start)
-                case PersonMoves():
-                    PersonWatch(self.node, trigger, on_start)
-                case RobotArrival():
-                    ArrivalWatch(self.node, trigger, on_start)
-                case _:
-                    assert_never(trigger)
+            if isinstance(trigger, Becomes):
+                self.start_task(partial(self._follow, trigger, partial(on_start, text), self.store))
+            else:
+                self._watch(trigger, partial(on_start, text), text)
 
-    def start_if(self, conditions: _Conditions, start: Callable[[object], object], cause: object) -> None:
-        """Call *start* with the *cause* if *conditions* hold."""
+    async def wait_for(self, triggers: Sequence[Trigger]) -> None:
+        """Wait until one of *triggers* comes, whatever is so already."""
+        came = anyio.Event()
+
+        def on_start(_: object) -> None:
+            came.set()
+
+        async with anyio.create_task_group() as tasks:
+            with ExitStack() as watches:
+                for trigger in triggers:
+                    if isinstance(trigger, Becomes):
+                        tasks.start_soon(self._follow, trigger, on_start, {})
+                    else:
+                        watches.callback(self._watch(trigger, on_start))
+                await came.wait()
+            tasks.cancel_scope.cancel()
+
+    def start_if(
+        self, conditions: _Conditions, start: Callable[[object], object], cause: object, started_by: str
+    ) -> None:
+        """Call *start* with the *cause* if *conditions* hold in a run *started_by* this trigger."""
         if conditions:
-            self._checks.start(partial(self._check, conditions, start, cause), cause)
+            self._checks.start(partial(self._check, conditions, start, cause, RunFacts(started_by)), cause)
         else:
             start(cause)
 
-    async def unmet(self, conditions: _Conditions) -> str:
-        """Return the first of *conditions* that does not hold; empty if all do."""
+    async def unmet(self, conditions: _Conditions, facts: RunFacts) -> str:
+        """Return the first of *conditions* that does not hold in a run; empty if all do."""
         for text, condition in conditions:
-            if not await self._holds(condition):
+            if not await self._holds(condition, facts):
                 return text
         return ""
 
@@ -132,18 +143,50 @@ class RoutineBase(App[SettingsT_co]):
         self.record(text)
         self.log.warning(STOPPED, message=f"{self.title} {text}")
 
-    async def _follow(self, trigger: Becomes, on_start: Callable[[object], None]) -> None:
-        async for one in begun(self.node, trigger, self.store, is_new=True):
+    def _watch(self, trigger: _Watched, on_start: OnStart, name: str | None = None) -> Callable[[], None]:
+        """Call *on_start* with the cause whenever *trigger* comes, until the returned function is called."""
+
+        def start() -> None:
+            on_start(CURRENT_CAUSE.get())
+
+        match trigger:
+            case DaysAndTime():
+                return self.daily(trigger.time, start, days=trigger.days, name=name).cancel
+            case SunMoment():
+                return self.at(trigger.event, start, offset=trigger.offset, name=name).cancel
+            case EachInterval():
+                return self.every(trigger.length, start, name=name).cancel
+            case EachHour():
+                hours = [
+                    self.daily(f"{hour}:{trigger.minute:02}", start, name=name and f"{name} ({hour})")
+                    for hour in range(24)
+                ]
+                return partial(_cancel, hours)
+            case Press():
+                return PressWatch(self.node, trigger, on_start).close
+            case Changes():
+                return ValueWatch(self.node, trigger, on_start).close
+            case PersonMoves():
+                return PersonWatch(self.node, trigger, on_start).close
+            case RobotArrival():
+                return ArrivalWatch(self.node, trigger, on_start).close
+            case _:
+                assert_never(trigger)
+
+    async def _follow(self, trigger: Becomes, on_start: OnStart, store: MutableMapping[str, Any]) -> None:
+        async for one in begun(self.node, trigger, store, is_new=True):
             on_start(one.cause)
 
-    async def _check(self, conditions: _Conditions, start: Callable[[object], object], cause: object) -> None:
-        if text := await self.unmet(conditions):
+    async def _check(
+        self, conditions: _Conditions, start: Callable[[object], object], cause: object, facts: RunFacts
+    ) -> None:
+        if text := await self.unmet(conditions, facts):
             self.record(f"held back: not {text!r}")
             self.log_limited(HELD_BACK, f"{self.title} did not run: {text!r} does not hold")
         else:
             start(cause)
 
-    async def _holds(self, condition: Condition) -> bool:
+    async def _holds(self, condition: Condition, facts: RunFacts) -> bool:
         match condition:
             case SunIs():
                 return self.sun_is_up() is condition.is_up
@@ -167,9 +210,14 @@ class RoutineBase(App[SettingsT_co]):
                 return bool(answer.results) is not condition.is_none
             case Press():
                 return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
+            case StartedBy():
+                is_that = bool(facts.started_by) and read_trigger(facts.started_by) == condition.trigger
+                return is_that is not condition.is_other
+            case TimedOut():
+                return facts.has_timed_out is condition.is_so
             case AnyOf():
                 for one in condition.conditions:
-                    if await self._holds(one):
+                    if await self._holds(one, facts):
                         return True
                 return False
             case _:
@@ -185,3 +233,8 @@ class RoutineBase(App[SettingsT_co]):
             return None
         found = datetime.fromtimestamp(at, home.zone)
         return found.time() if found.date() == today else time.max if found.date() > today else time(microsecond=1)
+
+
+def _cancel(jobs: Iterable[Job]) -> None:
+    for job in jobs:
+        job.cancel()

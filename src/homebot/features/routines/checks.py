@@ -31,7 +31,7 @@ from homebot.support.folding import fold
 from homebot.words.commands import is_relative
 from homebot.words.conditions import Condition, Matches, read_condition
 from homebot.words.queries import names_in, parse_query
-from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
+from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitFor, WaitUntil
 from homebot.words.suitable_parts import part_name, settings_by_part
 from homebot.words.tokens import quoted
 from homebot.words.triggers import (
@@ -197,7 +197,7 @@ class HouseChecks:
                 case Dim() as step:
                     if problem := await self._problem_of(await self._meant(step.target, step.query)):
                         yield f"{step.text!r}: {problem}"
-                case Wait() | WaitUntil():
+                case Wait() | WaitFor() | WaitUntil():
                     is_prompt = False
 
     async def _meant(self, words: str, query: Query) -> Query:

@@ -10,7 +10,7 @@ from homebot.features.routines.program import Back, Branch, Choice, RepeatedStep
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_settings
 from homebot.support.folding import words_of
-from homebot.words.steps import Stop, WaitUntil, read_step
+from homebot.words.steps import Stop, WaitFor, WaitUntil, read_step
 
 _TAKEN: Final = frozenset({"homebot", "pytest"})
 _INDENT: Final = " " * 8
@@ -98,7 +98,7 @@ def _body(steps: Sequence[str | Choice | RepeatedSteps], indent: str = _INDENT, 
             match read_step(one):
                 case Stop():
                     yield f"{indent}return"
-                case WaitUntil(stops=True):
+                case WaitFor(stops=True) | WaitUntil(stops=True):
                     yield f"{indent}if not await self.step({one!r}):"
                     yield f"{indent}    return"
                 case _:

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
 from homebot.words.conditions import Condition, read_condition
-from homebot.words.steps import MAX_LINES, Step, Wait, WaitUntil, read_step
+from homebot.words.steps import MAX_LINES, Step, Wait, WaitFor, WaitUntil, read_step
 
 _MAX_CHARACTERS = 300
 MAX_ROUNDS: Final = 100
@@ -83,7 +83,7 @@ class RepeatedSteps(BaseModel):
         if bool(self.times) + bool(self.as_long_as) + bool(self.until) != 1:
             raise ValueError("a loop has one of the keys repeat, while and until")
         lines = program_of(self.do)
-        if not self.times and not any(isinstance(line.step, Wait | WaitUntil) for line in lines):
+        if not self.times and not any(isinstance(line.step, Wait | WaitFor | WaitUntil) for line in lines):
             raise ValueError("do: a loop with while or until has a step that waits, such as 'wait 1m'")
         if len(lines) * max(self.times, 1) > _MAX_PROGRAM:
             raise ValueError(f"do: all rounds together have more than {_MAX_PROGRAM:,} steps")

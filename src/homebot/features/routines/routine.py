@@ -12,7 +12,7 @@ from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.app_messages import RoutineChange, RoutineInfo, RoutineNote
 from homebot.features.routines.base import RoutineBase
 from homebot.features.routines.program import conditions_of, program_of
-from homebot.features.routines.run import RoutineRun, RunPlace
+from homebot.features.routines.run import RoutineRun, RunFacts, RunPlace
 from homebot.features.routines.settings import RoutineSettings
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -52,7 +52,8 @@ class Routine(RoutineBase[RoutineSettings]):
             elif not one.get("may_repeat", True):  # homebot 0.1 kept only waits
                 self.log_stop(one["step"], "homebot ended, and whether it was done is unknown, so it is not done again")
             else:
-                self._runs.start(partial(self._perform, one["place"], one["until"], dict(one["before"])))
+                facts = RunFacts(one.get("started_by", ""), one.get("has_timed_out", False))
+                self._runs.start(partial(self._perform, facts, one["place"], one["until"], dict(one["before"])))
         await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 
     @property
@@ -82,7 +83,7 @@ class Routine(RoutineBase[RoutineSettings]):
         """Start it now, without its conditions, or switch it on or off; return a text for people."""
         name = self.settings.name
         if change == "run":
-            is_started = self._runs.start(self._perform, CURRENT_CAUSE.get())
+            is_started = self._runs.start(partial(self._perform, RunFacts()), CURRENT_CAUSE.get())
             return f"started {name}" if is_started else f"{name} runs already, or is not called any more"
         self.store["enabled"] = change == "enable"
         if change == "disable":
@@ -97,6 +98,7 @@ class Routine(RoutineBase[RoutineSettings]):
         ends = accumulate(len(program_of((one,))) for one in self.settings.do)
         number = next(number for number, end in enumerate(ends, 1) if place.line < end)
         kept = {"place": place.line, "until": place.until, "may_repeat": place.may_repeat, "before": before}
+        kept |= run.facts._asdict()
         kept |= {"steps": self._steps, "step": f"step {number}, {self._program[place.line].text!r}"}
         known = self.store.get(_KEPT, {})
         self.store[_KEPT] = {**known, str(id(run)): kept}
@@ -105,11 +107,14 @@ class Routine(RoutineBase[RoutineSettings]):
         elif str(id(run)) not in known:
             self.start_task(self.context.write_stores)  # a run that a sudden death ends is known afterwards
 
-    def _start(self, cause: object) -> None:
+    def _start(self, trigger: str, cause: object) -> None:
         if self.is_enabled:
-            self.start_if(self._conditions, partial(self._runs.start, self._perform), cause)
+            perform = partial(self._perform, RunFacts(trigger))
+            self.start_if(self._conditions, partial(self._runs.start, perform), cause, trigger)
 
-    async def _perform(self, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None) -> None:
+    async def _perform(
+        self, facts: RunFacts, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None
+    ) -> None:
         self.record("ran" if before is None else f"went on at {self._program[first].text!r}")
         if before is None:
             self.begin_run()
@@ -117,7 +122,7 @@ class Routine(RoutineBase[RoutineSettings]):
             before = self._before  # to bring back the values from before the run that this one replaces
             self.store[_KEPT] = {}
         self._before = {} if before is None else before
-        run = RoutineRun(self, self._program, self._before)
+        run = RoutineRun(self, self._program, self._before, facts)
         try:
             await run.perform(first, until)
         except Exception as exc:

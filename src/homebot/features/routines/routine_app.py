@@ -13,7 +13,7 @@ from homebot.apps import NoSettings
 from homebot.apps.run_modes import HandlerRuns, RunMode
 from homebot.features.routines.base import RoutineBase
 from homebot.features.routines.program import conditions_of
-from homebot.features.routines.run import RoutineRun
+from homebot.features.routines.run import RoutineRun, RunFacts
 from homebot.graph import Node
 from homebot.support.isolation import error_text
 from homebot.words.steps import read_step
@@ -66,7 +66,7 @@ class RoutineApp(RoutineBase[NoSettings]):
         Raises:
             UsageError: One is no condition.
         """
-        return not await self.unmet(conditions_of(conditions))
+        return not await self.unmet(conditions_of(conditions), _RUN.get().facts)
 
     async def run(self) -> None:
         """Watch for its triggers, and tell of the run that a restart ended."""
@@ -75,14 +75,15 @@ class RoutineApp(RoutineBase[NoSettings]):
         self.watch(self.when, self._start)
         await anyio.sleep_forever()
 
-    def _start(self, cause: object) -> None:
-        self.start_if(conditions_of(self.conditions), partial(self._runs.start, self._perform), cause)
+    def _start(self, trigger: str, cause: object) -> None:
+        perform = partial(self._perform, RunFacts(trigger))
+        self.start_if(conditions_of(self.conditions), partial(self._runs.start, perform), cause, trigger)
 
-    async def _perform(self) -> None:
+    async def _perform(self, facts: RunFacts) -> None:
         self.begin_run()
         if self.mode != "restart":  # else the values from before the run that this one replaces
             self._before = {}
-        _RUN.set(RoutineRun(self, before=self._before))
+        _RUN.set(RoutineRun(self, before=self._before, facts=facts))
         try:
             await self.perform()
         except Exception as exc:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from datetime import datetime
 from functools import cached_property, partial
+from random import Random
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
 import anyio
@@ -36,7 +37,8 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
 from homebot.words.house_queries import WordsQuery
-from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Stop, SwitchRoutine, Undo, Wait, WaitUntil
+from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Stop, SwitchRoutine, Undo, Wait, WaitFor, WaitUntil
+from homebot.words.triggers import Trigger
 
 if TYPE_CHECKING:
     from homebot.features.routines.checks import HouseChecks
@@ -63,14 +65,29 @@ class RoutineOwner(Protocol):
     async def notify(self, message: str, *, title: str = "") -> bool:
         """Send people a message."""
 
-    async def unmet(self, conditions: Sequence[tuple[str, Condition]]) -> str:
-        """Return the first condition that does not hold; empty if all do."""
+    async def unmet(self, conditions: Sequence[tuple[str, Condition]], facts: RunFacts) -> str:
+        """Return the first condition that does not hold in the run; empty if all do."""
+
+    async def wait_for(self, triggers: Sequence[Trigger]) -> None:
+        """Wait until one of *triggers* comes."""
 
     def log_done(self, step: str) -> None:
         """Log that a step that no device's journal knows was done."""
 
     def log_failure(self, step: str, problem: str) -> None:
         """Log that a step failed."""
+
+
+class RunFacts(NamedTuple):
+    """Facts about a run for its conditions.
+
+    Attributes:
+        started_by: The text of its trigger; empty if a person started it.
+        has_timed_out: Whether its last wait was too long.
+    """
+
+    started_by: str = ""
+    has_timed_out: bool = False
 
 
 class RunPlace(NamedTuple):
@@ -94,11 +111,19 @@ class RoutineRun:
     Args:
         program: All steps of the routine; without it, an app calls :meth:`take`.
         before: The values before the earlier steps, as :class:`UndoRecord` has them; it is updated.
+
+    Attributes:
+        facts: What its conditions may ask.
     """
 
     def __init__(
-        self, owner: RoutineOwner, program: tuple[Line, ...] = (), before: dict[str, list[Any]] | None = None
+        self,
+        owner: RoutineOwner,
+        program: tuple[Line, ...] = (),
+        before: dict[str, list[Any]] | None = None,
+        facts: RunFacts = RunFacts(),  # noqa: B008 - it is frozen
     ) -> None:
+        self.facts = facts
         self._owner = owner
         self._program = program
         self._clock = owner.node.graph.clock
@@ -112,7 +137,7 @@ class RoutineRun:
             step = self._program[place].step
             match step:
                 case Branch():
-                    place += step.over if await self._owner.unmet(step.conditions) else 0
+                    place += step.over if await self._owner.unmet(step.conditions, self.facts) else 0
                 case Skip():
                     place += step.over
                 case Back():
@@ -130,7 +155,11 @@ class RoutineRun:
         match step:
             case Do() if self._program:
                 may_repeat = await self._checks.may_repeat(step)
-            case Wait(seconds=length) | WaitUntil(most=length):
+            case Wait(seconds=length, most=most):
+                share = Random(f"{self._owner.title} {self._clock.now()}").random()  # noqa: S311 - no secret
+                length += share * max(0.0, most - length)
+                may_repeat, until = True, until or self._clock.now() + length
+            case WaitFor(most=length) | WaitUntil(most=length):
                 may_repeat, until = True, until or self._clock.now() + length
             case _:
                 may_repeat = isinstance(step, Undo | Stop | SwitchRoutine)
@@ -148,10 +177,14 @@ class RoutineRun:
                 if not is_told:
                     self._owner.log_failure(f"notify {text}", "nobody was told; [notify] and the log say why")
             case Wait():
-                await anyio.sleep(self._left(step.seconds, until))
-            case WaitUntil():
+                await anyio.sleep(self._left(max(step.seconds, step.most), until))
+            case WaitFor() | WaitUntil():
                 with anyio.move_on_after(self._left(step.most, until)) as wait:
-                    await anext(begun(self._owner.node, step.state))
+                    if isinstance(step, WaitFor):
+                        await self._owner.wait_for(step.triggers)
+                    else:
+                        await anext(begun(self._owner.node, step.state))
+                self.facts = self.facts._replace(has_timed_out=wait.cancelled_caught)
                 return not (step.stops and wait.cancelled_caught)
             case Undo():
                 await self._undo()

@@ -10,8 +10,8 @@ from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
 from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
-from homebot.words.conditions import Condition, LastRun, SunIs, check_possible, single_conditions
-from homebot.words.steps import MAX_LINES, Dim, Do, Undo, WaitUntil
+from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, check_possible, single_conditions
+from homebot.words.steps import MAX_LINES, Dim, Do, Undo, WaitFor, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, Trigger, read_trigger
 
@@ -60,6 +60,8 @@ class RoutineSettings(AppSettings):
                     conditions += line.step.conditions
                 case WaitUntil(state=state):
                     yield line.text, state
+                case WaitFor(triggers=triggers):
+                    yield from ((line.text, trigger) for trigger in triggers)
                 case Dim(held=held):
                     yield held.text, held
         yield from ((text, one) for text, condition in conditions for one in single_conditions(condition))
@@ -85,6 +87,11 @@ class RoutineSettings(AppSettings):
         asked = [one for line in program_of(self.do) if isinstance(line.step, Branch) for one in line.step.conditions]
         if inner := next((text for text, one in asked if LastRun in map(type, single_conditions(one))), ""):
             raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")
+        started_by = [one for _, one in self.asked() if isinstance(one, StartedBy)]
+        if other := next((one.text for one in started_by if one.trigger not in triggers), ""):
+            raise ValueError(f"if: started by {other!r} is none of the triggers in `when`")
+        if early := next((text for text, one in conditions_of(self.conditions) if isinstance(one, TimedOut)), ""):
+            raise ValueError(f"if: {early!r} is about a wait, and none comes before")
         states = {fold(one.text) for one in triggers if isinstance(one, Becomes)}
         for step in steps:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:

@@ -189,6 +189,10 @@ class PressWatch(HouseWatcher):
         self._view.add(self)
         self._view.names.add(press.query, press.text)
 
+    def close(self) -> None:
+        """End the calls; idempotent."""
+        self._view.remove(self)
+
     def on_device(self, change: DeviceChange) -> None:
         """Record the names that the words of the trigger may be."""
         self._words.record(change.device, is_gone=change.kind == "removed")
@@ -216,6 +220,10 @@ class ValueWatch(HouseWatcher):
         self._view = HouseView.of(node)
         self._view.add(self)
         self._view.names.add(trigger.query, trigger.text)
+
+    def close(self) -> None:
+        """End the calls; idempotent."""
+        self._view.remove(self)
 
     def on_device(self, change: DeviceChange) -> None:
         """Record the names that the words of the trigger may be, and the values of a new device."""
@@ -253,6 +261,10 @@ class PersonWatch(HouseWatcher):
         self._view.add(self)
         self._view.names.add(move.query, move.text)
 
+    def close(self) -> None:
+        """End the calls; idempotent."""
+        self._view.remove(self)
+
     def on_device(self, change: DeviceChange) -> None:
         """Record the place of a new person."""
         self._record(change.device.id, change)
@@ -283,7 +295,11 @@ class ArrivalWatch:
         self._arrival = arrival
         self._on_start = on_start
         self._rooms: BoundedMap[str, str] = BoundedMap(_MAX_ROBOTS)
-        node.create_subscription(RobotPose, ROBOT_POSES, self._on_pose, qos_profile_latched)
+        self._poses = node.create_subscription(RobotPose, ROBOT_POSES, self._on_pose, qos_profile_latched)
+
+    def close(self) -> None:
+        """End the calls; idempotent."""
+        self._poses.close()
 
     def _on_pose(self, pose: RobotPose) -> None:
         arrival, room = self._arrival, fold(pose.room) if pose.counts and not pose.is_nearest_room else ""
