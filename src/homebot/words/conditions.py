@@ -69,7 +69,7 @@ class LastRun:
 
 @dataclass(frozen=True, slots=True)
 class StartedBy:
-    """This run was started by this trigger of the routine, or by another one or a person."""
+    """This trigger of the routine started this run, or did not."""
 
     text: str
     trigger: Trigger

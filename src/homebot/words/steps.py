@@ -157,10 +157,10 @@ class WaitUntil:
 
 @dataclass(frozen=True, slots=True)
 class WaitFor:
-    """A wait until one of *triggers* comes, whatever is so already, at most so many seconds.
+    """A wait for the next of *triggers*, at most so many seconds.
 
     Attributes:
-        stops: Whether the run is over if none has come.
+        stops: Whether the run is over without it.
     """
 
     text: str
@@ -246,10 +246,10 @@ def _read(plain: str) -> Step:
 
 
 def read_triggers(text: str) -> tuple[Trigger, ...]:
-    """Return the triggers in *text*, joined by ``or`` as far as they are not one.
+    """Return the triggers in *text*, joined by ``or``.
 
     Raises:
-        UsageError: One of them is no trigger.
+        UsageError: A part of it is no trigger.
     """
     parts = split_at(text, "or")
     if len(parts) > 1:

@@ -21,7 +21,7 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
-from homebot.features.routines.run import RoutineRun, RunFacts, RunPlace
+from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace
 from homebot.features.routines.watches import (
     ArrivalWatch,
     OnStart,
@@ -85,7 +85,7 @@ class RoutineBase(App[SettingsT_co]):
                 self._watch(trigger, partial(on_start, text), text)
 
     async def wait_for(self, triggers: Sequence[Trigger]) -> None:
-        """Wait until one of *triggers* comes, whatever is so already."""
+        """Wait for the next of *triggers*."""
         came = anyio.Event()
 
         def on_start(_: object) -> None:
@@ -106,11 +106,11 @@ class RoutineBase(App[SettingsT_co]):
     ) -> None:
         """Call *start* with the *cause* if *conditions* hold in a run *started_by* this trigger."""
         if conditions:
-            self._checks.start(partial(self._check, conditions, start, cause, RunFacts(started_by)), cause)
+            self._checks.start(partial(self._check, conditions, start, cause, RoutineRunFacts(started_by)), cause)
         else:
             start(cause)
 
-    async def unmet(self, conditions: _Conditions, facts: RunFacts) -> str:
+    async def unmet(self, conditions: _Conditions, facts: RoutineRunFacts) -> str:
         """Return the first of *conditions* that does not hold in a run; empty if all do."""
         for text, condition in conditions:
             if not await self._holds(condition, facts):
@@ -178,7 +178,7 @@ class RoutineBase(App[SettingsT_co]):
             on_start(one.cause)
 
     async def _check(
-        self, conditions: _Conditions, start: Callable[[object], object], cause: object, facts: RunFacts
+        self, conditions: _Conditions, start: Callable[[object], object], cause: object, facts: RoutineRunFacts
     ) -> None:
         if text := await self.unmet(conditions, facts):
             self.record(f"held back: not {text!r}")
@@ -186,7 +186,7 @@ class RoutineBase(App[SettingsT_co]):
         else:
             start(cause)
 
-    async def _holds(self, condition: Condition, facts: RunFacts) -> bool:
+    async def _holds(self, condition: Condition, facts: RoutineRunFacts) -> bool:
         match condition:
             case SunIs():
                 return self.sun_is_up() is condition.is_up

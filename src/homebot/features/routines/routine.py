@@ -12,7 +12,7 @@ from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.app_messages import RoutineChange, RoutineInfo, RoutineNote
 from homebot.features.routines.base import RoutineBase
 from homebot.features.routines.program import conditions_of, program_of
-from homebot.features.routines.run import RoutineRun, RunFacts, RunPlace
+from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace
 from homebot.features.routines.settings import RoutineSettings
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -52,7 +52,7 @@ class Routine(RoutineBase[RoutineSettings]):
             elif not one.get("may_repeat", True):  # homebot 0.1 kept only waits
                 self.log_stop(one["step"], "homebot ended, and whether it was done is unknown, so it is not done again")
             else:
-                facts = RunFacts(one.get("started_by", ""), one.get("has_timed_out", False))
+                facts = RoutineRunFacts(one.get("started_by", ""), one.get("has_timed_out", False))
                 self._runs.start(partial(self._perform, facts, one["place"], one["until"], dict(one["before"])))
         await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 
@@ -83,7 +83,7 @@ class Routine(RoutineBase[RoutineSettings]):
         """Start it now, without its conditions, or switch it on or off; return a text for people."""
         name = self.settings.name
         if change == "run":
-            is_started = self._runs.start(partial(self._perform, RunFacts()), CURRENT_CAUSE.get())
+            is_started = self._runs.start(partial(self._perform, RoutineRunFacts()), CURRENT_CAUSE.get())
             return f"started {name}" if is_started else f"{name} runs already, or is not called any more"
         self.store["enabled"] = change == "enable"
         if change == "disable":
@@ -109,11 +109,11 @@ class Routine(RoutineBase[RoutineSettings]):
 
     def _start(self, trigger: str, cause: object) -> None:
         if self.is_enabled:
-            perform = partial(self._perform, RunFacts(trigger))
+            perform = partial(self._perform, RoutineRunFacts(trigger))
             self.start_if(self._conditions, partial(self._runs.start, perform), cause, trigger)
 
     async def _perform(
-        self, facts: RunFacts, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None
+        self, facts: RoutineRunFacts, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None
     ) -> None:
         self.record("ran" if before is None else f"went on at {self._program[first].text!r}")
         if before is None:

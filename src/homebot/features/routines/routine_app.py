@@ -13,7 +13,7 @@ from homebot.apps import NoSettings
 from homebot.apps.run_modes import HandlerRuns, RunMode
 from homebot.features.routines.base import RoutineBase
 from homebot.features.routines.program import conditions_of
-from homebot.features.routines.run import RoutineRun, RunFacts
+from homebot.features.routines.run import RoutineRun, RoutineRunFacts
 from homebot.graph import Node
 from homebot.support.isolation import error_text
 from homebot.words.steps import read_step
@@ -76,10 +76,10 @@ class RoutineApp(RoutineBase[NoSettings]):
         await anyio.sleep_forever()
 
     def _start(self, trigger: str, cause: object) -> None:
-        perform = partial(self._perform, RunFacts(trigger))
+        perform = partial(self._perform, RoutineRunFacts(trigger))
         self.start_if(conditions_of(self.conditions), partial(self._runs.start, perform), cause, trigger)
 
-    async def _perform(self, facts: RunFacts) -> None:
+    async def _perform(self, facts: RoutineRunFacts) -> None:
         self.begin_run()
         if self.mode != "restart":  # else the values from before the run that this one replaces
             self._before = {}

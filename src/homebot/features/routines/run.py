@@ -65,11 +65,11 @@ class RoutineOwner(Protocol):
     async def notify(self, message: str, *, title: str = "") -> bool:
         """Send people a message."""
 
-    async def unmet(self, conditions: Sequence[tuple[str, Condition]], facts: RunFacts) -> str:
+    async def unmet(self, conditions: Sequence[tuple[str, Condition]], facts: RoutineRunFacts) -> str:
         """Return the first condition that does not hold in the run; empty if all do."""
 
     async def wait_for(self, triggers: Sequence[Trigger]) -> None:
-        """Wait until one of *triggers* comes."""
+        """Wait for the next of *triggers*."""
 
     def log_done(self, step: str) -> None:
         """Log that a step that no device's journal knows was done."""
@@ -78,11 +78,11 @@ class RoutineOwner(Protocol):
         """Log that a step failed."""
 
 
-class RunFacts(NamedTuple):
+class RoutineRunFacts(NamedTuple):
     """Facts about a run for its conditions.
 
     Attributes:
-        started_by: The text of its trigger; empty if a person started it.
+        started_by: The text of its trigger; empty for a start by hand.
         has_timed_out: Whether its last wait was too long.
     """
 
@@ -113,7 +113,7 @@ class RoutineRun:
         before: The values before the earlier steps, as :class:`UndoRecord` has them; it is updated.
 
     Attributes:
-        facts: What its conditions may ask.
+        facts: The facts for its conditions.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ class RoutineRun:
         owner: RoutineOwner,
         program: tuple[Line, ...] = (),
         before: dict[str, list[Any]] | None = None,
-        facts: RunFacts = RunFacts(),  # noqa: B008 - it is frozen
+        facts: RoutineRunFacts = RoutineRunFacts(),  # noqa: B008 - it is frozen
     ) -> None:
         self.facts = facts
         self._owner = owner
@@ -289,7 +289,7 @@ class RoutineRun:
         return min(seconds, max(0.0, until - self._clock.now()))
 
     async def _undo(self) -> None:
-        """Bring back the values from before, of each part at once, where nothing else has changed them since."""
+        """Bring back the values from before, of each part at once, where they have not changed since."""
         devices = [device for device in await self._owner.devices.find() if device.id in self._before.devices]
         due = self._before.due(await known_states(self._owner.node, devices, from_journal=True))
         requests = [
