@@ -57,7 +57,7 @@ def test_the_site_has_a_table_of_all_handles() -> None:
     assert [row.split("`")[1] for row in rows] == [kind.__name__ for kind in KINDS]
     assert "| `Siren` | `siren` | `on` | `on` | `turn_off`, `turn_on` |" in rows
     assert "<!-- table of handles -->" in FILE.read_text()
-    common = ["area", "name", "tag", "reachable", "fresh", "category", "near", "within"]
+    common = ["area", "name", "tag", "reachable", "fresh", "category", "near", "within", "optional"]
     assert list(CommonFilters.__annotations__) == common
     assert all(f"`{one}`" in FILE.read_text() for one in common)
 

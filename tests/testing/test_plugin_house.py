@@ -406,13 +406,14 @@ def test_an_app_that_never_ends_its_turn_ends_its_test_after_half_a_minute(tried
 def test_a_misspelt_name_in_a_query_of_an_app_fails_its_test(tried: Tried) -> None:
     """The query waits for a device that has the name, so that a short test sees nothing of it."""
     tests = """
-from homebot import App, Light
+from homebot import App, DoorLock, Light
 
 class Misspelt(App):
     async def run(self):
         self.on(self.devices.follow(Light, name="dsek"), print)
         await self.devices.find(Light, name="desck")
         await self.devices.find(Light, area="nowhere")
+        await self.devices.find(DoorLock)
 
 WORLD = {"world": lambda: World.of(SimulatedLamp("desk"))}
 
@@ -428,11 +429,12 @@ async def test_that_it_waits(house):
     find = "misspelt: find(Light, name='desck'): nothing is called 'desck'; did you mean desk?"
     follow = "misspelt: follow(Light, name='dsek'): nothing is called 'dsek'; did you mean desk?"
     room = "misspelt: find(Light, area='nowhere'): no device is in 'nowhere'; *"
+    kind = "misspelt: find(DoorLock): nothing in the house is of this type"
     tried(
         START + tests,
         passed=2,
         errors=1,
-        lines=[f"{find}; {room}; {follow}; where that is meant, *allow_crashes=True)"],
+        lines=[f"{find}; {room}; {kind}; {follow}; where that is meant, *allow_crashes=True)"],
     )
 
 

@@ -48,6 +48,6 @@ class FollowMe(App[FollowMeSettings]):
                 await self.each(Light.turn_on, lamps)
 
     async def _is_dark(self, room: str) -> bool:
-        sensors = in_room(await self.devices.find(LightSensor, fresh=True), room)
+        sensors = in_room(await self.devices.find(LightSensor, fresh=True, optional=True), room)
         lux = [sensor.lux for sensor in sensors if sensor.lux is not None and sensor.reachable is not False]
         return min(lux) < self.settings.dark_below if lux else self.settings.without_light_sensor

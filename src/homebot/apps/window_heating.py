@@ -28,10 +28,13 @@ class WindowHeating(App[WindowHeatingSettings]):
         self._setpoints: dict[str, float] = self.store.setdefault("setpoints", {})
         follow, lasting = self.devices.follow, self.settings.open_for
         opened = (
-            follow(ContactSensor).became(is_open=True, lasting=lasting),
-            follow(Closure).became(closed=False, lasting=lasting),
+            follow(ContactSensor, optional=True).became(is_open=True, lasting=lasting),
+            follow(Closure, optional=True).became(closed=False, lasting=lasting),
         )
-        closed = follow(ContactSensor, is_open=True).only("removed"), follow(Closure, closed=False).only("removed")
+        closed = (
+            follow(ContactSensor, is_open=True, optional=True).only("removed"),
+            follow(Closure, closed=False, optional=True).only("removed"),
+        )
         self.on(opened, lambda change: self._lower(change.handle.area), key=per_room, mode="queued")
         self.on(closed, lambda change: self._restore(change.handle.area), key=per_room, mode="queued")
         self.on(follow(Thermostat, mode="off").only("removed"), self._on_again, key=per_room, mode="queued")
@@ -56,7 +59,10 @@ class WindowHeating(App[WindowHeatingSettings]):
             await self._restore(room)
 
     async def _is_open(self, room: str) -> bool:
-        windows = *await self.devices.find(ContactSensor, is_open=True), *await self.devices.find(Closure, closed=False)
+        windows = (
+            *await self.devices.find(ContactSensor, is_open=True, optional=True),
+            *await self.devices.find(Closure, closed=False, optional=True),
+        )
         return bool(in_room(windows, room))
 
     async def _restore(self, room: str) -> None:

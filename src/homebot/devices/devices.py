@@ -77,7 +77,8 @@ class Devices:
         An app starts before its devices are known; :meth:`follow` yields both present and future ones. With
         ``near="robot"``, those nearest to the robot come first. If nothing in the house has the type, area, tag, name
         or robot, none is found; 10 seconds later the log and ``homebot doctor`` say so, with the one that was probably
-        meant, and a test with the fixture ``house`` or ``homebot`` fails.
+        meant, and a test with the fixture ``house`` or ``homebot`` fails; not if the house may lack them:
+        ``optional=True``.
 
         Args:
             service_type: A kind of handle, for example :class:`Light`; or a service type, for example ``"lights"``,
@@ -106,8 +107,8 @@ class Devices:
             if parts := wanted.parts(device):
                 handles += self._handles_of(device, answer.sequence, wanted.kind, parts)
         names = wanted.names if wanted.near is None else (*wanted.names, wanted.near)
-        if not handles:
-            self._view.names.add(And(names), _call_text("find", wanted, query), wanted.type)
+        if names and not handles:
+            self._view.names.add(And(names), _call_text("find", wanted, query))
         return tuple(handles)
 
     @overload

@@ -12,7 +12,7 @@ from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.query.facets import shared_facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.terms import And, IsNear, Query, StateIs, TypeIs, leaves, split_near, type_is
+from homebot.devices.query.terms import And, IsNear, Query, StateIs, leaves, split_near, type_is
 from homebot.errors import ClosedError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -35,16 +35,12 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
     Args:
         node: The node that asks; the query ends with it.
         near: The query for devices near a robot, for the directory; None for none.
-        kind: The types of a class of handles; None for any.
     """
 
-    def __init__(
-        self, node: Node, names: Query, text: str, near: Query | None = None, kind: TypeIs | None = None
-    ) -> None:
+    def __init__(self, node: Node, names: Query, text: str, near: Query | None = None) -> None:
         self._node = node
         self._names = names
         self._text = text
-        self._kind = kind
         self._asked_near = near
         self._near: NearWatch | None = None
         self._view: HouseView | None = None
@@ -116,8 +112,8 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
                 self._near = NearWatch(self._node, view, self._asked_near, self._compare_near)
             view.add(self)
             names = self._names if self._asked_near is None else And((self._names, self._asked_near))
-            if names != _ANY or self._kind is not None:
-                view.names.add(names, self._text, self._kind)
+            if names != _ANY:
+                view.names.add(names, self._text)
         except ClosedError:
             self.close()
             raise StopAsyncIteration from None

@@ -18,7 +18,6 @@ from homebot.graph import Client, Node
 
 UNKNOWN_NAME: Final = "devices.unknown_name"
 NOTHING_FITS: Final = "devices.nothing_fits"
-NONE_OF_TYPE: Final = "devices.none_of_type"
 
 _CHECKED_AFTER: Final = (10.0, 290.0)
 """Seconds until the names in a query are checked, and then until the second check."""
@@ -41,15 +40,11 @@ class NameChecks:
         self._node = node
         self._queries: dict[str, Query] = {}
 
-    def add(self, query: Query, text: str, kind: TypeIs | None = None) -> None:
-        """Check *query* soon, and after devices had time to be announced.
-
-        Args:
-            kind: The types of a class of handles. An app may be for a house that has none: that is only noted.
-        """
+    def add(self, query: Query, text: str) -> None:
+        """Check *query* soon, and after devices had time to be announced."""
         if text not in self._queries and len(self._queries) < _MAX_DEVICES:
             self._queries[text] = query
-            self._node.create_task(partial(self._check_later, query, text, kind))
+            self._node.create_task(partial(self._check_later, query, text))
 
     def remove(self, text: str) -> None:
         """End the checks of a query; idempotent."""
@@ -67,14 +62,11 @@ class NameChecks:
         looked = [(text, await self._look(query)) for text, query in tuple(self._queries.items())]
         return tuple(f"{text}: {mistake}" for text, (_, mistake) in looked if mistake)
 
-    async def _check_later(self, query: Query, text: str, kind: TypeIs | None) -> None:
+    async def _check_later(self, query: Query, text: str) -> None:
         is_found = True
         for wait in _CHECKED_AFTER:
             await anyio.sleep(wait)
             is_found = await self._check(text)
-            if kind is not None and is_found and text in self._queries and not (await self._look(kind))[0]:
-                self._node.log.info(NONE_OF_TYPE, message=f"{text}: {_NO_TYPE} yet")
-            kind = None
         if not is_found and _is_of_names(query):
             minutes = sum(_CHECKED_AFTER) / 60
             self._report(text, f"nothing in the house has all of these, {minutes:g} minutes on", NOTHING_FITS)

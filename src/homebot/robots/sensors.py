@@ -38,7 +38,7 @@ async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> Non
     """Place each of *robots* in the room of its motion sensors when these begin to detect motion; until cancelled."""
     by_sensor = _by_sensor(robots)
     since: dict[str, float] = {}
-    async for change in devices.follow(OccupancySensor):
+    async for change in devices.follow(OccupancySensor, optional=True):
         handle = change.handle
         robot = by_sensor.get(handle.id) or by_sensor.get(fold(handle.name))
         if robot is None or change.kind == "removed" or handle.since("occupancy") == since.get(handle.id):

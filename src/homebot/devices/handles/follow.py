@@ -98,7 +98,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     """
 
     def __init__(self, node: Node, query: HandleQuery[HandleT], text: str = "the live query") -> None:
-        super().__init__(node, And(query.names), text, query.near_search, query.type)
+        super().__init__(node, And(query.names), text, query.near_search)
         self._query = query
         self._text = text
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, prepared as "changed"

@@ -67,6 +67,7 @@ class CommonFilters(TypedDict, total=False):
             devices: "turn off all switches" does not mean the switch of a lamp's own indicator.
         near: The name of a robot; ``find`` returns the nearest handles first.
         within: The longest way from that robot through doors, in metres.
+        optional: Whether a house may lack such devices, so that no warning says so and no test fails.
     """
 
     area: str
@@ -77,11 +78,12 @@ class CommonFilters(TypedDict, total=False):
     category: Category
     near: str
     within: float
+    optional: bool
 
 
 _FILTER_TYPES: Mapping[str, type] = {
     **dict.fromkeys(("area", "name", "tag", "category", "near"), str),
-    **dict.fromkeys(("reachable", "fresh"), bool),
+    **dict.fromkeys(("reachable", "fresh", "optional"), bool),
     "within": float,
 }
 
@@ -95,9 +97,8 @@ class HandleQuery(Generic[HandleT]):
     Attributes:
         search: The query for the devices that may have such parts; :meth:`parts` decides.
         asks_for_values: Whether there is a condition on a value, so that each new value may change the matches.
-        type: The types of the kind; None for any.
         near: The condition to be near a robot, which only the directory can check; None if there is none.
-        names: The conditions with names that may be misspelt: an area, a tag, a name of a device.
+        names: The conditions that a house may lack for good: the type, an area, a tag, a name of a device.
 
     Raises:
         TypeError: A filter is unknown, or a value is of another type.
@@ -107,8 +108,8 @@ class HandleQuery(Generic[HandleT]):
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
         self._category: Final = filters.get("category", "")
-        self.type: Final = TypeIs("", kind.service_types, by_word=False) if kind.service_types else None
-        types: list[Query] = [] if self.type is None else [self.type]
+        types: list[Query] = [TypeIs("", kind.service_types, by_word=False)] if kind.service_types else []
+        self._types: Final = types
         places: list[Query] = [AreaIs(fold(filters["area"]))] if "area" in filters else []
         if "tag" in filters:
             places.append(FactIs("tag", fold(filters["tag"])))
@@ -122,7 +123,7 @@ class HandleQuery(Generic[HandleT]):
         self._terms: Final = terms
         self.kind: Final = kind
         named = places[1:] if filters.get("area") == "" else places  # the empty name means no room
-        self.names: Final = (*named, *names)
+        self.names: Final = () if filters.get("optional") else (*types, *named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
         self.search: Final[Query] = self._search(types, places, terms)
         self.asks_for_values: Final = bool(terms) and _contain_values(terms)
@@ -145,7 +146,7 @@ class HandleQuery(Generic[HandleT]):
     @property
     def near_search(self) -> Query | None:
         """The query for the devices of the kind that are near enough, regardless of values; None for any position."""
-        return None if self.near is None else And((self.near,) if self.type is None else (self.type, self.near))
+        return None if self.near is None else And((*self._types, self.near))
 
     def parts(self, device: Device) -> list[str]:
         """Return the ids of the parts of *device* that match.
