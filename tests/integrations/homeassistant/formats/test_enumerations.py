@@ -1,8 +1,11 @@
 """Enumerations of discovery, each in small letters and otherwise, against the validators of Home Assistant.
 
-Source: Home Assistant core 2025.4: ``vol.Lower`` in ``DEVICE_CLASSES_SCHEMA`` and ``STATE_CLASSES_SCHEMA`` of each
-component, and in the ``schema`` of lights; ``cv.temperature_unit``; ``vol.In`` and ``vol.Coerce`` of an enumeration,
-which refuse capitals, elsewhere in ``components/mqtt``.
+Source: Home Assistant core: ``vol.Lower`` in ``DEVICE_CLASSES_SCHEMA`` and ``STATE_CLASSES_SCHEMA`` of each component,
+and in the ``schema`` of lights; ``cv.temperature_unit``; ``vol.In``, ``vol.Coerce`` of an enumeration or a literal,
+which refuse capitals, elsewhere: ``availability_mode`` and ``qos`` in ``mqtt/schemas.py`` (0f5c1b54),
+``ENTITY_CATEGORIES_SCHEMA`` in ``helpers/entity.py``, ``on_command_type`` in ``mqtt/light/schema_basic.py``,
+``AUTOMATION_TYPES_SCHEMA`` in ``mqtt/device_automation.py``, ``device_class`` in ``mqtt/humidifier.py`` (20dc1b2c),
+``mode`` in ``mqtt/number.py`` and ``mqtt/text.py``, ``image_encoding`` in ``mqtt/image.py`` and ``mqtt/camera.py``.
 """
 
 from typing import Any
@@ -37,10 +40,18 @@ REFUSED: list[tuple[str, dict[str, Any], str, Any]] = [
     ("sensor", STATE, "qos", 3),
     ("device_automation", {"topic": "t", "type": "a", "subtype": "b"}, "automation_type", "Trigger"),
 ]
+TAKEN: list[tuple[str, dict[str, Any], str, str]] = [
+    ("humidifier", {**LAMP, "target_humidity_command_topic": "h"}, "device_class", "Dehumidifier"),
+    ("number", LAMP, "mode", "Box"),
+    ("text", LAMP, "mode", "Password"),
+    ("camera", {"topic": "t"}, "image_encoding", "B64"),
+    ("image", {"image_topic": "t"}, "image_encoding", "B64"),
+]
+"""What Home Assistant refuses although its meaning is plain: a device that works is not lost for it."""
 
 
-@pytest.mark.parametrize(("component", "fields", "key", "value"), AS_LOWER)
-def test_a_value_that_home_assistant_puts_in_small_letters_means_the_same(
+@pytest.mark.parametrize(("component", "fields", "key", "value"), AS_LOWER + TAKEN)
+def test_a_value_in_capitals_that_home_assistant_puts_in_small_letters_means_the_same(
     component: str, fields: dict[str, Any], key: str, value: str
 ) -> None:
     told, small = (homeassistant_parts(component, {**fields, key: one})[0] for one in (value, value.lower()))
