@@ -240,10 +240,13 @@ class _Family:
     """One effect of what is in view with one strength of the reflections."""
 
     def __init__(self, first: Seen, effect: float, strongest: float, least: float, fade: float) -> None:
-        self._effect, self._least, self.fade = effect, least, fade
+        self._effect, self.fade = effect, fade
         self.inexact = (_INEXACT * effect) ** 2
         self._mean = strongest / 2
         self._variance = (_SCATTER * strongest) ** 2
+        self._limits = [
+            (limit, _log_below(limit, self._mean, self._variance)) for limit in (least, _IN_VIEW[0] * effect)
+        ]
         self.usual, self._last = first.variance, first.value
         self._looks, count = 0, len(first.levels)
         covariance = [[0.0] * count + [-level * self._variance] for level in first.levels]
@@ -306,8 +309,7 @@ class _Family:
             (mean, row[place]) for place, (mean, row) in enumerate(zip(track.mean[:-1], track.covariance, strict=False))
         ]
         none, others = (
-            [_log_below(least, one, spread) - _log_below(least, self._mean, self._variance) for one, spread in known]
-            for least in (self._least, _IN_VIEW[0] * self._effect)
+            [_log_below(limit, one, spread) - supposed for one, spread in known] for limit, supposed in self._limits
         )
         ratios = (self._ratio(one, spread) for one, spread in known)
         reflected = track.weight + sum(others)
