@@ -113,7 +113,7 @@ class QueryDevicesRequest(Message):
             ``light and dimmable in kitchen``; see :mod:`homebot.words.queries`.
         offset: The number of best matches to skip.
         limit: The largest number of matches; 0 for all.
-        is_spelled: Whether a typo matches nothing, as in a command.
+        is_spelled: Whether a typo or a beginning matches nothing, as in a command.
     """
 
     query: tuple[QueryTerm, ...] = ()
@@ -164,7 +164,7 @@ class ListDevicesRequest(Message):
         ids: Only the devices with these ids; empty for all.
         offset: The number of devices to skip.
         limit: The largest number of devices, at most 200; 0 for 200.
-        is_spelled: Whether a typo matches nothing, as in a command.
+        is_spelled: Whether a typo or a beginning matches nothing, as in a command.
         issuer: The client that asks, set by the door, as its *scope* and its *rights*.
     """
 

@@ -60,7 +60,7 @@ class MeantDevice(NamedTuple):
 async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     """Return the device with the id or name *text*, ``ID#PART`` for one with a part, or the only one that fits it.
 
-    As in a command of ``homebot do``, a word with a typo, or part of a number, fits nothing.
+    As in a command of ``homebot do``, a word with a typo, or a part of one, fits nothing.
 
     Raises:
         ProblemError: There is none, with similar ones named, or there are several, all named.

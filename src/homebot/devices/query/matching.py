@@ -180,7 +180,7 @@ def fits(query: Query, device: Facets | PartFacets) -> bool:
 
 
 def is_spelled(query: Query, words: Collection[str]) -> bool:
-    """Return whether a match of *query* with these *words* has its words without a typo, and its numbers in full.
+    """Return whether a match of *query* with these *words* has its words in full and without a typo.
 
     A search may guess, a command or an answer about one device may not.
     """
@@ -189,10 +189,8 @@ def is_spelled(query: Query, words: Collection[str]) -> bool:
             return all(is_spelled(term, words) for term in terms)
         case Or(terms):
             return any(is_spelled(term, words) for term in terms)
-        case HasText(word) if word.isdecimal():
-            return word in words
         case HasText(word):
-            return any(one.startswith(word) for one in words)
+            return word in words
         case _:
             return True
 
