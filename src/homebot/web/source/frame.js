@@ -7,11 +7,15 @@ import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
 import { say } from "./language.js";
+import { later } from "./later.js";
 import { Agreement, Questions } from "./questions.js";
+import { wall } from "./screen.js";
 import { Sheet } from "./sheet.js";
 import { openOf } from "./summaries.js";
 import { sheet } from "./tile.js";
 import { timeText } from "./words.js";
+
+const Wall = later(async () => (await import("./wall.js")).Wall);
 
 /** Whether the form for a token is open. */
 export const isLoggingIn = signal(false);
@@ -46,6 +50,7 @@ export function Frame({ above, children }) {
       </div>
     </div>
     <${Sheet} />
+    ${wall.value && html`<${Wall} />`}
     <div class="told"><${Agreement} />
       <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
         ${outcome.value?.text} ${outcome.value?.override && html`<button type="button" onClick=${outcome.value.override}>${say("Command it all the same?")}</button>`} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}

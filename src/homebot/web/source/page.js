@@ -10,6 +10,7 @@ import { html } from "./html.js";
 import { say } from "./language.js";
 import { later } from "./later.js";
 import "./offline.js";
+import { startOf, wall } from "./screen.js";
 import { sheet } from "./tile.js";
 import { Climate } from "./views/climate.js";
 import { Home } from "./views/home.js";
@@ -42,7 +43,8 @@ const OLD = { house: "home" };
 /** The last home or room that was looked at, where an installed page begins: of a tablet at the wall, its room. */
 const START = "homebot.start";
 
-if (!location.hash && location.search === "?installed") history.replaceState(null, "", `#/${localStorage.getItem(START) ?? ""}`);
+if (!location.hash && wall.value) history.replaceState(null, "", startOf(wall.value));
+else if (!location.hash && location.search === "?installed") history.replaceState(null, "", `#/${localStorage.getItem(START) ?? ""}`);
 
 const place = signal(placeNow());
 
