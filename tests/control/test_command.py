@@ -33,3 +33,13 @@ async def test_a_thermostat_is_set_after_its_mode_and_never_to_heat_to_more_than
         settings = tuple(Setting.of(one, values[one]) for one in names)
         await home.control.perform(CommandRequest(device="hall", settings=settings, issuer="client:anna"))
         assert [one.capability for one in home.commands] == order
+
+
+@pytest.mark.parametrize("level", ["level", "fan_speed"])
+async def test_what_has_a_level_is_turned_on_last(home: Home, level: str) -> None:
+    home.put("it", "light" if level == "level" else "fan", "on_off", level)
+    await home.gateway.devices.report("it", {"on_off": False, level: 100.0})
+    await anyio.sleep(1.0)
+    settings = (Setting.of("on_off", True), Setting.of(level, 30.0))
+    await home.control.perform(CommandRequest(device="it", settings=settings, issuer="client:anna"))
+    assert [one.capability for one in home.commands] == [level, "on_off"]

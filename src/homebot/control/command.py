@@ -134,13 +134,13 @@ class IssuedCommand:
 def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
     """Return *settings* in an order in which no thermostat is to heat to more than it cools to.
 
-    A lamp gets its level first, so that it never shines as brightly as before, and is turned on last.
+    A lamp or fan gets its level first, so that it never is as bright or fast as before, and is turned on last.
     """
     wanted, before = settings.get("heating_setpoint"), values.get("heating_setpoint")
     rises = isinstance(wanted, float) and isinstance(before, float) and wanted > before
     last = _SETPOINTS[::-1] if rises else _SETPOINTS
-    is_lit = settings.get("on_off") is True and not LIGHTS_UP.isdisjoint(settings)
-    order = ("level", "", *(("on_off",) if is_lit else ()), *last)
+    is_last = settings.get("on_off") is True and not (LIGHTS_UP | {"fan_speed"}).isdisjoint(settings)
+    order = ("level", "", *(("on_off",) if is_last else ()), *last)
     return dict(sorted(settings.items(), key=lambda one: order.index(one[0] if one[0] in order else "")))
 
 
