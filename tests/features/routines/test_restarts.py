@@ -45,7 +45,7 @@ class Restarted:
             {"gateways": {"mqtt": {}}, "routines": [{"name": "Round", "when": ["23:59"], "do": steps}]}, "test"
         )
 
-    async def notes_after(self, cut: str, *, is_killed: bool) -> list[str]:
+    async def notes_after(self, cut: str, *, is_killed: bool, kept: str = "may_repeat") -> list[str]:
         options = MqttOptions(host="memory")
         async with MqttConnection(options, self._broker.make_client, status_topic=None) as field:
             await field.wait_connected()
@@ -65,7 +65,7 @@ class Restarted:
                 await self._listen(field, cut)
                 if is_killed:  # this is what is on the disk then
                     copy = self._folder / "copy"
-                    while not await to_thread.run_sync(is_kept, folder):  # noqa: ASYNC110 - a thread writes it
+                    while not await to_thread.run_sync(is_kept, folder, kept):  # noqa: ASYNC110 - a thread writes it
                         await anyio.sleep(0.01)
                     shutil.copytree(folder, copy)
                     folder = copy
@@ -100,9 +100,9 @@ class Restarted:
                     await field.publish("plug", message.payload, retain=True)
 
 
-def is_kept(folder: Path) -> bool:
+def is_kept(folder: Path, place: str) -> bool:
     """Return whether the place of the run is on the disk."""
-    return any(b"may_repeat" in file.read_bytes() for file in folder.glob(f"{STORE_FILE}*"))
+    return any(place.encode() in file.read_bytes() for file in folder.glob(f"{STORE_FILE}*"))
 
 
 UNKNOWN = "homebot ended, and whether it was done is unknown, so it is not done again"
@@ -140,3 +140,12 @@ async def test_what_acts_each_time_is_done_once(
             house = Restarted(broker, tmp_path, steps)
             assert (await house.notes_after(cut, is_killed=end == "killed"))[1:] == [note]
             assert ", ".join(house.heard) == heard
+
+
+async def test_a_wait_goes_on_after_a_sudden_death_soon_after_a_press(tmp_path: Path) -> None:
+    with anyio.fail_after(PATIENCE):
+        async with MemoryBroker() as broker:
+            house = Restarted(broker, tmp_path, ["Bell press", "wait 5s", "Plug on"])
+            notes = await house.notes_after("bell PRESS", is_killed=True, kept="step 2, 'wait 5s'")
+            assert notes[1:] == ["went on at 'wait 5s'"]
+            assert ", ".join(house.heard) == "bell PRESS, restart, plug ON"

@@ -104,8 +104,8 @@ class Routine(RoutineBase[RoutineSettings]):
         self.store[_KEPT] = {**known, str(id(run)): kept}
         if not place.may_repeat:
             await self.context.write_stores()
-        elif str(id(run)) not in known:
-            self.start_task(self.context.write_stores)  # a run that a sudden death ends is known afterwards
+        elif not known.get(str(id(run)), {}).get("may_repeat"):
+            self.start_task(self.context.write_stores)  # after a sudden death the run is known, and what it has done
 
     def _start(self, trigger: str, cause: object) -> None:
         if self.is_enabled:
