@@ -105,7 +105,7 @@ class Routine(RoutineBase[RoutineSettings]):
         if not place.may_repeat:
             await self.context.write_stores()
         elif not known.get(str(id(run)), {}).get("may_repeat"):
-            self.start_task(self.context.write_stores)  # after a sudden death the run is known, and what it has done
+            self.start_task(self.context.write_stores)  # after a sudden death the run is known, with its place
 
     def _start(self, trigger: str, cause: object) -> None:
         if self.is_enabled:
