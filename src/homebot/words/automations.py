@@ -53,16 +53,35 @@ RoutineCheck: TypeAlias = Callable[[str, str], NamedRoutine]
 """Checks the text of a routine from a source; raises ConfigError if it is wrong."""
 
 
+Load: TypeAlias = Callable[[str], Located]
+"""Returns another file, by its path from the one that names it; raises UsageError if it cannot be read."""
+
+
 class AutomationReader(Protocol):
     """A reader of the automations of one program."""
 
-    def read(self, document: Located, source: str, devices: Sequence[Device], check: RoutineCheck) -> ImportedRoutines:
+    def read(
+        self,
+        document: Located,
+        source: str,
+        devices: Sequence[Device],
+        check: RoutineCheck,
+        *,
+        scenes: Sequence[str] = (),
+        routines: Sequence[str] = (),
+        load: Load | None = None,
+        blueprint: Located | None = None,
+    ) -> ImportedRoutines:
         """Return the routines for the automations in *document*, which are carried over in full or refused.
 
         Args:
             source: The name of the file.
             devices: The devices of the house, for the names in the automations.
             check: Checks each routine.
+            scenes: The names of the scenes of the house.
+            routines: The names of its routines.
+            load: Reads the files that *document* names; without it they are refused.
+            blueprint: The blueprint of all automations that name one.
 
         Raises:
             UsageError: It contains no automations.

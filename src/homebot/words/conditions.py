@@ -11,7 +11,7 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import LAST_RUN, NOBODY, NOT, STARTED_BY, TIMED_OUT
+from homebot.words.phrases import LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
@@ -102,6 +102,8 @@ def read_condition(text: str) -> Condition:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
+    if plain[:1] == "(" and plain[-1:] == ")" and LASTING.match(plain[1:-1]) and len(split_at(plain, "or")) == 1:
+        return read_condition(plain[1:-1])
     parts = split_at(plain, "or")
     if any(map(_stands_alone, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
@@ -164,7 +166,8 @@ def _denies(parts: Sequence[str]) -> bool:
 
 def _stands_alone(text: str) -> bool:
     """Return whether the condition *text* is not the state of devices, which one query may join."""
-    return _of_run(text) is not None or is_time_or_person(text)
+    is_lasting = text[:1] == "(" and text[-1:] == ")" and LASTING.match(text[1:-1]) is not None
+    return is_lasting or _of_run(text) is not None or is_time_or_person(text)
 
 
 def _of_run(text: str) -> Condition | None:

@@ -39,6 +39,10 @@ from homebot.words.triggers import Becomes, Press, Trigger, read_press, read_sta
 MAX_LINES: Final = 50
 """The limit of the steps, triggers and conditions of a routine, each."""
 
+MAX_ROUNDS: Final = 100
+MAX_RUNS: Final = 10
+"""The runs of a routine that run or wait, unless it says another number."""
+
 APPLY: Final = "apply"
 """The command to a scene."""
 
@@ -252,10 +256,12 @@ def read_triggers(text: str) -> tuple[Trigger, ...]:
         UsageError: A part of it is no trigger.
     """
     parts = split_at(text, "or")
-    if len(parts) > 1:
+    try:
+        return tuple(map(read_trigger, parts))
+    except UsageError:
         with suppress(UsageError):
             return (read_trigger(text),)
-    return tuple(map(read_trigger, parts))
+        raise
 
 
 def _read_do(text: str) -> Do:

@@ -93,6 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command = add_verb(verbs, "import", "print the automations of another program as routines")
     set_door_command(command, _import, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="its automations, such as automations.yaml; - for standard input")
+    command.add_argument("--blueprint", metavar="FILE", default="", help="the blueprint that they use")
     command = add_verb(verbs, "export", "write a routine as an app in Python, and its test")
     set_door_command(command, _export, _EXAMPLES)
     command.add_argument("name", metavar="NAME", help="its name")
@@ -206,7 +207,7 @@ def _print_hints(routine: RoutineInfo) -> None:
 def _import(door: DoorClient, options: argparse.Namespace) -> int:
     from homebot.features.routines.command_import import import_routines  # noqa: PLC0415 - reads YAML
 
-    return import_routines(door, options.file)
+    return import_routines(door, options.file, options.blueprint)
 
 
 def _export(door: DoorClient, options: argparse.Namespace) -> int:

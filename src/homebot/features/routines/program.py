@@ -9,10 +9,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
 from homebot.words.conditions import Condition, read_condition
-from homebot.words.steps import MAX_LINES, Step, Wait, WaitFor, WaitUntil, read_step
+from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, read_step
 
 _MAX_CHARACTERS = 300
-MAX_ROUNDS: Final = 100
 _MAX_PROGRAM: Final = 1000
 """Steps of a loop, those of all rounds that have a number."""
 

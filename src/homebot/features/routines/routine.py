@@ -40,7 +40,7 @@ class Routine(RoutineBase[RoutineSettings]):
         self._program = program_of(settings.do)
         self._steps = tuple(map(str, settings.do))
         self._before: dict[str, list[Any]] = {}
-        self._runs = HandlerRuns(node, self.start_task, f"routine {settings.name}", settings.mode)
+        self._runs = HandlerRuns(node, self.start_task, f"routine {settings.name}", settings.mode, settings.max)
 
     async def run(self) -> None:
         """Watch for its triggers, and go on with the run that a restart interrupted."""

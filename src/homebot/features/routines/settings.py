@@ -11,7 +11,7 @@ from homebot.config import value_errors
 from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
 from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, check_possible, single_conditions
-from homebot.words.steps import MAX_LINES, Dim, Do, Undo, WaitFor, WaitUntil
+from homebot.words.steps import MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, Trigger, read_trigger
 
@@ -38,6 +38,7 @@ class RoutineSettings(AppSettings):
             :func:`homebot.words.conditions.read_condition`.
         do: Its steps, one after the other; see :func:`homebot.words.steps.read_step`, or choices.
         mode: The rule for a start while it runs; see :meth:`homebot.apps.App.on`.
+        max: The limit of running and waiting runs, with the modes ``queued`` and ``parallel``.
         enabled: Whether it may start.
     """
 
@@ -48,6 +49,7 @@ class RoutineSettings(AppSettings):
     conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MAX_LINES)] = ()
     do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MAX_LINES)]
     mode: RunMode = "single"
+    max: Annotated[int, Field(ge=1, le=MAX_ROUNDS)] = MAX_RUNS
     enabled: bool = True
 
     def asked(self) -> Iterator[tuple[str, Trigger | Condition]]:

@@ -206,7 +206,7 @@ def test_a_plug_of_the_same_name_is_not_the_player() -> None:
     found = read(text, [device("TV", part("", "plug", "on_off"))])
     assert [one.problem for one in found.refused] == [
         "media_player.tv is nothing that homebot knows",
-        "input_boolean.tv is nothing that homebot knows",
+        "input_boolean.tv is nothing that homebot knows; write `tv` in the table [helpers]",
     ]
 
 
@@ -241,20 +241,17 @@ def test_actions_that_begin_with_a_condition_end_or_await_the_run_before(mode: s
     assert isinstance(cast("list[object]", routine.table["do"])[0], dict) is not is_asked_before
 
 
-def test_parts_of_an_automation_with_ids_do_not_wait() -> None:
-    """As routines of their own they would no longer end each other."""
+def test_triggers_of_one_text_with_two_ids_are_refused() -> None:
     text = """
 - alias: A
-  mode: restart
   trigger:
-    - {platform: state, entity_id: binary_sensor.stairs_motion, to: 'on', id: begin}
-    - {platform: state, entity_id: binary_sensor.stairs_motion, to: 'off', id: end}
+    - {platform: time, at: '8:00', id: begin}
+    - {platform: time, at: '8:00', id: end}
   action:
     - if: [{condition: trigger, id: end}]
-      then: [{delay: 60}, {service: light.turn_off, entity_id: light.hall_lamp}]
-      else: [{service: light.turn_on, entity_id: light.hall_lamp}]
+      then: [{service: light.turn_off, entity_id: light.hall_lamp}]
 """
-    assert [one.problem.partition(":")[0] for one in read(text).refused] == ["a wait in an automation with `condition"]
+    assert [one.problem for one in read(text).refused] == ["two triggers are the same for a routine: 8:00"]
 
 
 @pytest.mark.parametrize(
@@ -308,12 +305,20 @@ def test_what_is_of_no_kind_is_refused_by_its_first_field(
     assert f"{problem} has no counterpart in routines" in [one.problem for one in found.refused]
 
 
-@pytest.mark.parametrize(("count", "depth", "times"), [("7", 2, 49), ("40", 4, 0), ("8", 2, 0), ("9" * 5000, 1, 0)])
-def test_repeats_in_repeats_are_refused_before_their_steps_are_written(count: str, depth: int, times: int) -> None:
+@pytest.mark.parametrize(
+    ("count", "depth", "problem"),
+    [
+        ("7", 2, ""),
+        ("40", 4, "all rounds"),
+        ("101", 1, "100 is the limit"),
+        ("9" * 5000, 1, "rounds"),
+    ],
+)
+def test_repeats_in_repeats_are_loops_with_a_limit(count: str, depth: int, problem: str) -> None:
     """Four of 40 would be 2,560,000 steps."""
     action = "{action: light.toggle, target: {entity_id: light.hall_lamp}}"
     for _ in range(depth):
         action = f"{{repeat: {{count: '{count}', sequence: [{action}]}}}}"
     found = read(f"- {{alias: A, triggers: [{{trigger: time, at: '7:00'}}], actions: [{action}]}}")
-    assert "".join(found.texts).count("Hall lamp toggle") == times
-    assert [one.problem.partition(":")[0] for one in found.refused] == ([] if times else ["action repeat"])
+    assert problem in "".join(one.problem for one in found.refused)
+    assert bool(found.refused) is bool(problem)

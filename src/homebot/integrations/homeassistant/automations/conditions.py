@@ -7,19 +7,14 @@ import re
 from collections.abc import Iterable, Sequence
 from itertools import chain, product
 from math import prod
-from typing import Final, TypeAlias
+from typing import Final
 
 from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.states import STATES, state_of_template, sun_moment
+from homebot.integrations.homeassistant.automations.states import STATES, sun_moment
+from homebot.integrations.homeassistant.automations.templates import Condition, Templates, bracketed
 from homebot.support.located import Located
 from homebot.words.times import read_span
-
-Condition: TypeAlias = tuple[str, ...]
-"""Texts of which at least one must hold. A query is in brackets."""
-
-NEVER: Final[Condition] = ()
-"""It does not hold for the trigger for which an automation is read."""
 
 JOINTS: Final = ("and", "or", "not")
 
@@ -31,6 +26,8 @@ _BY_SUN: Final[dict[Condition, list[Condition]]] = {
     ("after sunrise", "before sunset"): [("sun is up",)],
 }
 _OPPOSITES: Final = {"sun is up": "sun is down", "sun is down": "sun is up"}
+_HOUSEHOLD: Final = {"somebody is home": "nobody is home", "nobody is home": "somebody is home"}
+_LASTING: Final = re.compile(r" for [\w.]+\)$")
 _OTHER_SIDE: Final = {"after": "before", "before": "after"}
 _LIMIT: Final = re.compile(r"(?P<value>[^<>]*)(?P<sign>[<>])(?P<number>[-+.e\d]+\))")
 _LIMITS: Final = re.compile(r"[<>][-+.e\d]+ \w+[<>][-+.e\d]+\)$")
@@ -41,10 +38,15 @@ def conditions_of(automation: Automation, nodes: Sequence[Located]) -> list[Cond
     return [*chain.from_iterable(_each(automation, nodes))]
 
 
+def templates_of(automation: Automation) -> Templates:
+    """Return the reader of templates of *automation*."""
+    return Templates(automation, _any_of, denied)
+
+
 def texts_of(conditions: Iterable[Condition]) -> list[str]:
     """Return the texts of *conditions* in routines."""
     texts = (
-        condition[0][1:-1] if len(condition) == 1 and condition[0][0] == "(" else " or ".join(condition)
+        condition[0][1:-1] if len(condition) == 1 and condition[0][:1] == "(" else " or ".join(condition)
         for condition in conditions
     )
     return [*dict.fromkeys(texts)]
@@ -72,11 +74,13 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
         case "sun":
             return _sun(fields)
         case "trigger":
-            if automation.trigger is None:
-                raise NotCarriedError("condition trigger: no trigger has an id")
-            return [] if automation.trigger in fields.texts("id") else [NEVER]
+            ids = fields.texts("id")
+            return templates_of(automation).started_by([one for one in automation.triggers if one.id in ids])
         case "template":
-            return [_state(state_of_template(automation.entities, fields, "value_template"))]
+            node = fields.take("value_template")
+            if node is None or node.tag or not isinstance(node.value, str | bool):
+                raise NotCarriedError("condition template: `value_template` is missing")
+            return templates_of(automation).conditions(str(node.value))
         case kind if kind in STATES:
             return _states(automation, kind, fields)
         case "":
@@ -84,20 +88,20 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
     raise NotCarriedError(f"condition: {kind!r} has no counterpart in routines")
 
 
-def _state(text: str) -> Condition:
-    return (text if text in _OPPOSITES else f"({text})",)
-
-
 def _joined(joint: str, alternatives: Sequence[list[Condition]]) -> list[Condition]:
     if joint == "or":
         return _any_of(alternatives)
-    return [condition for some in alternatives for condition in (_denied(some) if joint == "not" else some)]
+    return [condition for some in alternatives for condition in (denied(some) if joint == "not" else some)]
 
 
 def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
     of_any = kind == "state" and fields.text("match", "all") == "any"
     states_of_entities = STATES[kind](automation.entities, fields, "state")
-    conditions = [_any_of([[_state(state)] for state in states]) for states in states_of_entities]
+    lasting = fields.duration("for")
+    length = f" for {lasting}" if lasting else ""
+    conditions = [_any_of([[(bracketed(f"{state}{length}"),)] for state in states]) for states in states_of_entities]
+    if length and any(text in _OPPOSITES for condition in conditions for texts in condition for text in texts):
+        raise NotCarriedError("condition state: `for` of the sun")
     return _any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
 
 
@@ -133,14 +137,18 @@ def _any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
     return [condition for condition in conditions if not any({*other} < {*condition} for other in conditions)]
 
 
-def _denied(conditions: Sequence[Condition]) -> list[Condition]:
+def denied(conditions: Sequence[Condition]) -> list[Condition]:
     """Return the conditions that hold if at least one of *conditions* does not."""
     return _any_of([[(_opposite(text),) for text in condition] for condition in conditions])
 
 
 def _opposite(text: str) -> str:
-    if "place=" in text:
+    if "place=" in text or text.endswith((" is home", " is away")):
+        if opposite := _HOUSEHOLD.get(text, ""):
+            return opposite
         raise NotCarriedError("condition not: where somebody is may be unknown; ask for `not_home`")
+    if text.endswith(")") and _LASTING.search(text):
+        raise NotCarriedError("condition not: with `for`; ask for the other state")
     if (limit := _LIMIT.fullmatch(text)) is not None:  # unlike `not`, a limit holds for no unknown number
         return f"{limit['value']}{'<=' if limit['sign'] == '>' else '>='}{limit['number']}"
     if _LIMITS.search(text):
@@ -151,4 +159,6 @@ def _opposite(text: str) -> str:
 def _other_time(text: str) -> str:
     """Return the opposite of a condition of time; empty for any other."""
     side, _, moment = text.partition(" ")
+    if text.startswith("last run "):
+        return text.replace(" over ", " under ") if " over " in text else text.replace(" under ", " over ")
     return f"{_OTHER_SIDE[side]} {moment}" if side in _OTHER_SIDE else _OPPOSITES.get(text, "")

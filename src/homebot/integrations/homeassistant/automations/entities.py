@@ -13,6 +13,7 @@ from homebot.devices.device_names import names_of
 from homebot.devices.part import Capability, Part
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.variables import is_constant, resolved
 from homebot.support.folding import fold
 from homebot.support.located import Located
 from homebot.words.tokens import quoted
@@ -22,11 +23,22 @@ _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\)
 _ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re.IGNORECASE)
 """Parts of names that mean something else in texts of routines."""
 
+_HELPERS: Final = frozenset({"input_boolean", "input_number", "input_select", "input_button", "counter", "timer"})
+
 _SENSORS: Final = {"binary_sensor": True, "sensor": False}
 """Whether they measure what is true or false."""
 
-_NAMES: Final = {"press": "action"}
-"""The names of capabilities in ids of sensors."""
+_NAMES: Final[Mapping[str, tuple[str, ...]]] = {
+    "press": ("action",),
+    "contact": ("opening", "door", "window"),
+    "occupancy": ("motion", "presence"),
+    "water_leak": ("moisture", "leak"),
+    "illuminance": ("illuminance_lux", "lux"),
+    "battery": ("battery_level",),
+    "temperature": ("air_temperature",),
+    "humidity": ("relative_humidity",),
+}
+"""Other names of capabilities in ids of sensors; they count if no entity is called so itself."""
 
 _CONTROLS: Final = {
     "light": ("light", "on_off"),
@@ -40,11 +52,12 @@ _CONTROLS: Final = {
     "climate": ("thermostat room_air_conditioner", "thermostat_mode heating_setpoint cooling_setpoint"),
     "vacuum": ("robotic_vacuum_cleaner", "vacuum"),
     "alarm_control_panel": ("x_alarm_panel", "alarm"),
-    "person": ("x_tracker", "place"),
+    "person": ("x_person x_tracker", "place at_home"),
     "device_tracker": ("x_tracker", "place"),
     "event": ("generic_switch", "press"),
     "scene": ("x_scene", "scene"),
     "button": ("x_setting", "push"),
+    "number": ("x_setting", "number"),
     "select": ("x_setting", "option"),
     "input_boolean": ("x_setting", "on_off"),
     "input_button": ("x_setting", "push"),
@@ -130,11 +143,12 @@ class Entities:
         self._names = Counter(name for device in devices for name in _names(device))
         self._listed = {entity: (device, unit) for device in devices for entity, unit in _listed(device).items()}
         self._named: dict[str, dict[tuple[str, str, str], _Meant]] = {}
+        self._also_named: dict[str, dict[tuple[str, str, str], _Meant]] = {}
         for device in devices:
             for domain in (*_CONTROLS, *_SENSORS):
-                for slug, meant in _by_slug(device, domain):
+                for slug, meant, is_own in _by_slug(device, domain):
                     key = device.id, meant.part.id, meant.capability
-                    self._named.setdefault(f"{domain}.{slug}", {})[key] = meant
+                    (self._named if is_own else self._also_named).setdefault(f"{domain}.{slug}", {})[key] = meant
         self.used: dict[str, KnownEntity] = {}
 
     def find(self, entity_id: str) -> KnownEntity:
@@ -143,7 +157,9 @@ class Entities:
             raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
         if entity_id not in self.used:
             device, unit = self._listed.get(entity_id, (None, ""))
-            named = self._named.get(entity_id, {}).values()
+            named = [*(self._named.get(entity_id) or self._also_named.get(entity_id, {})).values()]
+            persons = [entity for entity in named if entity.part.part.service_type == "x_person"]
+            named = persons if persons and device is None else named
             meant = [entity for entity in named if device is None or entity.device is device]
             if device is not None and not meant:
                 domain = entity_id.partition(".")[0]
@@ -153,7 +169,7 @@ class Entities:
             if len(meant) != 1 or (device is None and entity_id.startswith("input_")):  # no device has helpers
                 is_known = device is not None or meant
                 problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
-                raise NotCarriedError(f"{entity_id} {problem}")
+                raise NotCarriedError(f"{entity_id} {problem}{_advice(entity_id)}")
             self.used[entity_id] = KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
         return self.used[entity_id]
 
@@ -164,10 +180,46 @@ class Entities:
             raise NotCarriedError(f"the device {device_id!r} is not known; its id is of the gateway of Home Assistant")
         return known[0]
 
+    def device_at(self, address: str) -> Device | None:
+        """Return the device of MQTT that tells its values at *address*; None for none, or several."""
+        known = [device for device in self._devices if any(route.address == address for route in device.endpoints)]
+        return known[0] if len(known) == 1 else None
+
+    def device_by_address(self, address: str) -> Device:
+        """Return the device with a radio address, such as ``00:15:8d:00:01:02:03:04``."""
+        wanted = _plain_address(address)
+        known = [
+            device
+            for device in self._devices
+            if any(_plain_address(route.key) == wanted for route in device.endpoints)
+            or any(_plain_address(identifier) == wanted for identifier in device.identifiers)
+        ]
+        if len(known) != 1 or not wanted:
+            raise NotCarriedError(f"the device with the address {address!r} is not known")
+        return known[0]
+
     def name_of(self, device: Device) -> str:
         """Return the name of *device* if it is plain and no other one has it, else its id."""
         is_plain = self._names[fold(device.name)] == 1 and not _ODD.search(device.name)
         return device.name if is_plain else device.id
+
+    @property
+    def knows_people(self) -> bool:
+        """True if a household is known."""
+        return any(device.service_type == "x_household" for device in self._devices)
+
+    def lights_in(self, room: str) -> list["KnownEntity"]:
+        """Return the lights of *room*, each as an entity of its own."""
+        lights = [
+            KnownEntity(f"light.{device.id}", device, part, "", self.name_of(device))
+            for device in self._devices
+            if device.area == room
+            for part in device.parts
+            if part.part.service_type == "light" and part.part.category == ""
+        ]
+        if not lights:
+            raise NotCarriedError(f"homebot knows no light in {room}")
+        return lights
 
     def room_of(self, area_id: str) -> str:
         """Return the room with the id *area_id* of Home Assistant."""
@@ -178,6 +230,12 @@ class Entities:
         if others := [area for area in areas if area != areas_found[0] and fold(area).startswith(fold(areas_found[0]))]:
             raise NotCarriedError(f"the area {area_id!r} would mean {others[0]} as well")
         return areas_found[0]
+
+
+def _plain_address(text: str) -> str:
+    """Return the last 16 hexadecimal digits of *text*, in which a radio address is; empty for none."""
+    digits = re.sub(r"[:\-\s]|^0x", "", text.casefold().partition("-")[0])
+    return digits if re.fullmatch(r"[0-9a-f]{16}", digits) else ""
 
 
 def text_value(text: str) -> str:
@@ -200,17 +258,25 @@ def _listed(device: Device) -> dict[str, str]:
     return {match["id"]: match["unit"] or "" for match in map(_LISTED.fullmatch, texts) if match}
 
 
-def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant]]:
-    """Yield the parts of *device* that may be entities of *domain*, by the ends of their ids."""
+def _advice(entity_id: str) -> str:
+    """Return how the house gets to know an entity of its kind; empty if nothing special helps."""
+    domain, _, name = entity_id.partition(".")
+    if domain == "person":
+        return "; write it in the table [people]"
+    return f"; write `{name}` in the table [helpers]" if domain in _HELPERS else ""
+
+
+def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant, bool]]:
+    """Yield the parts of *device* that may be entities of *domain*, by the ends of ids, and whether these are own."""
     names = {slug_of(name) for name in _names(device)}
     possible = [*_possible(device, domain)]
     for own_part in possible:
         part = own_part.part.part
-        own = {
-            slug_of(text) for text in (part.name, part.tag, _NAMES.get(own_part.capability, own_part.capability))
-        } - {""}
+        own = {slug_of(text) for text in (part.name, part.tag, own_part.capability)} - {""}
         ends = {f"_{text}" for text in own} | ({""} if len(possible) == 1 else set())
-        yield from ((f"{name}{end}", own_part) for name in names for end in ends)
+        yield from ((f"{name}{end}", own_part, True) for name in names for end in ends)
+        others = _NAMES.get(own_part.capability, ())
+        yield from ((f"{name}_{end}", own_part, False) for name in names for end in others)
 
 
 def _possible(device: Device, domain: str) -> Iterator[_Meant]:
@@ -233,20 +299,59 @@ def _measured(part: Part, domain: str) -> Iterator[str]:
 T = TypeVar("T")
 
 
-@dataclass
-class Automation:
-    """An automation, or its part for the triggers of one id.
+class StartTrigger(NamedTuple):
+    """A trigger of an automation in the words of routines.
 
     Attributes:
-        trigger: The id of these triggers; None for all of the automation.
+        id: Its id, or its number in the automation.
+        entity: The entity whose state it is about; empty for another trigger.
+        state: The state that begins; empty for another trigger.
+    """
+
+    text: str
+    id: str = ""
+    entity: str = ""
+    state: str = ""
+
+
+@dataclass
+class Automation:
+    """An automation while it is read.
+
+    Attributes:
+        names: The names of routines by the ends of ids of automations, and those of scenes.
         problems: All that is not carried over.
-        starts: The triggers of states: their entities and their states.
+        notes: Small differences, for people.
+        triggers: Its triggers, once they are read.
+        constants: The values of its variables.
+        own_ids: The ends of the ids that it may have in Home Assistant.
+        expressions: Templates of its variables, until the first step.
+        implied: Conditions that its triggers need.
     """
 
     entities: Entities
-    problems: list[NotCarriedError]
-    trigger: str | None = None
-    starts: list[tuple[frozenset[str], frozenset[str]]] = field(default_factory=list)
+    names: "NamesOfIds"
+    problems: list[NotCarriedError] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    triggers: list[StartTrigger] = field(default_factory=list)
+    constants: dict[str, object] = field(default_factory=dict)
+    own_ids: frozenset[str] = frozenset()
+    expressions: dict[str, str] = field(default_factory=dict)
+    implied: list[tuple[str, ...]] = field(default_factory=list)
+
+    def define(self, variables: Located) -> Mapping[str, object]:
+        """Define *variables*, and return the values of all that are known by now."""
+        if not isinstance(variables.value, dict):
+            raise NotCarriedError("variables: they have no names", variables.line)
+        for name, node in variables.value.items():
+            value = resolved(node, self.constants)
+            self.expressions.pop(name, None)
+            self.constants.pop(name, None)
+            if is_constant(value):
+                self.constants[name] = value
+            elif isinstance(value.value, str):
+                self.expressions[name] = value.value
+        return self.constants
 
     def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:
         """Return what *read* returns for each of *nodes* that is switched on and carried over."""
@@ -267,3 +372,22 @@ class Automation:
         except UsageError as exc:
             own = exc.line if isinstance(exc, NotCarriedError) else 0
             self.problems.append(NotCarriedError(str(exc), own or line))
+
+
+class NamesOfIds(NamedTuple):
+    """Names that ids of Home Assistant stand for, by these ids without the domain."""
+
+    scenes: Mapping[str, str]
+    routines: Mapping[str, str]
+
+    def scenes_of(self, ids: Sequence[str]) -> list[str]:
+        """Return the scenes with these ids; none unless all are known."""
+        names = [self.scenes.get(entity.removeprefix("scene."), "") for entity in ids]
+        return names if all(names) else []
+
+    def routine(self, entity_id: str) -> str:
+        """Return the routine with the id of an automation."""
+        name = self.routines.get(entity_id.removeprefix("automation."), "")
+        if not name or not entity_id.startswith("automation."):
+            raise NotCarriedError(f"{entity_id} is no routine that homebot knows; import it first, or in the same file")
+        return name

@@ -107,6 +107,13 @@ class UnreadFields:
         """Return a list of texts, or a text with commas, as Home Assistant reads ids of entities."""
         return [part.strip() for item in self.items(key) for part in _text(item, key).split(",") if part.strip()]
 
+    def texts_of(self, key: str) -> list[str]:
+        """Return a list of texts that stays unread."""
+        texts = self.texts(key) if (node := self.left.get(key)) is not None else []
+        if node is not None:
+            self.left[key] = node
+        return texts
+
     def numbers(self, key: str) -> list[float]:
         """Return a list of numbers, or one number; empty if it is missing."""
         return [_number(item, key) for item in self.items(key)]

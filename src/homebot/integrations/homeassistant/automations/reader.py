@@ -1,10 +1,10 @@
-"""Reader of files of automations: each becomes one routine, or one for each id of its triggers, or is refused. Pure.
+"""Reader of files of automations: each becomes one routine, or is refused. Pure.
 
 Source: Home Assistant core 2026.11, ``components/automation/config.py``, ``helpers/script.py`` and the services of its
 domains; the keys of before 2024.10 count as well.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain
 from typing import Final, cast
@@ -12,16 +12,31 @@ from typing import Final, cast
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device
 from homebot.errors import ConfigError, UsageError
-from homebot.integrations.homeassistant.automations.conditions import JOINTS, NEVER, Condition, conditions_of, texts_of
-from homebot.integrations.homeassistant.automations.entities import Automation, Entities, KnownEntity
-from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of, walk
+from homebot.integrations.homeassistant.automations.conditions import (
+    JOINTS,
+    conditions_of,
+    denied,
+    templates_of,
+    texts_of,
+)
+from homebot.integrations.homeassistant.automations.entities import (
+    Automation,
+    Entities,
+    KnownEntity,
+    NamesOfIds,
+    slug_of,
+)
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
+from homebot.integrations.homeassistant.automations.files import from_blueprint, with_files
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.states import state_of_template
+from homebot.integrations.homeassistant.automations.templates import NEVER, Condition, random_ends
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
+from homebot.integrations.homeassistant.automations.variables import plain, resolved
 from homebot.support.located import Located
-from homebot.words.automations import ImportedRoutines, Refusal, RoutineCheck
+from homebot.words.automations import ImportedRoutines, Load, Refusal, RoutineCheck
 from homebot.words.routine_text import routine_text
-from homebot.words.steps import MAX_LINES, Do, Notify, read_step
+from homebot.words.steps import MAX_ROUNDS, MAX_RUNS, Do, Stop, Wait, WaitFor, WaitUntil, read_step
+from homebot.words.triggers import read_trigger
 
 Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
@@ -35,18 +50,24 @@ _KINDS: Final = (
 _MAX_DIGITS: Final = 4
 
 
+_FOREVER: Final = "365d"
+_MAX_WRITTEN: Final = 50
+"""Steps that repeated actions become if each round is written."""
+
+
 class Actions:
     """Reader of the actions of one automation.
 
     Args:
-        is_split: Whether there are several routines of it, which must not wait.
         mode: The mode of the automation.
+        scripts: The scripts that its actions may call, by name.
     """
 
-    def __init__(self, automation: Automation, mode: str, *, is_split: bool) -> None:
+    def __init__(self, automation: Automation, mode: str, scripts: Mapping[str, Located]) -> None:
         self._automation = automation
         self._mode = mode
-        self._is_split = is_split
+        self._scripts = scripts
+        self._in_scripts: list[str] = []
         self._has_waited = False
 
     def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
@@ -65,6 +86,14 @@ class Actions:
         first: list[Condition] = []
         steps: list[Step] = []
         for number, node in enumerate(nodes):
+            fields = node.value if isinstance(node.value, dict) else {}
+            if "variables" in fields and "service" not in fields and "action" not in fields:
+                with self._automation.in_line(node.line):
+                    constants = self._automation.define(fields["variables"])
+                    further, rest = self._read([resolved(other, constants) for other in nodes[number + 1 :]])
+                    first += further if not steps else []
+                    steps += _choice(further, rest, []) if steps else rest
+                break
             if isinstance(node.value, dict) and _CONDITIONS.isdisjoint(node.value):
                 steps += [
                     step for node_steps in self._automation.each([node], "action", self._steps) for step in node_steps
@@ -84,25 +113,19 @@ class Actions:
         kind = fields.first_of(_KINDS)
         match kind:
             case "service" | "action" | "scene" | "device_id":
-                return steps_of_service(self._automation.entities, fields, kind)
+                steps = self._script(fields, kind) or steps_of_service(self._automation, fields, kind)
+                self._automation.expressions.clear()  # they were true before this step
+                return steps
             case "delay":
-                length = fields.duration("delay")
-                self._pause()
-                return [f"wait {length}"] if length else []
+                return self._delay(fields)
             case "wait_template" | "wait_for_trigger":
-                most = fields.duration("timeout")
-                if not most:
-                    how = "write after how long to go on, such as `timeout: '01:00:00'`"
-                    raise NotCarriedError(f"action {kind}: it may last forever; {how}")
-                if not fields.flag("continue_on_timeout", default=True):
-                    raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
-                text = (
-                    self._awaited(fields)
-                    if kind == "wait_for_trigger"
-                    else state_of_template(self._automation.entities, fields, kind)
-                )
-                self._pause()
-                return [f"wait until {text}, at most {most}"]
+                return self._wait(fields, kind)
+            case "stop":
+                fields.text("stop", "")
+                fields.flag("error", default=False)
+                if self._in_scripts:
+                    raise NotCarriedError("action stop: it ends a script alone, and `stop` a whole run")
+                return ["stop"]
             case "if":
                 conditions = conditions_of(self._automation, fields.items("if"))
                 return _choice(conditions, self._branch(fields.items("then")), self._branch(fields.items("else")))
@@ -123,7 +146,9 @@ class Actions:
         raise NotCarriedError(f"action: `{kind}` has no counterpart in routines")
 
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:
+        known = dict(self._automation.constants)
         conditions, steps = self._read(nodes)
+        self._automation.constants = known  # those of a branch are its own
         return _choice(conditions, steps, [])
 
     def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
@@ -131,116 +156,222 @@ class Actions:
         nodes = fields.items("sequence")
         return conditions, [] if NEVER in conditions else self._branch(nodes)
 
+    def _script(self, fields: UnreadFields, key: str) -> Sequence[Step]:
+        """Return the steps of the script that is called; none if another service is."""
+        called = fields.left.get(key)
+        domain, _, name = str(called.value if called else "").partition(".")
+        if key not in {"service", "action"} or domain != "script" or name not in self._scripts:
+            return []
+        if name in self._in_scripts:
+            raise NotCarriedError(f"script.{name} calls itself")
+        fields.take(key)
+        script, given = UnreadFields(self._scripts[name], "script"), fields.inner("data", "service_data")
+        for field in ("description", "icon", "mode", "max", "fields"):
+            script.take(field)
+        constants = self._automation.define(Located(given.left, 0))
+        if (own := script.take("variables")) is not None:
+            constants = self._automation.define(own)
+        self._in_scripts.append(name)
+        steps = self._branch([resolved(node, constants) for node in script.items("sequence")])
+        self._in_scripts.pop()
+        script.end()
+        return steps
+
+    def _delay(self, fields: UnreadFields) -> list[Step]:
+        node = fields.left.get("delay")
+        self._has_waited = True
+        if node is not None and (ends := random_ends(node)):
+            least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
+            fields.take("delay")
+            return [f"wait {least or '0s'} to {most}"]
+        length = fields.duration("delay")
+        return [f"wait {length}"] if length else []
+
+    def _wait(self, fields: UnreadFields, kind: str) -> list[Step]:
+        most = fields.duration("timeout")
+        if not most:
+            self._automation.notes.append("its wait has no end in Home Assistant, and ends here after a year")
+        stops = not most or not fields.flag("continue_on_timeout", default=True)
+        fields.take("continue_on_timeout")
+        end = f", at most {most or _FOREVER}{', then stop' if stops else ''}"
+        if stops and self._in_scripts:
+            raise NotCarriedError(f"action {kind}: in a script its end would end the whole run")
+        if kind == "wait_for_trigger":
+            waited = Automation(self._automation.entities, self._automation.names, self._automation.problems)
+            known = waited.each(fields.items(kind), "trigger", lambda node: read_triggers(waited, node))
+            texts = [trigger.text for triggers in known for trigger in triggers]
+            if waited.implied:
+                raise NotCarriedError("action wait_for_trigger: a template of several states; use `wait_template`")
+            text = f"wait for {' or '.join(texts)}{end}"
+            step = read_step(text) if texts else None
+            if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, texts)):
+                raise NotCarriedError("action wait_for_trigger: these triggers cannot be written as one step")
+        else:
+            text = f"wait until {self._awaited(fields, kind)}{end}"
+        self._has_waited = True
+        self._automation.expressions.clear()
+        return [text]
+
+    def _awaited(self, fields: UnreadFields, kind: str) -> str:
+        """Return the state that a template waits for."""
+        node = fields.take(kind)
+        match templates_of(self._automation).conditions(str(node.value if node else "")):
+            case [(text,)] if text.startswith("not (name="):
+                return f"no {text[5:-1]}"
+            case [(text,)] if text.startswith("(name="):
+                return text[1:-1]
+            case [(text,)] if text.endswith((" is home", " is away")):
+                return text
+        raise NotCarriedError(
+            "action wait_template: a routine waits for the state of one device; write a loop with `until`"
+        )
+
     def _parallel(self, fields: UnreadFields) -> list[Step]:
-        """Read simultaneous actions: commands to different devices may be given in a row."""
+        """Read simultaneous actions, which may be given in a row for different devices: first the one that asks."""
         branches = [self._branch([node]) for node in fields.items("parallel")]
         reached: list[str] = []
+        asking: list[list[Step]] = []
+        waiting: list[list[Step]] = []
         for branch in branches:
-            steps = [read_step(text) if isinstance(text, str) else None for text in branch]
+            steps = [*_single(branch)]
             targets = {step.target for step in steps if isinstance(step, Do)}
-            if not all(isinstance(step, Do | Notify) for step in steps) or not targets.isdisjoint(reached):
-                raise NotCarriedError("action parallel: more than commands to different devices")
+            if any(isinstance(step, dict) for step in steps):
+                asking.append(branch)
+            if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in steps):
+                waiting.append(branch)
+            if not targets.isdisjoint(reached) or len(waiting) > 1 or Stop() in steps:
+                raise NotCarriedError("action parallel: several that wait, a stop, or commands to one device")
             reached += targets
-        return [*chain.from_iterable(branches)]
+        if len(asking) > 1 or any(branch in waiting for branch in asking):
+            raise NotCarriedError("action parallel: several with conditions, or one that waits too")
+        plain_branches = [branch for branch in branches if branch not in asking and branch not in waiting]
+        return [*chain(*asking, *plain_branches, *waiting)]
 
     def _repeated(self, fields: UnreadFields) -> list[Step]:
-        """Read repeated actions, which are written so often."""
-        count, steps = fields.text("count", "0"), self._branch(fields.items("sequence"))
+        """Read repeated actions: a loop, or each round as it is written if that differs by its number or value."""
+        nodes, kind = fields.items("sequence"), fields.first_of(("count", "while", "until", "for_each"))
+        if kind in {"while", "until"}:
+            conditions = texts_of(conditions_of(self._automation, fields.items(kind)))
+            fields.end()
+            return [{kind: conditions, "do": self._branch(nodes)}]
+        if kind == "for_each":
+            values: list[object] = [node._replace(line=0) for node in fields.items("for_each")]
+        else:
+            count = fields.text("count", "0")
+            times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
+            if not times:
+                raise NotCarriedError(f"action repeat: `count` {count!r} is no number of rounds")
+            if not any("repeat." in str(node) for node in nodes):
+                fields.end()
+                steps = self._branch(nodes)
+                if times > MAX_ROUNDS:
+                    raise NotCarriedError(f"action repeat: {times} rounds; {MAX_ROUNDS} is the limit")
+                return [{"repeat": times, "do": steps}] if steps else []
+            values = [None] * min(times, _MAX_WRITTEN + 1)
         fields.end()
-        is_plain = all(isinstance(step, str) and not step.startswith("wait until") for step in steps)
-        times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
-        if not is_plain or not 0 < times * max(len(steps), 1) <= MAX_LINES:  # before they are written
-            raise NotCarriedError(
-                f"action repeat: carried over are commands and delays with a `count`, at most {MAX_LINES} together"
-            )
-        return steps * times
+        steps = []
+        for number, value in enumerate(values, 1):
+            place = {"index": number, "first": number == 1, "last": number == len(values), "item": plain(value)}
+            steps += self._branch([resolved(node, {"repeat": place, "repeat.item": value}) for node in nodes])
+            if len(steps) > _MAX_WRITTEN:
+                raise NotCarriedError(f"action repeat: more than {_MAX_WRITTEN} steps that differ by round")
+        return steps
 
-    def _pause(self) -> None:
-        self._has_waited = True
-        if self._is_split:
-            raise NotCarriedError("a wait in an automation with `condition: trigger`: its parts become routines")
 
-    def _awaited(self, fields: UnreadFields) -> str:
-        """Return the state that is awaited. Home Assistant waits for its beginning, and a routine for the state.
-
-        They differ if it holds already, which the trigger of the automation excludes until the first wait.
-        """
-        started_by = self._automation.starts
-        waited = Automation(self._automation.entities, self._automation.problems)
-        texts = waited.each(fields.items("wait_for_trigger"), "trigger", lambda node: read_triggers(waited, node))
-        triggers = [text for some in texts for text in some]
-        if len(triggers) != 1 or len(waited.starts) != 1:
-            raise NotCarriedError("action wait_for_trigger: routines wait for one state")
-        ((ids, states),) = waited.starts
-        is_other = started_by and all(
-            trigger_ids == ids and old and old.isdisjoint(states) for trigger_ids, old in started_by
+def _single(steps: Iterable[Step]) -> Iterator[object]:
+    """Yield the steps in *steps* and in their choices, as they are read, and choices and loops as they are."""
+    for step in steps:
+        if isinstance(step, str):
+            yield read_step(step)
+            continue
+        yield step
+        yield from _single(
+            cast("list[Step]", [*cast("list[Step]", step["do"]), *cast("list[Step]", step.get("else", []))])
         )
-        if not is_other or self._has_waited or self._mode == "queued":
-            raise NotCarriedError(
-                "action wait_for_trigger: a routine would go on at once if it is so already; use wait_template"
-            )
-        return triggers[0]
 
 
 def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:
-    """Return the choice between *steps*, which are no choices, and *otherwise*."""
+    """Return the choice between *steps* and *otherwise*."""
     if NEVER in conditions:
         return [*otherwise]
     if not conditions or not (steps or otherwise):
         return [*steps]
     if not steps:
-        raise NotCarriedError("a choice that does something only if its conditions do not hold")
+        return _choice(denied(conditions), otherwise, [])
     texts, inner = texts_of(conditions), steps[0]
-    if isinstance(inner, dict) and len(steps) == 1 and ("else" in inner or not otherwise):
-        further = cast("list[str]", inner["if"])
-        rest = [_choice_step(texts, cast("list[Step]", inner["else"]), otherwise)] if "else" in inner else []
-        return [_choice_step([*texts, *further], cast("list[Step]", inner["do"]), rest)]
-    return [_choice_step(texts, steps, otherwise)]
-
-
-def _choice_step(texts: list[str], steps: Sequence[Step], otherwise: Sequence[Step]) -> dict[str, object]:
-    if any(not isinstance(step, str) for step in steps):
-        raise NotCarriedError("a choice in a choice; routines have one level")
+    if isinstance(inner, dict) and "if" in inner and len(steps) == 1 and "else" not in inner and not otherwise:
+        return [{"if": [*texts, *cast("list[str]", inner["if"])], "do": inner["do"]}]
     choice: dict[str, object] = {"if": texts, "do": [*steps]}
-    return {**choice, "else": [*otherwise]} if otherwise else choice
+    return [{**choice, "else": [*otherwise]} if otherwise else choice]
 
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
-_USUAL: Final[Mapping[str, object]] = {"if": [], "mode": "single", "enabled": True}
-_MAX_RUNS: Final = 10.0
-"""The default of ``max``, and the limit of routines."""
+_USUAL: Final[Mapping[str, object]] = {"if": [], "mode": "single", "max": MAX_RUNS, "enabled": True}
 
 
 class HomeAssistantAutomations:
     """Reader of ``automations.yaml``, and of packages and configurations with a key ``automation``."""
 
-    def read(self, document: Located, source: str, devices: Sequence[Device], check: RoutineCheck) -> ImportedRoutines:
+    def read(
+        self,
+        document: Located,
+        source: str,
+        devices: Sequence[Device],
+        check: RoutineCheck,
+        *,
+        scenes: Sequence[str] = (),
+        routines: Sequence[str] = (),
+        load: Load | None = None,
+        blueprint: Located | None = None,
+    ) -> ImportedRoutines:
         """Return the routines of *document*; see :class:`homebot.words.automations.AutomationReader`."""
+        document = with_files(document, load)
         nodes = [*_automations(document)]
         if not nodes:
             raise UsageError(f"{source} has no automations")
-        texts: list[str] = []
+        scripts = _scripts(document)
+        aliases = [_name(node) for node in nodes]
+        own = {slug_of(name): name for name in aliases}
+        names = NamesOfIds(
+            {slug_of(name): name for name in scenes}, {slug_of(name): name for name in (*routines, *aliases)}
+        )
+        texts: dict[str, list[str]] = {}
+        called: dict[str, tuple[int, set[str]]] = {}
         refused: list[Refusal] = []
-        names: set[str] = set()
+        apps: set[str] = set()
         entities = Entities(devices)
-        for node in nodes:
-            named = node.value if isinstance(node.value, dict) else {}
-            alias = next((str(named[key].value) for key in ("alias", "id") if key in named), "")
-            name = " ".join(alias.split())[:80] or f"automation in line {node.line}"
+        for node, name in zip(nodes, aliases, strict=True):
             entities.used.clear()
-            whole = Automation(entities, [])
-            with whole.in_line(node.line):
-                tables = [*_tables(whole, UnreadFields(node, "automation"), name)]
-                written = (
-                    [] if whole.problems else _written(tables, names, f"{source}, line {node.line}", entities, check)
-                )
-                texts += written
-            refused += dict.fromkeys(Refusal(problem.line, name, str(problem)) for problem in whole.problems)
-        return ImportedRoutines(tuple(texts), tuple(refused), len(nodes))
+            automation = Automation(entities, names)
+            written: list[str] = []
+            with automation.in_line(node.line):
+                plain_node = from_blueprint(node, blueprint, load) if _has(node, "use_blueprint") else node
+                table = _table(automation, UnreadFields(plain_node, "automation"), name, scripts)
+                if not automation.problems:
+                    written = _written(table, apps, f"{source}, line {node.line}", automation, check)
+            if written and not automation.problems:
+                texts.setdefault(name, []).extend(written)
+                called[name] = node.line, {other for other in own.values() if f'"routine {other} o' in written[0]}
+            refused += dict.fromkeys(Refusal(problem.line, name, str(problem)) for problem in automation.problems)
+        for name, (line, others) in called.items():
+            if missing := others - texts.keys() - {*routines}:
+                del texts[name]
+                refused.append(Refusal(line, name, f"it switches {min(missing)!r}, which is not carried over"))
+        return ImportedRoutines(tuple(chain(*texts.values())), tuple(refused), len(nodes))
+
+
+def _name(node: Located) -> str:
+    named = node.value if isinstance(node.value, dict) else {}
+    alias = next((str(named[key].value) for key in ("alias", "id") if key in named), "")
+    return " ".join(alias.split())[:80] or f"automation in line {node.line}"
+
+
+def _has(node: Located, key: str) -> bool:
+    return isinstance(node.value, dict) and key in node.value
 
 
 def _automations(document: Located) -> Iterator[Located]:
-    if isinstance(document.value, dict) and not {"trigger", "triggers"} & document.value.keys():
+    if isinstance(document.value, dict) and not {"trigger", "triggers", "use_blueprint"} & document.value.keys():
         for key, value in document.value.items():
             if key.partition(" ")[0] == "automation":
                 yield from [value] if value.tag else items_of(value, key)
@@ -248,56 +379,59 @@ def _automations(document: Located) -> Iterator[Located]:
     yield from document.value if isinstance(document.value, list) else items_of(document, "automations")
 
 
-def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict[str, object]]:
-    """Yield the tables of the routines of an automation."""
-    for key in ("id", "description", "trace", "max_exceeded"):
+def _scripts(document: Located) -> dict[str, Located]:
+    """Return the scripts of a configuration, by name."""
+    scripts = document.value.get("script") if isinstance(document.value, dict) else None
+    return scripts.value if scripts is not None and isinstance(scripts.value, dict) and not scripts.tag else {}
+
+
+def _table(
+    automation: Automation, fields: UnreadFields, name: str, scripts: Mapping[str, Located]
+) -> dict[str, object] | None:
+    """Return the table of the routine of an automation; None for one that would never do anything."""
+    ids = {slug_of(name), fields.text("id", "")}
+    automation.own_ids = frozenset(ids - {""})
+    for key in ("description", "trace", "max_exceeded"):
         fields.take(key)
     mode, most = fields.text("mode", "single"), fields.numbers("max")
     if mode not in _MODES:
         raise NotCarriedError(f"mode: {mode!r}")
-    if mode in {"queued", "parallel"} and most not in ([], [_MAX_RUNS]):
-        raise NotCarriedError("max: routines have no such limit")
     enabled = fields.flag("initial_state", default=True)
-    triggers, conditions, actions = (fields.items(key, f"{key}s") for key in ("trigger", "condition", "action"))
-    with whole.in_line(0):
+    constants: Mapping[str, object] = {}
+    for key in ("trigger_variables", "variables"):
+        if (node := fields.take(key)) is not None:
+            constants = automation.define(node)
+    triggers, conditions, actions = (
+        [resolved(node, constants) for node in fields.items(key, f"{key}s")]
+        for key in ("trigger", "condition", "action")
+    )
+    with automation.in_line(0):
         fields.end()
-    parts = _parts([*conditions, *actions], triggers)
-    for trigger, nodes in parts:
-        part = Automation(whole.entities, whole.problems, trigger)
-        reader = Actions(part, mode, is_split=len(parts) > 1)
-        when = [text for texts in part.each(nodes, "trigger", partial(read_triggers, part)) for text in texts]
-        if len(part.starts) != len(nodes):
-            part.starts.clear()
-        held = conditions_of(part, conditions)
-        first, steps = reader.all_of(actions)
-        held += first
-        if NEVER in held or not steps or not when:  # it would never do anything
-            continue
-        table = {
-            "name": f"{name} ({trigger})" if len(parts) > 1 else name,
-            "when": [*dict.fromkeys(when)],
-            "if": texts_of(held),
-            "do": steps,
-            "mode": mode,
-            "enabled": enabled,
-        }
-        yield {key: value for key, value in table.items() if _USUAL.get(key) != value}
-
-
-def _parts(asking: Sequence[Located], triggers: Sequence[Located]) -> list[tuple[str | None, list[Located]]]:
-    """Return the triggers, apart by their ids if a condition asks for these."""
-    if not any(
-        "condition" in fields_inside and fields_inside["condition"].value == "trigger"
-        for node in asking
-        for fields_inside in walk(node)
-    ):
-        return [(None, [*triggers])]
-    by_id: dict[str | None, list[Located]] = {}
-    for number, trigger in enumerate(triggers):
-        fields = UnreadFields(trigger, "trigger")
-        if fields.flag("enabled", default=True):
-            by_id.setdefault(fields.text("id", str(number)), []).append(trigger)
-    return [*by_id.items()]
+    for number, node in enumerate(triggers):
+        given = node.value.get("id") if isinstance(node.value, dict) else None
+        known = automation.each([node], "trigger", partial(read_triggers, automation))
+        with automation.in_line(node.line):
+            if given is not None and not isinstance(given.value, str | int):
+                raise NotCarriedError(f"id: {plain(given)} is not a text")
+        trigger_id = str(number if given is None else given.value)
+        automation.triggers += [trigger._replace(id=trigger_id) for trigger in chain(*known)]
+    held = [*automation.implied, *conditions_of(automation, conditions)]
+    reader = Actions(automation, mode, scripts)
+    first, steps = reader.all_of(actions)
+    held += first
+    when = [*dict.fromkeys(trigger.text for trigger in automation.triggers)]
+    if NEVER in held or not steps or not when:
+        return None
+    table = {
+        "name": name,
+        "when": when,
+        "if": texts_of(held),
+        "do": steps,
+        "mode": mode,
+        "max": int(most[0]) if most and mode in {"queued", "parallel"} else MAX_RUNS,
+        "enabled": enabled,
+    }
+    return {key: value for key, value in table.items() if _USUAL.get(key) != value}
 
 
 def _in_unit(entity: KnownEntity) -> str:
@@ -307,22 +441,22 @@ def _in_unit(entity: KnownEntity) -> str:
 
 
 def _written(
-    tables: Sequence[Mapping[str, object]], names: set[str], origin: str, entities: Entities, check: RoutineCheck
+    table: Mapping[str, object] | None, apps: set[str], origin: str, automation: Automation, check: RoutineCheck
 ) -> list[str]:
-    """Return the texts of *tables*, which homebot accepts, with their origin and the meaning of their entities."""
+    """Return the text of *table*, which homebot accepts, with its origin and the meaning of its entities."""
+    if table is None:
+        raise NotCarriedError("it would do nothing")
     known = "".join(
         f"# {entity.id}: {' '.join(entity.device.name.split())}{_in_unit(entity)}\n"
-        for entity in entities.used.values()
+        for entity in automation.entities.used.values()
     )
-    texts = [routine_text(table) for table in tables]
+    known += "".join(f"# note: {' '.join(note.split())}\n" for note in dict.fromkeys(automation.notes))
+    text = routine_text(table)
     try:
-        routines = [check(text, origin) for text in texts]
+        routine = check(text, origin)
     except ConfigError as exc:
         raise NotCarriedError(f"{exc.key.rpartition('.')[2]}: {exc.reason}") from exc
-    if not routines:
-        raise NotCarriedError("it would do nothing")
-    for routine in routines:
-        if routine.app in names:
-            raise NotCarriedError(f"another automation is called {routine.name!r}")
-        names.add(routine.app)
-    return [f"# {' '.join(origin.split())}\n{known}{text}" for text in texts]
+    if routine.app in apps:
+        raise NotCarriedError(f"another automation is called {routine.name!r}")
+    apps.add(routine.app)
+    return [f"# {' '.join(origin.split())}\n{known}{text}"]

@@ -6,8 +6,10 @@ from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.errors import UsageError
-from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
+from homebot.integrations.homeassistant.automations.conditions import templates_of
+from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.support.located import Located
 from homebot.words.colors import COLORS
 from homebot.words.steps import Do, Notify, read_step
 
@@ -16,19 +18,29 @@ _WORDS: Final = {
     **{f"{domain}.turn_on": "on_off on" for domain in _ON_OFF},
     **{f"{domain}.turn_off": "on_off off" for domain in _ON_OFF},
     **{f"{domain}.toggle": "on_off toggle" for domain in _ON_OFF},
-    **{f"alarm_control_panel.alarm_arm_{mode}": f"alarm alarm armed_{mode}" for mode in ("home", "away", "night")},
+    **{
+        f"alarm_control_panel.alarm_arm_{mode}": f"alarm alarm armed_{mode}"
+        for mode in ("home", "away", "night", "vacation")
+    },
     "cover.open_cover": "movement|position open",
     "cover.close_cover": "movement|position close",
     "cover.stop_cover": "movement stop",
+    "cover.open_cover_tilt": "tilt tilt 100 %",
+    "cover.close_cover_tilt": "tilt tilt 0 %",
     "lock.lock": "lock lock",
     "lock.unlock": "lock unlock",
+    "lock.open": "lock open",
     "climate.turn_off": "thermostat_mode thermostat_mode off",
     "media_player.media_play": "playback playback playing",
     "media_player.media_pause": "playback playback paused",
     "media_player.media_stop": "playback playback stopped",
+    "media_player.volume_up": "volume volume +10 %",
+    "media_player.volume_down": "volume volume -10 %",
     "vacuum.start": "vacuum start",
     "vacuum.pause": "vacuum pause",
     "vacuum.return_to_base": "vacuum dock",
+    "vacuum.stop": "vacuum stop",
+    "vacuum.clean_spot": "vacuum vacuum spot",
     "scene.turn_on": "scene press",
     "button.press": "push press",
     "input_button.press": "push press",
@@ -36,14 +48,21 @@ _WORDS: Final = {
 """The capability of services without data, of which a device takes the first that it has, and the words."""
 
 _DATA: Final = {
-    "light.turn_on": ("brightness_pct", "brightness", "color_temp_kelvin", "kelvin", "color_temp"),
+    "light.turn_on": (
+        *("brightness_pct", "brightness", "brightness_step_pct", "brightness_step"),
+        *("color_temp_kelvin", "kelvin", "color_temp"),
+    ),
     "cover.set_cover_position": ("position",),
+    "cover.set_cover_tilt_position": ("tilt_position",),
+    "fan.turn_on": ("percentage",),
     "fan.set_percentage": ("percentage",),
+    "number.set_value": ("value",),
     "humidifier.set_humidity": ("humidity",),
-    "climate.set_temperature": ("temperature",),
+    "climate.set_temperature": ("hvac_mode", "temperature"),
     "climate.set_hvac_mode": ("hvac_mode",),
     "climate.set_preset_mode": ("preset_mode",),
     "media_player.volume_set": ("volume_level",),
+    "media_player.volume_mute": ("is_volume_muted",),
     "select.select_option": ("option",),
     "input_select.select_option": ("option",),
 }
@@ -70,6 +89,11 @@ class _Setting(NamedTuple):
 _FIELDS: Final = {
     "brightness_pct": _Setting("level", "{value} %"),
     "brightness": _Setting("level", "{value} %", 100 / 255),
+    "brightness_step_pct": _Setting("level", "{value} %"),
+    "brightness_step": _Setting("level", "{value} %", 100 / 255),
+    "tilt_position": _Setting("tilt", "{name} {value} %"),
+    "value": _Setting("number", "{name} {value}"),
+    "is_volume_muted": _Setting("muted"),
     "color_temp_kelvin": _Setting("color_temperature", "{value} K"),
     "kelvin": _Setting("color_temperature", "{value} K"),
     "color_temp": _Setting("color_temperature", "{value} K"),
@@ -84,27 +108,82 @@ _FIELDS: Final = {
 }
 
 
-def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list[str]:
+_DROPPED: Final = {"logbook.log", "persistent_notification.dismiss", "system_log.write"}
+"""Services without an effect in the house."""
+
+
+def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> list[str]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
+    entities = automation.entities
     name = _service_name(fields, key)
     domain, data = name.partition(".")[0], fields.inner("data", "service_data")
+    if key == "device_id":
+        data = UnreadFields(
+            Located({field: fields.take(field) for field in [*fields.left] if field in _DEVICE_DATA}, 0), "data"
+        )
     target = _target_of(fields, data)
-    if domain in {"notify", "persistent_notification"} and target.is_to_notify:
-        return [_message(name, data)]
+    if name in _DROPPED:
+        data.left.clear()
+        automation.notes.append(f"{name} is left out")
+        return []
+    if (domain == "notify" or name == "persistent_notification.create") and target.is_to_notify:
+        return [_message(automation, name, data)]
+    if name in {"automation.turn_on", "automation.turn_off"}:
+        data.take("stop_actions")
+        data.end()
+        words = name.rpartition("_")[2]
+        return [f"routine {automation.names.routine(entity)} {words}" for entity in target.entities]
     if name not in _SERVICES:
-        raise NotCarriedError(f"the service {name} has no counterpart in routines")
+        raise NotCarriedError(f"the service {name} has no counterpart in routines{_ADVICE.get(domain, '')}")
     target.check()
+    if name == "scene.turn_on" and (scenes := automation.names.scenes_of(target.entities)):
+        over = data.duration("transition")
+        data.end()
+        return [f"scene {scene}{f', over {over}' if over else ''}" for scene in scenes]
     settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
     data.end()
+    if any(word.words[:1] == "-" or str(word.value)[:1] == "-" for word in settings) and domain == "light":
+        automation.notes.append("a lamp stays on at 1 % where a step would turn it off in Home Assistant")
     if target.is_of_rooms:
-        if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over:
-            raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
-        scopes = [f"lights in {entities.room_of(area)}" for area in target.areas] or ["all lights"]
-        return [_step(scope, [settings[0].words]) for scope in scopes]
+        return [*_of_rooms(automation, name, target, settings, over)]
     known = [*map(entities.find, target.entities)]
     if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
-    return [_step_of(entity, settings, over) for entity in known]
+    return [text for entity in known for text in _steps_of(name, entity, settings, over)]
+
+
+_DEVICE_DATA: Final = frozenset({"brightness_pct", "position", "hvac_mode", "preset_mode", "option", "value"})
+"""The fields of actions of devices that are data."""
+
+_ADVICE: Final = {
+    "tts": "; write it as a message, `notify …`",
+    "media_player": "; homebot plays no media",
+    "shell_command": "; write an app, see docs/apps.md",
+    "rest_command": "; write an app, see docs/apps.md",
+    "script": "; write the routine of its steps, or import it from the file with `script:`",
+    "climate": "; write the mode, as `climate.set_hvac_mode`",
+}
+
+
+def _of_rooms(
+    automation: Automation, name: str, target: "_Target", settings: Sequence[_Setting], over: str
+) -> Iterator[str]:
+    """Yield the steps for the lights of rooms, or of the house."""
+    entities = automation.entities
+    if name not in {"light.turn_on", "light.turn_off", "light.toggle"}:
+        raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched; name the entities")
+    is_plain = len(settings) == 1 and not over and name != "light.toggle"
+    if not target.areas and not is_plain:
+        raise NotCarriedError(f"{name}: `all` lights are switched only on and off; name the entities")
+    for room in map(entities.room_of, target.areas):
+        if is_plain:
+            yield _step(f"lights in {room}", [settings[0].words])
+            continue
+        automation.notes.append(f"the lights in {room} are those that homebot knows now")
+        for light in entities.lights_in(room):
+            yield from _steps_of(name, light, settings, over)
+    if not target.areas:
+        yield _step("all lights", [settings[0].words])
 
 
 class _Target(NamedTuple):
@@ -152,14 +231,27 @@ def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:
     return _Target([*ids, *fields.texts("scene")], areas, devices)
 
 
-def _message(name: str, data: UnreadFields) -> str:
-    title, message = data.text("title", ""), data.text("message")
+def _message(automation: Automation, name: str, data: UnreadFields) -> str:
+    title, message = (_message_text(automation, data, key) for key in ("title", "message"))
+    if not message:
+        raise NotCarriedError(f"{name}: `message` is missing")
     data.take("notification_id")
+    for key in ("data", "target"):
+        if data.take(key) is not None:
+            automation.notes.append(f"`{key}` of the message is left out")
     data.end()
     text = f"notify {' '.join(': '.join(filter(None, (title, message))).split())}"
     if not isinstance(read_step(text), Notify):
         raise NotCarriedError(f"{name}: {message!r} is no message for a step")
     return text
+
+
+def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:
+    node = data.left.get(key)
+    if node is None or node.tag or not isinstance(node.value, str):
+        return data.text(key, "")
+    data.take(key)
+    return templates_of(automation).message(node.value.strip())
 
 
 def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
@@ -172,12 +264,18 @@ def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
         raise NotCarriedError(f"data: `{_DATA[name][0]}` is missing")
     for key in keys:
         row = _FIELDS[key]
+        if row.capabilities == "muted":
+            yield row._replace(value=str(data.flag(key, default=True)))
+            continue
         if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
             yield row._replace(value=data.text(key))
             continue
         for number in data.numbers(key):
             value = number * row.factor
-            yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
+            if key.startswith("brightness_step"):
+                yield row._replace(words=f"{value:+.3g} %")
+            else:
+                yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
     if name == "light.turn_on" and (color := _color(data)) is not None:
         yield _Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
 
@@ -207,6 +305,17 @@ def _color(data: UnreadFields) -> tuple[float, float] | None:
     raise NotCarriedError("data: a colour has two numbers in `hs_color`, or three in `rgb_color`")
 
 
+def _steps_of(name: str, entity: KnownEntity, settings: Sequence[_Setting], over: str) -> list[str]:
+    """Return the steps that set *settings*; the mode of a heating is one of its own."""
+    if name == "climate.set_temperature":
+        return [_step_of(entity, [setting], over) for setting in settings]
+    if name == "fan.turn_on" and len(settings) > 1:
+        settings = settings[1:]
+    if any(setting.words.startswith(("+", "-")) for setting in settings) and settings[0].words == "on":
+        settings = settings[1:]  # a step of brightness turns it on
+    return [_step_of(entity, settings, over)]
+
+
 def _step_of(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> str:
     """Return the step that sets *settings*."""
     names = [_taken(entity, setting) for setting in settings]
@@ -231,6 +340,8 @@ def _taken(entity: KnownEntity, setting: _Setting) -> str:
 def _words(entity: KnownEntity, name: str, setting: _Setting) -> str:
     """Return the words of *setting* if its value is possible."""
     value, options, bounds = setting.value, entity.options(name), entity.bounds(name)
+    if CAPABILITIES[name].kind == "bool" and name == "muted":
+        return "mute" if str(value).casefold() in {"true", "on", "yes"} else "unmute"
     if not isinstance(value, str):
         if bounds and not bounds[0] <= value <= bounds[-1]:
             raise NotCarriedError(f"{entity.name} takes {name} from {bounds[0]:g} to {bounds[-1]:g}, not {value:g}")

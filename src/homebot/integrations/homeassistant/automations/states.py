@@ -16,21 +16,43 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.folding import fold
+from homebot.words.people import read_move, read_person
 from homebot.words.queries import parse_query
 from homebot.words.triggers import read_state
 from homebot.words.vocabulary import ADJECTIVES
 
-_IS_STATE: Final = re.compile(
-    r"\{\{ *(?:is_state\( *'([\w.]+)' *, *'([^']+)' *\)|states\( *'([\w.]+)' *\) *== *'([^']+)') *\}\}"
-)
 _Meaning: TypeAlias = tuple[str, Operator, PlainValue]
 
 _FLAGS: Final = {"on": True, "off": False}
 _COVERS: Final[dict[str, _Meaning]] = {"open": ("position", ">", 0.0), "closed": ("position", "=", 0.0)}
-_SAME: Final = {"place": ("home", "not_home"), "playback": ("playing", "paused")}
+_ALARM: Final = (
+    *("disarmed", "armed_home", "armed_away", "armed_night", "armed_vacation"),
+    *("arming", "disarming", "pending", "triggered"),
+)
+_SAME: Final = {"alarm": _ALARM, "place": ("home", "not_home"), "playback": ("playing", "paused")}
 """States of capabilities of which others differ, or are not known."""
 
-_UNKNOWN: Final = frozenset({"unknown", "unavailable", "none", ""})
+ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
+    ("light", "brightness"): ("level", 100 / 255),
+    ("light", "color_temp_kelvin"): ("color_temperature", 1.0),
+    ("climate", "current_temperature"): ("local_temperature", 1.0),
+    ("climate", "current_humidity"): ("humidity", 1.0),
+    ("climate", "temperature"): ("heating_setpoint", 1.0),
+    ("climate", "hvac_action"): ("thermostat_action", 1.0),
+    ("climate", "preset_mode"): ("preset_mode", 1.0),
+    ("cover", "current_position"): ("position", 1.0),
+    ("cover", "current_tilt_position"): ("tilt", 1.0),
+    ("fan", "percentage"): ("fan_speed", 1.0),
+    ("humidifier", "humidity"): ("humidity_setpoint", 1.0),
+    ("media_player", "is_volume_muted"): ("muted", 1.0),
+    ("media_player", "volume_level"): ("volume", 100.0),
+    ("vacuum", "battery_level"): ("battery", 1.0),
+}
+"""The capabilities that attributes of entities are, and the factors of their numbers."""
+
+_ITS_VALUE: Final = re.compile(r"\{\{state\.(?:state|attributes\.(?P<attribute>\w+))(?:\|float(?:\(0\))?)?\}\}")
+
+UNKNOWN: Final = frozenset({"unknown", "unavailable", "none", ""})
 
 SUN: Final = {
     "to": {"above_horizon": "sunrise", "below_horizon": "sunset"},
@@ -56,20 +78,54 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
         raise NotCarriedError(f"any change of {entity_id}; name the state with `{key}`")
     if entity_id == "sun.sun" and SUN[key].keys() >= {*states}:
         return [SUN[key][state] for state in states]
-    return [_state_text(entities.find(entity_id), state) for state in states]
+    if entity_id == "zone.home" and states == ["0"] and entities.knows_people:
+        return ["nobody is home"]
+    return [_state_text(entities.find(entity_id), state, key) for state in states]
 
 
-def state_of_template(entities: Entities, fields: UnreadFields, key: str) -> str:
-    """Return the state that the template in the field *key* asks for."""
-    node = fields.take(key)
-    text = str(node.value if node else "").strip()
-    if (match := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
-        raise NotCarriedError(f"{key}: {text[:60]!r}; only is_state(...) is carried over")
-    entity, state = filter(None, match.groups())
-    return state_texts(entities, entity, [state])[0]
+def number_of(entities: Entities, entity_id: str, attribute: str) -> tuple[KnownEntity, str, float]:
+    """Return the entity, and the capability with the number of its state or attribute, and the factor between them."""
+    entity = entities.find(entity_id)
+    if not attribute:
+        return entity, entity.capability or ("number" if entity.has("number") else ""), 1.0
+    capability, factor = ATTRIBUTES.get((entity.domain, attribute), ("", 1.0))
+    if not capability or not entity.has(capability):
+        raise NotCarriedError(f"homebot does not read the attribute {attribute!r} of {entity_id}")
+    return entity, capability, factor
 
 
-def _state_text(entity: KnownEntity, state: str) -> str:
+def value_name(entities: Entities, entity_id: str, attribute: str) -> tuple[str, str]:
+    """Return a query for the device of an entity, and the capability that its state or attribute is."""
+    entity = entities.find(entity_id)
+    capability = number_of(entities, entity_id, attribute)[1] if attribute else entity.capability
+    capability = capability or next((name for name in entity.controls if entity.has(name)), "")
+    if not capability or entity.unit:
+        raise NotCarriedError(f"{entity_id} has no value for a message, or has it in another unit")
+    return f"name={text_value(entity.name)}", capability
+
+
+def attribute_of(entities: Entities, entity_id: str, attribute: str, value: object) -> str:
+    """Return the condition that an attribute of an entity has a value."""
+    entity, capability, factor = number_of(entities, entity_id, attribute)
+    if isinstance(value, bool) and CAPABILITIES.get(capability, OWN).kind == "bool":
+        return f"({_text(entity, [StateIs(capability, '=', value)])})"
+    if isinstance(value, str) and factor == 1.0 and value in entity.options(capability):
+        return f"({_text(entity, [StateIs(capability, '=', fold(value))])})"
+    if type(value) in (int, float) and factor == 1.0:
+        return f"({limits_text(entity, capability, [('=', float(str(value)))])})"
+    raise NotCarriedError(f"the attribute {attribute!r} of {entity_id} is compared with {value!r}")
+
+
+def elevation_text(sign: str, degrees: float) -> str:
+    """Return the condition that the sun is above or below so many degrees."""
+    raise NotCarriedError(
+        f"the elevation of the sun, {sign} {degrees:g}°; ask for the sun, such as 'after sunset - 30m'"
+    )
+
+
+def _state_text(entity: KnownEntity, state: str, key: str) -> str:
+    if entity.part.part.service_type == "x_person":
+        return _person_text(entity, state, key)
     capability, operator, value = _meaning(entity, state)
     return _text(entity, [StateIs(capability, operator, fold(value) if isinstance(value, str) else value)])
 
@@ -79,12 +135,43 @@ def _of_states(entities: Entities, fields: UnreadFields, key: str) -> list[list[
     return [state_texts(entities, entity_id, states, key) for entity_id in _ids(fields)]
 
 
+def _person_text(entity: KnownEntity, state: str, key: str) -> str:
+    """Return that a person is somewhere, or arrives or leaves if *key* is that of a trigger."""
+    words = {"home": ("arrives", "is home"), "not_home": ("leaves", "is away")}
+    if state not in words:
+        raise NotCarriedError(f"{entity.id}: homebot knows no zone {state!r}, only whether somebody is at home")
+    text = f"{entity.name} {words[state][key == 'state']}"
+    person = read_move(text) or read_person(text)
+    if person is None or NameIs(fold(entity.name)) not in [*leaves(person.query)]:
+        raise NotCarriedError(f"{entity.id}: the name {entity.name!r} cannot be written as a person")
+    return text
+
+
 def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
     given: tuple[tuple[Operator, str], ...] = ((">", "above"), ("<", "below"))
     limits = [(operator, number) for operator, key in given for number in fields.numbers(key)]
+    attribute, template = fields.text("attribute", ""), fields.take("value_template")
     if not limits:
         raise NotCarriedError("`above` or `below` is missing")
-    return [[_limit_text(entities.find(entity_id), limits)] for entity_id in _ids(fields)]
+    if template is not None:
+        found = _ITS_VALUE.fullmatch("".join(str(template.value).split()))
+        if found is None:
+            raise NotCarriedError("value_template: it calculates; routines compare a value itself with a limit")
+        attribute = found["attribute"] or ""
+    return [[_limit_of(entities, entity_id, attribute, limits)] for entity_id in _ids(fields)]
+
+
+def _limit_of(entities: Entities, entity_id: str, attribute: str, limits: Sequence[tuple[Operator, float]]) -> str:
+    if (entity_id, attribute) == ("sun.sun", "elevation"):
+        if len(limits) > 1:
+            raise NotCarriedError("the elevation of the sun between two limits; write two conditions")
+        return elevation_text(*limits[0])
+    if entity_id == "zone.home" and entities.knows_people:
+        if limits in ([(">", 0.0)], [("<", 1.0)]):
+            return "somebody is home" if limits[0][0] == ">" else "nobody is home"
+        raise NotCarriedError("zone.home: homebot does not count people; ask for 0 or for any")
+    entity, capability, factor = number_of(entities, entity_id, attribute)
+    return limits_text(entity, capability, [(operator, limit * factor) for operator, limit in limits])
 
 
 def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
@@ -119,19 +206,18 @@ def _ids(fields: UnreadFields) -> list[str]:
     return ids
 
 
-def _limit_text(entity: KnownEntity, limits: Sequence[tuple[Operator, float]]) -> str:
-    """Return that the value of an entity is within limits."""
-    name = entity.capability
-    own = CAPABILITIES.get(name, OWN)
-    if entity.domain != "sensor" or own.kind != "number":
+def limits_text(entity: KnownEntity, capability: str, limits: Sequence[tuple[Operator, float]]) -> str:
+    """Return that a value of an entity is within limits."""
+    own = CAPABILITIES.get(capability, OWN)
+    if own.kind != "number" or not entity.has(capability):
         raise NotCarriedError(f"{entity.id} has no limits: homebot reads no number from it")
     if entity.unit:
         raise NotCarriedError(f"the limits of {entity.id} are in {entity.unit}, and homebot has it in {own.unit}")
-    return _text(entity, [StateIs(name, operator, limit) for operator, limit in limits])
+    return _text(entity, [StateIs(capability, operator, limit) for operator, limit in limits])
 
 
 def _meaning(entity: KnownEntity, state: str) -> _Meaning:
-    if fold(state) in _UNKNOWN:
+    if fold(state) in UNKNOWN:
         raise NotCarriedError(f"{entity.id}: {state!r} is no state that a routine can ask for")
     if state in _FLAGS and (flag := _flag_of(entity, state)):
         return flag, "=", _FLAGS[state]

@@ -13,7 +13,6 @@ from itertools import islice
 from typing import Final, TypeAlias, final
 
 import jinja2
-from jinja2 import nodes
 
 from homebot.integrations.homeassistant.formats.jinja.evaluation import Evaluate, Program, Run, path_program
 from homebot.integrations.homeassistant.formats.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
@@ -32,6 +31,9 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
     item,
     text,
 )
+
+nodes = jinja2.nodes
+"""The nodes of its trees."""
 
 _ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
 

@@ -1,0 +1,74 @@
+"""Values that are written elsewhere: variables, inputs of blueprints, and parts in other files. Pure."""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.integrations.homeassistant.formats.jinja.syntax import parse
+from homebot.integrations.homeassistant.formats.jinja.values import TemplateError
+from homebot.support.located import Located
+
+_MAX_DEPTH: Final = 20
+
+
+def resolved(node: Located, constants: Mapping[str, object]) -> Located:
+    """Return *node* with the values of templates that are made of *constants* alone.
+
+    Args:
+        constants: Located or plain values, by name.
+    """
+    value = node.value
+    if node.tag or not constants:
+        return node
+    if isinstance(value, dict):
+        return node._replace(value={key: resolved(inner, constants) for key, inner in value.items()})
+    if isinstance(value, list):
+        return node._replace(value=[resolved(inner, constants) for inner in value])
+    if not isinstance(value, str) or "{" not in value:
+        return node
+    name = value.strip().removeprefix("{{").removesuffix("}}").strip()
+    if (known := constants.get(name)) is not None:
+        return known._replace(line=node.line) if isinstance(known, Located) else Located(known, node.line)
+    try:
+        program = parse(value.strip())
+        if program.names - constants.keys() or not program.names:
+            return node
+        return node._replace(value=program.render({name: plain(value) for name, value in constants.items()}).strip())
+    except TemplateError:
+        return node
+
+
+def plain(value: object) -> object:
+    """Return a located value without its lines."""
+    if isinstance(value, Located):
+        return plain(value.value)
+    if isinstance(value, dict):
+        return {key: plain(inner) for key, inner in value.items()}
+    return [plain(inner) for inner in value] if isinstance(value, list) else value
+
+
+def is_constant(node: Located) -> bool:
+    """Return whether *node* has no template."""
+    if isinstance(node.value, dict):
+        return all(map(is_constant, node.value.values()))
+    if isinstance(node.value, list):
+        return all(map(is_constant, node.value))
+    return not (isinstance(node.value, str) and "{" in node.value)
+
+
+def replaced(node: Located, tag: str, value_of: Callable[[Located], Located], depth: int = 0) -> Located:
+    """Return *node* with the values of *value_of* for all with *tag*.
+
+    Raises:
+        NotCarriedError: They contain each other, or *value_of* raises it.
+    """
+    if depth > _MAX_DEPTH:
+        raise NotCarriedError(f"{tag} too deep in others", node.line)
+    if node.tag == tag:
+        return replaced(value_of(node), tag, value_of, depth + 1)
+    if isinstance(node.value, dict):
+        fields = {key: replaced(inner, tag, value_of, depth) for key, inner in node.value.items()}
+        return node._replace(value=fields)
+    if isinstance(node.value, list):
+        return node._replace(value=[replaced(inner, tag, value_of, depth) for inner in node.value])
+    return node
