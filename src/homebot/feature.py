@@ -17,7 +17,7 @@ from homebot.errors import PluginError
 from homebot.plugins import entry_points_of_others, error_text
 from homebot.rights import OfferedService
 
-__all__ = ["Feature", "Verb"]
+__all__ = ["Feature", "RunOption", "Verb"]
 
 GROUP: Final = "homebot.features"
 
@@ -81,6 +81,21 @@ class FeatureTable(NamedTuple):
     implied_by: str = ""
 
 
+class RunOption(NamedTuple):
+    """An option of ``homebot run`` with a value.
+
+    Attributes:
+        metavar: The value, in the help.
+        purpose: Its use, in a line.
+        opens: A context manager around the run, as ``module:name``, which is called with the value, and gives the
+            :class:`~homebot.feature_context.RunObserver` of the run.
+    """
+
+    metavar: str
+    purpose: str
+    opens: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Feature:
     """A feature. Texts of the form ``module:name`` are loaded when they are needed; empty ones are left out.
@@ -100,6 +115,7 @@ class Feature:
         files: Its data files beside that of the directory, which backups have, with their schemas as ``module:name``.
         tables: Its tables of the configuration, by key.
         verbs: Its commands of the command line, by name.
+        run_options: Its options of ``homebot run``, by name without dashes.
         app_names: Names that apps import from :mod:`homebot.apps`, as ``module:name``.
         messages: Modules with its messages, for clients.
         routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
@@ -121,6 +137,7 @@ class Feature:
     files: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, FeatureTable] = field(default_factory=dict)
     verbs: Mapping[str, Verb] = field(default_factory=dict)
+    run_options: Mapping[str, RunOption] = field(default_factory=dict)
     app_names: Mapping[str, str] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
     routes: str = ""
@@ -136,6 +153,7 @@ class Feature:
         yield from (f"the file {name}" for name in self.files)
         yield from (f"the table {key}" for key in self.tables)
         yield from (f"the command {verb}" for verb in self.verbs)
+        yield from (f"the option --{option}" for option in self.run_options)
         yield from (f"the cause {kind}" for kind in self.causes)
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pathlib import Path
     from random import Random
 
+    from anyio.abc import TaskStatus
     from pydantic import BaseModel
 
     from homebot.apps import App
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from homebot.control import Control
     from homebot.discovery import Directory
     from homebot.graph import Graph
+    from homebot.recording.lines import RecordingHeader
 
 
 class FeatureServer(Protocol):
@@ -27,6 +29,13 @@ class FeatureServer(Protocol):
 
     def serve(self, name: str) -> None:
         """Create the service or action *name*, which is used for the first time."""
+
+
+class RunObserver(Protocol):
+    """Observes a run from before its apps until after them."""
+
+    async def __call__(self, house: FeatureContext, *, task_status: TaskStatus[None]) -> None:
+        """Observe until cancelled; apps start after ``task_status.started()``."""
 
 
 class AppKeeper(Protocol):
@@ -89,6 +98,7 @@ class FeatureContext:
         zone: The time zone of the home; None for the computer's.
         file: Returns the path of a data file; None if the run keeps nothing in files.
         apps: The apps of the house, which a feature may start, stop and limit.
+        run_facts: Returns the facts of the run that a replay needs, without the time.
         run_app: Runs an app with its settings in a node of that name, until cancelled.
         control: Returns the control layer; None before it runs.
         directory: Returns the directory; None before it runs.
@@ -109,6 +119,7 @@ class FeatureContext:
     zone: tzinfo | None
     file: Callable[[str], Path | None]
     apps: HouseApps
+    run_facts: Callable[[], Awaitable[RecordingHeader]]
     run_app: Callable[[str, type[App[Any]], BaseModel], Awaitable[None]]
     control: Callable[[], Control | None]
     directory: Callable[[], Directory | None]

@@ -8,8 +8,8 @@ from tests.discovery.announcements import announce, part_of, tell
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.discovery import DeviceIndex
+from homebot.discovery.entry import ReportInterval
 from homebot.discovery.ids import Tombstone, Tombstones
-from homebot.discovery.report_interval import ReportInterval
 from homebot.words.queries import parse_query
 
 HOUR = 3600.0

@@ -9,8 +9,7 @@ from homebot.devices.value import Reading, Value
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.messages.message import Message
-from homebot.recording.lines import LostLines, RecordingLine, line_text, read_line
-from homebot.recording.recorder import LineBuffer
+from homebot.recording.lines import RecordingLine, line_text, read_line
 from homebot.recording.repetitions import Repetition, Repetitions
 
 
@@ -71,10 +70,6 @@ def test_after_a_loss_all_is_told_in_full() -> None:
     repetitions.shortened(reported(0))
     repetitions.forget()
     assert repetitions.shortened(reported(1)) == reported(1)
-    buffer = LineBuffer()
-    line = RecordingLine(0.0, LostLines(count=0))
-    assert buffer.add(line)
-    assert not all(buffer.add(line) for _ in range(50_000))
 
 
 def test_a_repetition_of_nothing_is_refused() -> None:

@@ -1,34 +1,39 @@
-"""Days that are recorded in virtual time, and their replays."""
+"""Days that are recorded in virtual time, and their replays: for tests that need the rooms they name.
+
+The features that record, and that tell differences, are loaded when a test uses them.
+"""
 
 import asyncio
 import tomllib
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import anyio
 from tests.apps.houses import flat, lamp, motion
 
-from homebot.cli.commands.replay import difference_text
 from homebot.config import parse_config
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.device import part_names
 from homebot.devices.history_messages import MAX_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
 from homebot.devices.journal_messages import JournalEntry
-from homebot.devices.names import READ_HISTORY, READ_RECORDING, START_RECORDER
+from homebot.devices.names import READ_HISTORY
 from homebot.devices.services import FindDevicesRequest
+from homebot.feature import load
+from homebot.feature_context import RunObserver
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.messages import Time
 from homebot.messages.std_srvs import Trigger, TriggerRequest
 from homebot.recording.recording import Recording, read_recording
-from homebot.recording.session import ReadRecording, ReadRecordingRequest
-from homebot.replay.command_diff import CommandDiff, command_diff
-from homebot.replay.history_recording import history_recording
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import VirtualHouse, virtual_house_of
+
+if TYPE_CHECKING:
+    from homebot.features.recording.command_diff import CommandDiff
 
 FAMILY = (Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8")
 APPS = {
@@ -54,7 +59,9 @@ async def history_of(
             answer = await history.call(asked)
             assert answer.success, answer.message
             series += answer.series
-    return history_recording("home425", devices, series, commands, since, until)
+    history_recording = load("homebot.features.routines.history_recording:history_recording")
+    recording: Recording = history_recording("home425", devices, series, commands, since, until)
+    return recording
 
 
 class MemorySink:
@@ -67,6 +74,10 @@ class MemorySink:
 
     async def write(self, lines: Sequence[str]) -> None:
         self.lines += lines
+
+    def observers(self) -> Mapping[str, RunObserver]:
+        """What records a run into it."""
+        return {"recorder": load("homebot.features.recording.recording_server:recorder_into")(self)}
 
 
 def family(seed: int) -> World:
@@ -106,7 +117,9 @@ def recorded(
     tables = {**(config or {}), "apps": {name: APPS[name] for name in apps}}
 
     async def live() -> None:
-        async with virtual_house_of(world=world, seed=seed, start=start, config=tables, record_into=sink) as home:
+        async with virtual_house_of(
+            world=world, seed=seed, start=start, config=tables, observers=sink.observers()
+        ) as home:
             await home.run_for(length)
 
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
@@ -117,14 +130,15 @@ def recorded(
 @asynccontextmanager
 async def recorded_for_client(node: Node, lines: list[str]) -> AsyncIterator[None]:
     """Record into *lines* for the time of the block, as ``homebot record`` does."""
-    assert (await node.create_client(Trigger, START_RECORDER).call(TriggerRequest())).success
-    reader = node.create_client(ReadRecording, READ_RECORDING)
+    read_recording = load("homebot.features.recording.session:ReadRecording")
+    assert (await node.create_client(Trigger, "/homebot/start_recorder").call(TriggerRequest())).success
+    reader = node.create_client(read_recording, "/homebot/recorder/read")
     is_last = anyio.Event()
 
     async def read() -> None:
         is_over = False
         while not is_over:
-            answer = await reader.call(ReadRecordingRequest(is_last=is_last.is_set()))
+            answer = await reader.call(read_recording.Request(is_last=is_last.is_set()))
             lines.extend(answer.lines)
             is_over = answer.is_over
 
@@ -148,15 +162,25 @@ def replayed(recording: Recording, apps: Sequence[str] = (), tables: Mapping[str
         return runner.run(replay(recording, config, loop.settled))
 
 
-def diff_of(recording: Recording, apps: Sequence[str] = (), tables: Mapping[str, object] | None = None) -> CommandDiff:
+def diff_of(
+    recording: Recording, apps: Sequence[str] = (), tables: Mapping[str, object] | None = None
+) -> "CommandDiff":
     """The difference of such a replay."""
     found = replayed(recording, apps, tables)
     assert found.crashes == {}
-    return command_diff(recording.commands, found.commands, found.issuers, recording.ends_at)
+    return difference(recording, found)
 
 
-def texts(recording: Recording, diff: CommandDiff) -> list[str]:
+def difference(recording: Recording, found: Replayed) -> "CommandDiff":
+    """The difference of *found*, a replay."""
+    command_diff = load("homebot.features.recording.command_diff:command_diff")
+    diff: CommandDiff = command_diff(recording.commands, found.commands, found.issuers, recording.ends_at)
+    return diff
+
+
+def texts(recording: Recording, diff: "CommandDiff") -> list[str]:
     """The differences as `homebot replay --diff` prints them."""
     names = part_names(recording.devices.values())
     start = recording.header.started_at.to_seconds()
+    difference_text = load("homebot.features.recording.command_replay:difference_text")
     return [difference_text(one, start, names) for one in diff.different]

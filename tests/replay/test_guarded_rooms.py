@@ -14,7 +14,7 @@ from homebot.recording.recording import Recording
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant", "recording")]
 
 CONFIG = {"apps": {"lights_out": APPS["lights_out"]}, "control": {"presence_guard": {}}}
 

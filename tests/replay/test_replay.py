@@ -18,7 +18,7 @@ from homebot.recording.lines import RecordingHeader
 from homebot.recording.recording import Recording
 from homebot.replay.replay import replay_config
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("recording")]
 
 EVERY_APP = ("light_service", "lights_out", "window_heating", "follow_me")
 EVENING_APPS = ("lights_out", "follow_me")

@@ -8,7 +8,16 @@ from random import Random
 import anyio
 import pytest
 from tests.apps.houses import flat, lamp, motion
-from tests.replay.recorded_days import APPS, diff_of, recorded, recorded_for_client, recording_of, replayed, texts
+from tests.replay.recorded_days import (
+    APPS,
+    diff_of,
+    difference,
+    recorded,
+    recorded_for_client,
+    recording_of,
+    replayed,
+    texts,
+)
 from tests.sizes import nightly
 
 import homebot.apps.lights_out
@@ -21,11 +30,10 @@ from homebot.house.description import load_world
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.recording.recording import Recording
-from homebot.replay.command_diff import command_diff
 from homebot.runtime import Runtime
 from homebot.support.virtual_time import VirtualTimeLoop
 
-pytestmark = [pytest.mark.slow, pytest.mark.no_cover]
+pytestmark = [pytest.mark.slow, pytest.mark.no_cover, pytest.mark.rooms("recording")]
 
 MIXED = Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml"
 BOTH = ("mqtt", "observer")
@@ -94,7 +102,7 @@ def test_the_same_apps_give_the_same_commands_over_all_gateways_whose_devices_ar
     commanded = {one.command.device for one in hour.commands}
     assert commanded == {"hall_lamp", "study_lamp", "kitchen_lamp"}
     again = replayed(hour)
-    diff = command_diff(hour.commands, again.commands, again.issuers, hour.ends_at)
+    diff = difference(hour, again)
     assert (again.crashes, texts(hour, diff)) == ({}, [])
     assert diff.same == len(hour.commands)
     found = {one.id: sorted({each.gateway for each in one.endpoints}) for one in again.devices}

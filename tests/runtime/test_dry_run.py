@@ -156,12 +156,12 @@ async def test_a_person_is_told_that_nothing_was_sent() -> None:
         assert is_on(house.world, "hall_lamp")
 
 
-@pytest.mark.rooms("homeassistant")
+@pytest.mark.rooms("homeassistant", "recording")
 async def test_an_app_that_commands_again_and_again_lets_time_pass() -> None:
     """The light service turns off each lamp that is on, again if it must; here none ever goes off."""
     world = flat(hall_lamp=lamp("hall"))
     sink = MemorySink()
-    async with virtual_house_of("light_service", world=world, is_dry_run=True, record_into=sink) as home:
+    async with virtual_house_of("light_service", world=world, is_dry_run=True, observers=sink.observers()) as home:
         await home.press("hall_lamp", "on")
         await home.run_for("30m")
         assert is_on(world, "hall_lamp")

@@ -53,8 +53,6 @@ COMMANDS: Final = {
     "why": "explain why a device is in its state",
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",
-    "record": "record the house, for a replay",
-    "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
     "mcp": "serve an agent over the Model Context Protocol",
     "reload": "apply changes in the configuration of a running homebot",

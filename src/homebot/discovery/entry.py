@@ -1,10 +1,12 @@
 """A device in the index: its announcements, its signs of life, and its message."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, final
 
 from homebot.devices import (
     Device,
@@ -41,7 +43,6 @@ from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, Agreement, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
@@ -54,6 +55,72 @@ if TYPE_CHECKING:
 _device_of, _endpoint_of, _state_of = Device.of_checked, Endpoint.of_checked, State.of_checked
 _stamp_of = Time.from_seconds
 _VALUES, _EVENTS, _UNREADABLE = attrgetter("values"), attrgetter("events"), attrgetter("unreadable")
+
+_MAX_GAPS = 8
+
+_BURST = 1.0
+"""Seconds within which messages belong together, as devices often send several at once."""
+
+_MIN_GAPS = 3
+
+_SILENCE_FACTOR = 3.0
+"""Usual gaps that silence may last: two reports may be lost on the way."""
+
+_MAX_OF_FEW = 86_400.0
+
+_MAX_INTERVAL_S = 7 * 86_400.0
+
+
+@final
+@dataclass(slots=True, eq=False)
+class ReportInterval:
+    """The gaps between the last reports of a device: at most eight, so that old habits are forgotten.
+
+    From three gaps on the longest one is ignored, as it may have been a power cut.
+
+    Attributes:
+        gaps: The gaps in seconds, oldest first.
+        expected_silence: Seconds of silence that are usual after a report; 0 if unknown.
+    """
+
+    gaps: tuple[float, ...] = ()
+    expected_silence: float = 0.0
+    _last: float | None = None
+
+    @classmethod
+    def of(cls, gaps: Iterable[float]) -> ReportInterval:
+        """Return the interval that these *gaps* of an earlier run show."""
+        known = tuple(gaps)[-_MAX_GAPS:]
+        return cls(known, _usual_silence(known))
+
+    def record(self, now: float) -> float:
+        """Record a report at *now*, in seconds; return the expected silence after it."""
+        last = self._last
+        if last is None:
+            self._last = now
+        elif (gap := now - last) >= _BURST:
+            self._last = now
+            self._learn((*self.gaps, gap)[-_MAX_GAPS:])
+        return self.expected_silence
+
+    def join(self, other: ReportInterval) -> None:
+        """Copy the interval that *other* has learnt about the same device, if it is longer."""
+        if len(other.gaps) > len(self.gaps):
+            self._learn(other.gaps)
+        if other._last is not None:
+            self._last = max(other._last, self._last or other._last)
+
+    def _learn(self, gaps: tuple[float, ...]) -> None:
+        self.gaps = gaps
+        self.expected_silence = _usual_silence(gaps)
+
+
+def _usual_silence(gaps: tuple[float, ...]) -> float:
+    if not gaps:
+        return 0.0
+    if len(gaps) < _MIN_GAPS:
+        return min(_SILENCE_FACTOR * min(gaps), _MAX_OF_FEW)
+    return min(_SILENCE_FACTOR * sorted(gaps)[-2], _MAX_INTERVAL_S)
 
 
 @dataclass(slots=True, eq=False)
@@ -184,13 +251,13 @@ class Entry:
         return self.device
 
     @staticmethod
-    def _in_groups(device: Device, described: DeviceDescription, groups: "HouseGroups") -> Device:
+    def _in_groups(device: Device, described: DeviceDescription, groups: HouseGroups) -> Device:
         if described.groups is None:
             described.groups = groups.facts_of(device)
         facts = (*described.groups, *device.facts)[:MAX_FACTS]
         return device.model_copy(update={"facts": facts}) if described.groups else device
 
-    def is_regrouped(self, groups: "HouseGroups", topics: TopicOwnership) -> bool:
+    def is_regrouped(self, groups: HouseGroups, topics: TopicOwnership) -> bool:
         """Return whether the gateways' groups of which it is a member changed; its message is discarded then."""
         device = self.to_device(topics)
         described = self._description or self._described(topics)

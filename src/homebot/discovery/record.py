@@ -7,11 +7,10 @@ from typing import NamedTuple, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.devices import Sighting
-from homebot.discovery.entry import Entry
+from homebot.discovery.entry import Entry, ReportInterval
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.merging.part_ids import PartPlace
 from homebot.discovery.merging.trust import MAX_TRUSTED
-from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time

@@ -31,7 +31,7 @@ from homebot.feature import feature_tables
 from homebot.graph import Node
 from homebot.recording.lines import CommandNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.command_diff import CommandMatcher
+from homebot.replay.command_matcher import CommandMatcher
 from homebot.replay.replay_apps import app_tables, as_table, recorded_table
 from homebot.replay.replay_gateway import ReplayFeed
 from homebot.replay.replay_people import ReplayPeople

@@ -36,7 +36,7 @@ from homebot.messages.json import message_from_json
 from homebot.messages.message import ServiceType
 from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.command_diff import is_carried_out
+from homebot.replay.command_matcher import is_carried_out
 from homebot.replay.replay_gateway import ReplayFeed
 from homebot.support.strict_json import parse_strict
 

@@ -30,7 +30,7 @@ from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD, START_RECORDER
+from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD
 from homebot.devices.own_services import is_own, row_of_service
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
@@ -56,11 +56,10 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge.first_code import FirstCode
     from homebot.control.open_command import SimulatedExecution
     from homebot.devices.services import IndexRow
-    from homebot.feature_context import AppKeeper, FeatureContext, FeatureServer
+    from homebot.feature_context import AppKeeper, FeatureContext, FeatureServer, RunObserver
     from homebot.graph.endpoint import EndpointInfo
     from homebot.house import World
-    from homebot.recording.recording_file import LineSink
-    from homebot.runtime.run_recording import RunRecording
+    from homebot.recording.lines import RecordingHeader
     from homebot.runtime.session_keeper import SessionKeeper
     from homebot.runtime.simulated_house import HouseOfRun
 
@@ -130,7 +129,7 @@ class Runtime:
         index_file: The file in which the directory keeps devices across restarts; None for none.
         owner_file: The file with the owner's token, which is made if there is none; None for none. The door of a
             simulated house needs none.
-        record_into: Receives the lines of a recording of the whole run; None for no recording.
+        observers: Functions that observe the run from before its apps until after them, by name.
         is_dry_run: Whether nothing is sent to any device: gateways only observe, and commands are recorded instead of
             sent.
         rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
@@ -164,7 +163,7 @@ class Runtime:
     owner_file: Path | None = None
     loop_watch: LoopWatch | None = None
     lost_lines: Callable[[], int] = lambda: 0
-    record_into: LineSink | None = None
+    observers: Mapping[str, RunObserver] = field(default_factory=dict)
     is_dry_run: bool = False
     rehearsal: SimulatedExecution | None = None
     known: Sequence[IndexRow] = ()
@@ -335,7 +334,6 @@ class Runtime:
         self.app_manager.offer_services(main)
         home, reloaded, folder = self._plan.home, lambda: self._reloaded, self._installation.folder
         RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded, folder)
-        main.offer_service("std_srvs/srv/Trigger", START_RECORDER, lambda: self._recording.serve_clients(main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
@@ -382,8 +380,7 @@ class Runtime:
         yield from (
             running(feature.name, partial(self._feature, feature)) for feature in all_features() if feature.server
         )
-        if self.record_into is not None:
-            yield running("recorder", partial(self._recording.record_into, self.record_into))
+        yield from (running(name, partial(observe, self._feature_context)) for name, observe in self.observers.items())
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
         if self.watches_apps:
             yield running("app_watch", self.app_manager.reload_changed)
@@ -472,6 +469,8 @@ class Runtime:
                 return made
 
             for service in feature.services:
+                if not service.ros_type:
+                    continue
                 offer = node.offer_action if "/action/" in service.ros_type else node.offer_service
                 offer(service.ros_type, service.name, partial(lambda name: server().serve(name), service.name))
             self._servers[feature.name] = server
@@ -492,6 +491,7 @@ class Runtime:
             zone=self.app_host.context.zone,
             file=self._beside_index,
             apps=self.app_manager,
+            run_facts=self._run_facts,
             run_app=self._run_app,
             control=lambda: self._controller,
             directory=lambda: self._index,
@@ -528,20 +528,11 @@ class Runtime:
         component = PlannedComponent(name, kind, settings)
         await self.app_host.serve(component, task_status=anyio.TASK_STATUS_IGNORED)
 
-    @cached_property
-    def _recording(self) -> RunRecording:
-        from homebot.runtime.run_recording import RunRecording  # noqa: PLC0415 - few runs are recorded
+    async def _run_facts(self) -> RecordingHeader:
+        from homebot.runtime.run_facts import run_facts  # noqa: PLC0415 - few runs are recorded
 
-        return RunRecording(
-            self.graph,
-            lambda: self._plan,
-            self._detected,
-            trusts_apps=self.trusts_apps,
-            approves_all=self._approves_all,
-        )
-
-    async def _detected(self) -> tuple[str, ...]:
-        return () if self._controller is None else await self._controller.detected()
+        detected = () if self._controller is None else await self._controller.detected()
+        return run_facts(self._plan, detected, trusts_apps=self.trusts_apps, approves_all=self._approves_all)
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started

@@ -12,6 +12,7 @@ import anyio
 from homebot.clock import LoopClock
 from homebot.config import Config
 from homebot.errors import UsageError
+from homebot.feature_context import RunObserver
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
 from homebot.house.family import family_of
@@ -22,7 +23,6 @@ from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
-from homebot.recording.recording_file import LineSink
 from homebot.runtime import Runtime
 from homebot.runtime.simulated_house import identifiers
 from homebot.support.virtual_time import VirtualTimeLoop
@@ -204,7 +204,7 @@ async def virtual_house_of(
     seed: int = 0,
     heartbeat: str | float = HEARTBEAT,
     config: Config | Mapping[str, object] | None = None,
-    record_into: LineSink | None = None,
+    observers: Mapping[str, RunObserver] | None = None,
     is_dry_run: bool = False,
 ) -> AsyncIterator[VirtualHouse]:
     """Run *apps* in a homebot like :func:`homebot.testing.house_of`, on a :class:`VirtualTimeLoop`.
@@ -214,7 +214,7 @@ async def virtual_house_of(
         start: The date and time at which the test starts; UTC without a time zone.
         seed: The seed of all random numbers; the same test and seed give the same run.
         heartbeat: The time after which a simulated device repeats its last report.
-        record_into: Receives the lines of a recording of the whole run; None for no recording.
+        observers: Functions that observe the run from before its apps until after them, by name.
 
     Raises:
         UsageError: The running event loop is not virtual, or an argument or the configuration is invalid.
@@ -231,7 +231,7 @@ async def virtual_house_of(
                 services=[HostedBroker.in_memory(broker)],
                 random=random,
                 trusts_apps=True,
-                record_into=record_into,
+                observers=observers or {},
                 is_dry_run=is_dry_run,
             )
             for mistake in runtime.app_host.left_out.values():

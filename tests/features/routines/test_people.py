@@ -26,7 +26,7 @@ from homebot.words.triggers import PersonMoves, read_trigger
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.virtual_time,
-    pytest.mark.rooms("espresense", "homeassistant", "owntracks", "people"),
+    pytest.mark.rooms("espresense", "homeassistant", "owntracks", "people", "recording"),
 ]
 
 PEOPLE = {"Anna": {"trackers": ["Anna's phone"]}, "Ben": {"trackers": ["ben phone"]}}
@@ -237,7 +237,7 @@ def test_a_trial_on_a_recorded_day_knows_who_came_and_went(
 
     async def live() -> None:
         tables = {"people": PEOPLE, "home": {"zone": "UTC"}}
-        async with virtual_house_of(world=hall(), config=tables, record_into=sink) as house:
+        async with virtual_house_of(world=hall(), config=tables, observers=sink.observers()) as house:
             for regions in (("Home",), (), ("Home",)):
                 await ben_is(house, *regions)
                 await house.run_for("10m")

@@ -19,7 +19,7 @@ from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.testing import VirtualTimeLoop
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800), pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800), pytest.mark.rooms("homeassistant", "recording")]
 
 YAML = ROUTINES.with_name("home_assistant.yaml").read_text("utf-8")
 TABLES = ROUTINES.read_text("utf-8").split("[[routines]]\n")[1:]

@@ -15,7 +15,7 @@ from homebot.features.routines.command_trial import trial_lines
 from homebot.recording.recording import load_recording
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant", "recording")]
 
 ROUTINE = """
 [home]
@@ -34,7 +34,7 @@ def day(tmp_path_factory: pytest.TempPathFactory) -> Path:
     world = hall(("08:05", "hall"), ("08:06", "outside"), ("08:20", "hall"))
 
     async def live() -> None:
-        async with virtual_house_of(world=world, start="2026-01-01 08:00", record_into=sink) as house:
+        async with virtual_house_of(world=world, start="2026-01-01 08:00", observers=sink.observers()) as house:
             await house.run_until("08:19")
             await house.press("hall_lamp", "on")
             await house.run_until("08:23")

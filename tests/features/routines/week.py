@@ -91,7 +91,7 @@ def week() -> Week:
     async def live() -> None:
         config = tomllib.loads(ROUTINES.read_text("utf-8")) | {"history": {"enabled": True}}
         async with (
-            virtual_house_of(world=_family(), config=config, start=_START, record_into=sink) as house,
+            virtual_house_of(world=_family(), config=config, start=_START, observers=sink.observers()) as house,
             Node(house.runtime.graph, "owner") as owner,
             anyio.create_task_group() as tasks,
         ):

@@ -23,7 +23,14 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.bridges.client_error_log import LibraryLog
-from homebot.bridges.rosbridge.connection import DoorConnection, HttpExchange, client_frames, http_response, is_roslibpy
+from homebot.bridges.rosbridge.connection import (
+    Arrivals,
+    DoorConnection,
+    HttpExchange,
+    client_frames,
+    http_response,
+    is_roslibpy,
+)
 from homebot.bridges.rosbridge.handshake import (
     LOG_IN,
     Entrance,
@@ -33,7 +40,6 @@ from homebot.bridges.rosbridge.handshake import (
     is_for_api,
     is_for_websocket,
 )
-from homebot.bridges.rosbridge.pending_connections import Arrivals
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights

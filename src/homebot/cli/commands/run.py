@@ -9,7 +9,7 @@ import gc
 import os
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Mapping
-from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias, cast
@@ -29,6 +29,7 @@ from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import WITH_COMMAND_LINE, Config, load_config, load_tables, parse_config
 from homebot.errors import ConfigError, UsageError
+from homebot.feature import RunOption, all_features, load
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, app_of, check_extra, is_file, name_in_file
 from homebot.support.output import queued_output
@@ -38,8 +39,8 @@ from homebot.support.production_loop import ProductionLoop
 if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
+    from homebot.feature_context import RunObserver
     from homebot.house import World
-    from homebot.recording.recording_file import LineSink
     from homebot.runtime import Runtime
 
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
@@ -104,7 +105,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="send nothing to any device: only log and journal the commands of apps",
     )
     parser.add_argument("--reload", action="store_true", help="reload an app when its file changes")
-    parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
+    for name, option in _run_options().items():
+        parser.add_argument(f"--{name}", metavar=option.metavar, help=option.purpose)
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
     add_time_limit(parser)
 
@@ -233,7 +235,7 @@ def run_configured(options: argparse.Namespace) -> int:
     view = partial(_watched, house) if is_watched and house is not None and not house.time.is_real else None
     with (
         queued_output() as lost_lines,
-        _recording(options.record) as record_into,
+        _observers(options) as observers,
         _log(options.log_format, is_quiet=view is not None),
     ):
         atexit.register(gc.freeze)  # else the final garbage collection takes seconds
@@ -258,7 +260,7 @@ def run_configured(options: argparse.Namespace) -> int:
             index_file=index_file,
             owner_file=owner_file,
             lost_lines=lost_lines,
-            record_into=record_into,
+            observers=observers,
             is_dry_run=options.dry_run,
             read_config=read,
             watches_apps=options.reload,
@@ -307,14 +309,14 @@ def _log(log_format: LogFormat | None, *, is_quiet: bool) -> Iterator[None]:
 
 
 @contextmanager
-def _recording(path: str | None) -> Iterator[LineSink | None]:
-    if path is None:
-        yield None
-        return
-    from homebot.recording.recording_file import FileSink, RecordingFile  # noqa: PLC0415 - few runs are recorded
+def _observers(options: argparse.Namespace) -> Iterator[Mapping[str, RunObserver]]:
+    with ExitStack() as stack:
+        given = {name: value for name in _run_options() if (value := getattr(options, name)) is not None}
+        yield {name: stack.enter_context(load(_run_options()[name].opens)(value)) for name, value in given.items()}
 
-    with RecordingFile(Path(path)) as file:
-        yield FileSink(file)
+
+def _run_options() -> Mapping[str, RunOption]:
+    return {name: option for feature in all_features() for name, option in feature.run_options.items()}
 
 
 def configuration(options: argparse.Namespace, *, may_be_cut: bool = False) -> tuple[Config, World | None]:

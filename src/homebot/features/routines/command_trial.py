@@ -11,9 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.apps.grants import without_act
-from homebot.cli.commands.replay import command_text
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.house_history import read_house_history
 from homebot.config import Config, HomeSettings, load_config, parse_config, parse_settings, read_all
 from homebot.config_lines import located
 from homebot.devices.device import part_names
@@ -22,11 +20,13 @@ from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age_text
 from homebot.errors import ConfigError, PeerError, UsageError
 from homebot.features.routines.checks import asked_about
+from homebot.features.routines.command_history import read_house_history
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_routines
 from homebot.features.routines.trial import TriedCommand, routines_of, trial_config, tried
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
+from homebot.replay.command_text import command_text
 from homebot.replay.replay import Replayed, replay
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop

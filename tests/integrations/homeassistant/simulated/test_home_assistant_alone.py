@@ -17,6 +17,7 @@ from homebot.config import parse_config
 from homebot.devices import Devices
 from homebot.devices.handles import DoorLock, Light, WindowCovering
 from homebot.devices.outcomes import Outcome, Refused
+from homebot.feature_context import RunObserver
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
@@ -48,7 +49,7 @@ def family() -> World:
 
 @asynccontextmanager
 async def homebot(
-    world: World, tables: Mapping[str, object], sink: MemorySink | None = None
+    world: World, tables: Mapping[str, object], observers: Mapping[str, RunObserver] | None = None
 ) -> AsyncIterator[tuple[Runtime, Devices]]:
     """Run it until the block ends; the devices are all known, each by Home Assistant."""
     usual = {"gateways": {"mqtt": {}}, "door": {"port": 0}, "discovery": {"persist": False}}
@@ -57,7 +58,7 @@ async def homebot(
         services = [HostedBroker.in_memory(broker)]
         config = parse_config({**usual, **tables}, "test")
         async with (
-            Runtime(config, house=world, clock=clock, services=services, record_into=sink) as runtime,
+            Runtime(config, house=world, clock=clock, services=services, observers=observers or {}) as runtime,
             Node(runtime.graph, "judge") as node,
         ):
             devices = Devices(node)
@@ -84,9 +85,10 @@ async def until_off(world: World, name: str) -> None:
             await anyio.sleep(0.02)
 
 
+@pytest.mark.rooms("recording")
 async def test_the_light_service_and_homebot_do_work_and_a_recording_gives_the_same_commands() -> None:
     sink, world = MemorySink(), family()
-    async with homebot(world, {"apps": {"light_service": APPS["light_service"]}}, sink) as (runtime, _):
+    async with homebot(world, {"apps": {"light_service": APPS["light_service"]}}, sink.observers()) as (runtime, _):
         assert await do(runtime, "hall_lamp", "on") == 0
         await until_off(world, "hall_lamp")
         assert await do(runtime, "nursery_lamp", "on") == 0

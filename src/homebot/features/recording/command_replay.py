@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Final, cast
 from homebot.cli.arguments import set_command
 from homebot.config import load_config
 from homebot.devices.device import part_names
-from homebot.devices.wording.journal_words import issuer_text, name_text, settings_text, trigger_text
+from homebot.devices.wording.journal_words import trigger_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import HomebotError
+from homebot.features.recording.command_diff import CommandDiff, DifferentCommand, command_diff
 from homebot.log import configure_logging
 from homebot.messages.json import message_to_json
 from homebot.recording.recording import Recording, TimedCommand, load_recording
-from homebot.replay.command_diff import CommandDiff, DifferentCommand, command_diff
+from homebot.replay.command_text import command_text, device_text
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
@@ -68,23 +69,6 @@ def difference_text(command: DifferentCommand, start: float, names: Mapping[str,
     where = "in the replay" if command.kind == "gone" else "in the recording"
     refused = f"; refused {where} by {printable(command.refused)}" if command.refused else ""
     return f"{_SIGNS[command.kind]} {command_text(replace(command.given, result=None), start, names)}{refused}"
-
-
-def command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
-    """Return a command as a line: time, device, setting, issuer and cause.
-
-    Args:
-        start: When the recording began, in seconds since the Unix epoch.
-        names: As returned by :func:`homebot.devices.device.part_names`.
-    """
-    command = cast("RecordedCommand", JsonMessage(message_to_json(given.command)))
-    local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
-    what = printable(command.text) or settings_text(command.settings)
-    cause = trigger_text(command.trigger, names)
-    because = f", because {cause}" if cause else ""
-    outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
-    stamp = f"{local:%Y-%m-%d %H:%M:%S}"
-    return f"{stamp}  {_name(given, names)}  {what}  {issuer_text(command.issuer)}{because}{outcome}"
 
 
 def _replay(options: argparse.Namespace) -> int:
@@ -150,7 +134,7 @@ def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -
     command = cast("RecordedCommand", JsonMessage(record))
     return {
         "at": datetime.fromtimestamp(start + given.at, UTC).isoformat(timespec="milliseconds"),
-        "name": _name(given, names),
+        "name": device_text(given, names),
         "because": trigger_text(command.trigger, names),
         **{key: value for key, value in record.items() if key not in {"id", "trigger"}},
         "outcome": "" if given.result is None else given.result.outcome,
@@ -159,7 +143,3 @@ def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -
 
 def _difference_json(command: DifferentCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
     return {"difference": command.kind, "refused": command.refused, **_command_json(command.given, start, names)}
-
-
-def _name(given: TimedCommand, names: Mapping[str, str]) -> str:
-    return name_text(given.command.device, names, given.command.part)

@@ -5,12 +5,12 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.devices.names import READ_RECORDING
+from homebot.features.recording import READ_RECORDING
+from homebot.features.recording.recorder import Recorder
+from homebot.features.recording.recording_file import LineSink
 from homebot.graph import Node
 from homebot.messages.message import Message, ServiceType
 from homebot.recording.lines import RecordingHeader
-from homebot.recording.recorder import Recorder
-from homebot.recording.recording_file import LineSink
 
 FAILED = "recording.failed"
 FULL = "recording.file_full"
@@ -71,7 +71,7 @@ async def record_for_client(node: Node, header: RecordingHeader, ready: anyio.Ev
     async with anyio.create_task_group() as tasks:
         await tasks.start(recorder.run)
         reader = _LineReader(node, recorder)
-        node.create_service(ReadRecording, READ_RECORDING, reader.read, cancel_with_caller=True)
+        node.create_service(ReadRecording, READ_RECORDING.name, reader.read, cancel_with_caller=True)
         ready.set()
         await reader.run()
         tasks.cancel_scope.cancel()

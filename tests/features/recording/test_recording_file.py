@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from homebot.errors import UsageError
+from homebot.features.recording.recorder import LineBuffer
+from homebot.features.recording.recording_file import RecordingFile
 from homebot.messages import Time
 from homebot.recording.lines import LostLines, RecordingHeader, RecordingLine, line_text
-from homebot.recording.recorder import LineBuffer
 from homebot.recording.recording import load_recording
-from homebot.recording.recording_file import RecordingFile
 
 HEADER = line_text(
     RecordingLine(0, RecordingHeader(format=2, version="1", home="h", started_at=Time(sec=1, nanosec=0)))
@@ -78,8 +78,7 @@ def test_what_does_not_fit_is_counted_in_the_file(tmp_path: Path) -> None:
 def test_lines_that_come_too_fast_are_dropped_and_counted_where_they_are_missing() -> None:
     buffer = LineBuffer()
     line = RecordingLine(1, LostLines(count=0))
-    for _ in range(50_010):
-        buffer.add(line)
+    assert sum(buffer.add(line) for _ in range(50_010)) == 50_000
     assert buffer.lost == 10
     assert len(buffer.pop()) == 50_000
     buffer.add(line)

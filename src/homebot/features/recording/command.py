@@ -8,9 +8,9 @@ from typing import Final, cast
 from homebot.cli.arguments import add_time_limit, positive, set_client_command
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.stop_signals import stop_signals
-from homebot.devices.names import READ_RECORDING, START_RECORDER
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.recording.recording_file import DEFAULT_MEGABYTES, RecordingFile
+from homebot.features.recording import READ_RECORDING, START_RECORDER
+from homebot.features.recording.recording_file import DEFAULT_MEGABYTES, RecordingFile
 
 _EXAMPLES = """\
   homebot record day.jsonl.gz
@@ -46,7 +46,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _record_into(door: DoorClient, options: argparse.Namespace) -> int:
-    answer = door.call(START_RECORDER, timeout=_MAX_WAIT_S)
+    answer = door.call(START_RECORDER.name, timeout=_MAX_WAIT_S)
     if not answer["success"]:
         raise RefusedError("recording", str(answer["message"]))
     with _created(door, options) as file:
@@ -62,7 +62,7 @@ def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
     try:
         return RecordingFile(Path(options.file), options.max_mb, force=options.force)
     except UsageError:
-        while not door.call(READ_RECORDING, {"is_last": True}, _MAX_WAIT_S)["is_over"]:
+        while not door.call(READ_RECORDING.name, {"is_last": True}, _MAX_WAIT_S)["is_over"]:
             pass
         raise
 
@@ -75,7 +75,7 @@ def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> Link
         while not is_over:
             is_last = bool(stopped) or file.is_full or (ends is not None and time.monotonic() >= ends)
             try:
-                answer = door.call(READ_RECORDING, {"is_last": is_last}, _MAX_WAIT_S)
+                answer = door.call(READ_RECORDING.name, {"is_last": is_last}, _MAX_WAIT_S)
                 file.write(cast("list[str]", answer["lines"]))
             except (LinkError, OSError) as exc:
                 return exc

@@ -1,22 +1,12 @@
 """Difference between the commands of a recording and those of its replay, matched by content and time. Pure."""
 
-from bisect import bisect_left
-from collections import defaultdict
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias, final
+from typing import Literal
 
 from homebot.devices.capabilities import MOMENTARY
-from homebot.devices.value import PlainValue
-from homebot.recording.lines import RecordedCommand
 from homebot.recording.recording import TimedCommand
-
-_TOLERANCE: Final = 1.0
-"""Seconds by which the same command may be earlier or later on a busy computer, without people noticing."""
-
-_ROUNDED: Final = 1e-6
-
-_Key: TypeAlias = "tuple[str, str, str, str, tuple[tuple[str, PlainValue], ...]]"
+from homebot.replay.command_matcher import ROUNDED, TOLERANCE, CommandMatcher, command_key, is_carried_out
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,40 +55,8 @@ def command_diff(
     gone = matcher.left
     different = [DifferentCommand("added", one, _refusal(one, before)) for one in _missing(added, repeated_before)]
     different += [DifferentCommand("gone", one, _refusal(one, now)) for one in _missing(gone, repeated_now)]
-    kept = sorted((one for one in different if one.given.at <= ends_at - _TOLERANCE), key=_order)
+    kept = sorted((one for one in different if one.given.at <= ends_at - TOLERANCE), key=_order)
     return CommandDiff(tuple(kept), len(sent_before) - len(gone))
-
-
-def is_carried_out(given: TimedCommand) -> bool:
-    """Return whether a command was allowed to be sent: no policy or lease refused it."""
-    return given.result is None or given.result.policy in {"", "gateway"}
-
-
-@final
-class CommandMatcher:
-    """Finds the same command among others: with the same issuer, part and values, at most 1 s apart.
-
-    Each is found once, the earliest first. Commands that a policy refused are ignored.
-    """
-
-    def __init__(self, commands: Iterable[TimedCommand]) -> None:
-        self._left: defaultdict[_Key, list[TimedCommand]] = defaultdict(list)
-        for one in commands:
-            if is_carried_out(one):
-                self._left[_key(one.command)].append(one)
-
-    def pop(self, wanted: TimedCommand) -> TimedCommand | None:
-        """Remove and return the same command as *wanted*; None if there is none."""
-        same = self._left.get(_key(wanted.command), [])
-        number = bisect_left(same, wanted.at - _TOLERANCE - _ROUNDED, key=lambda one: one.at)
-        if number < len(same) and same[number].at <= wanted.at + _TOLERANCE + _ROUNDED:
-            return same.pop(number)
-        return None
-
-    @property
-    def left(self) -> list[TimedCommand]:
-        """The commands that were not found."""
-        return [one for same in self._left.values() for one in same]
 
 
 def _order(one: DifferentCommand) -> tuple[float, str, str, str]:
@@ -108,9 +66,9 @@ def _order(one: DifferentCommand) -> tuple[float, str, str, str]:
 
 def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
     """Return why the same command among *others* was refused; empty if there is none."""
-    wanted = _key(given.command)
+    wanted = command_key(given.command)
     for one in others:
-        is_same = abs(one.at - given.at) <= _TOLERANCE and _key(one.command) == wanted
+        is_same = abs(one.at - given.at) <= TOLERANCE and command_key(one.command) == wanted
         if is_same and one.result is not None and not is_carried_out(one):
             return f"{one.result.policy}: {one.result.reason}"
     return ""
@@ -136,15 +94,10 @@ def _split_repeats(commands: Iterable[TimedCommand]) -> tuple[list[TimedCommand]
         place = command.issuer, command.device, command.part
         before = latest.get(place)
         is_repeatable = not command.text and not any(each.capability in MOMENTARY for each in command.settings)
-        is_same = before is not None and _key(before.command) == _key(command)
-        if before is not None and is_same and is_repeatable and one.at <= before.at + _TOLERANCE + _ROUNDED:
+        is_same = before is not None and command_key(before.command) == command_key(command)
+        if before is not None and is_same and is_repeatable and one.at <= before.at + TOLERANCE + ROUNDED:
             repeats.append(one)
             continue
         latest[place] = one
         kept.append(one)
     return kept, repeats
-
-
-def _key(command: RecordedCommand) -> _Key:
-    settings = tuple((one.capability, one.value.plain()) for one in command.settings)
-    return command.issuer, command.device, command.part, command.text, settings

@@ -11,10 +11,10 @@ from homebot.devices.history_messages import MAX_POINTS, HistorySeries, ReadHist
 from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
 from homebot.devices.names import FIND_DEVICES, READ_HISTORY, READ_JOURNAL
 from homebot.errors import PeerError
+from homebot.features.routines.history_recording import history_recording
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.json import message_from_json
 from homebot.recording.recording import Recording
-from homebot.replay.history_recording import history_recording
 from homebot.support.printable import printable
 
 _MAX_WAIT_S: Final = 60.0

@@ -2,9 +2,9 @@
 
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.value import Value
+from homebot.features.recording.command_diff import command_diff
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recording import TimedCommand
-from homebot.replay.command_diff import command_diff
 
 ISSUERS = ("/app",)
 REFUSED = CommandResult(

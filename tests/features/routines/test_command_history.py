@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from homebot.cli.door_client import DoorClient
-from homebot.cli.house_history import read_house_history
 from homebot.devices.names import FIND_DEVICES, READ_JOURNAL
+from homebot.features.routines.command_history import read_house_history
 
 COMMANDS = 2500
 PAGE = 1000

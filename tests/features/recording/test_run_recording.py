@@ -7,10 +7,10 @@ import anyio
 import pytest
 
 from homebot.config import parse_config
-from homebot.devices.names import READ_RECORDING, START_RECORDER
+from homebot.features.recording import READ_RECORDING, START_RECORDER
+from homebot.features.recording.session import ReadRecording, ReadRecordingRequest, ReadRecordingResponse
 from homebot.graph import Client, Node
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
-from homebot.recording.session import ReadRecording, ReadRecordingRequest, ReadRecordingResponse
 from homebot.runtime import Runtime
 
 Reader = Client[ReadRecordingRequest, ReadRecordingResponse]
@@ -27,12 +27,12 @@ async def running_app() -> AsyncIterator[Node]:
 
 
 async def start(app: Node) -> SuccessResponse:
-    return await app.create_client(Trigger, START_RECORDER).call(TriggerRequest())
+    return await app.create_client(Trigger, START_RECORDER.name).call(TriggerRequest())
 
 
 async def read_all(app: Node) -> Reader:
     """Fetch what there is at the beginning; the next request waits."""
-    reader = app.create_client(ReadRecording, READ_RECORDING)
+    reader = app.create_client(ReadRecording, READ_RECORDING.name)
     while (await reader.call(ReadRecordingRequest())).lines:
         pass
     return reader

@@ -14,10 +14,10 @@ from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
 from homebot.devices.names import ALIAS_DEVICE, READ_JOURNAL, TAG_DEVICE
 from homebot.devices.places_messages import AliasDevice, TagDevice
+from homebot.features.routines.history_recording import history_recording
 from homebot.features.routines.trial import trial_config, tried
 from homebot.graph import Node
 from homebot.recording.recording import Recording
-from homebot.replay.history_recording import history_recording
 from homebot.replay.replay import Replayed, replay
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 

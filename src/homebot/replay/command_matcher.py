@@ -1,0 +1,55 @@
+"""Commands of a recording that a replay gives again, matched by content and time. Pure."""
+
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Iterable
+from typing import Final, TypeAlias, final
+
+from homebot.devices.value import PlainValue
+from homebot.recording.lines import RecordedCommand
+from homebot.recording.recording import TimedCommand
+
+TOLERANCE: Final = 1.0
+"""Seconds by which the same command may be earlier or later on a busy computer, without people noticing."""
+
+ROUNDED: Final = 1e-6
+
+CommandKey: TypeAlias = "tuple[str, str, str, str, tuple[tuple[str, PlainValue], ...]]"
+
+
+def is_carried_out(given: TimedCommand) -> bool:
+    """Return whether a command was allowed to be sent: no policy or lease refused it."""
+    return given.result is None or given.result.policy in {"", "gateway"}
+
+
+@final
+class CommandMatcher:
+    """Finds the same command among others: with the same issuer, part and values, at most 1 s apart.
+
+    Each is found once, the earliest first. Commands that a policy refused are ignored.
+    """
+
+    def __init__(self, commands: Iterable[TimedCommand]) -> None:
+        self._left: defaultdict[CommandKey, list[TimedCommand]] = defaultdict(list)
+        for one in commands:
+            if is_carried_out(one):
+                self._left[command_key(one.command)].append(one)
+
+    def pop(self, wanted: TimedCommand) -> TimedCommand | None:
+        """Remove and return the same command as *wanted*; None if there is none."""
+        same = self._left.get(command_key(wanted.command), [])
+        number = bisect_left(same, wanted.at - TOLERANCE - ROUNDED, key=lambda one: one.at)
+        if number < len(same) and same[number].at <= wanted.at + TOLERANCE + ROUNDED:
+            return same.pop(number)
+        return None
+
+    @property
+    def left(self) -> list[TimedCommand]:
+        """The commands that were not found."""
+        return [one for same in self._left.values() for one in same]
+
+
+def command_key(command: RecordedCommand) -> CommandKey:
+    """Return the key of a command: equal for the same command of two runs."""
+    settings = tuple((one.capability, one.value.plain()) for one in command.settings)
+    return command.issuer, command.device, command.part, command.text, settings
