@@ -46,7 +46,8 @@ test-peers: $(VENV)/.peers
 # The result is committed: who installs homebot needs no Node.
 ## Builds the web page from src/homebot/web/source and the folders page of features, with npm.
 page:
-	@mkdir -p $(PAGE) && cp -r src/homebot/web/source/. $(PAGE)
+	@mkdir -p $(PAGE) && find $(PAGE) -mindepth 1 -maxdepth 1 ! -name node_modules -exec rm -r {} +
+	@cp -r src/homebot/web/source/. $(PAGE)
 	@cd $(PAGE) && npm install --silent --no-audit --no-fund --no-package-lock
 	@rm -f src/homebot/web/page/*.js
 	@cd $(PAGE) && FEATURES=$(CURDIR)/src/homebot/features npm run --silent build -- --outdir=$(CURDIR)/src/homebot/web/page

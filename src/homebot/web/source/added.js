@@ -1,4 +1,4 @@
-// What features add to the page: views of their own, parts of other views, and numbers of the rail.
+// What features add to the page: views of their own, parts of other views, and what cannot wait.
 import { FEATURES } from "./features.js";
 import { html } from "./html.js";
 
@@ -8,8 +8,8 @@ export const VIEWS = Object.assign({}, ...FEATURES.map(({ views }) => views));
 /** What features have at a place of the page, such as `scenes`. */
 export const Added = ({ at, ...props }) => FEATURES.map(({ parts }) => parts?.[at] && html`<${parts[at]} ...${props} />`);
 
-/** What a view has to tell in the rail, as a number. */
-export const addedMark = (view) => FEATURES.reduce((sum, { marks }) => sum + (marks?.[view]?.() ?? 0), 0);
+/** What cannot wait in the house, as findings. */
+export const urgent = () => FEATURES.flatMap((feature) => feature.urgent?.() ?? []);
 
 /** `titles` of views by their names, with those of features in their places. */
 export function withAdded(titles) {

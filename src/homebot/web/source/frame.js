@@ -1,7 +1,7 @@
 // The frame around each view: the rail at the side, or the bar below; the connection, the token, questions and outcomes.
 import { signal } from "@preact/signals";
 import { outcome } from "./acts.js";
-import { addedMark, withAdded } from "./added.js";
+import { urgent, withAdded } from "./added.js";
 import { EXPIRED, connection, heardAt, logIn, logOut, missing, token } from "./door.js";
 import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
@@ -29,7 +29,7 @@ const Link = ({ view, text, above, mark, name = "" }) => html`<a href=${`#/${vie
 export function Frame({ above, children }) {
   const { state, reason } = connection.value;
   const mustLogIn = state === "refused";
-  const marks = { security: openOf(shown.value).length };
+  const marks = { home: urgent().length, security: openOf(shown.value).length };
   const skip = (event) => {
     event.preventDefault();
     document.getElementById("content").focus();
@@ -37,7 +37,7 @@ export function Frame({ above, children }) {
   return html`<div class="frame" inert=${Boolean(sheet.value)}>
       <a class="skip" href="#content" onClick=${skip}>${say("to the content")}</a>
       <nav class="rail" aria-label=${say("views")}>
-        ${Object.entries(FIRST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} mark=${(marks[view] ?? 0) + addedMark(view)} />`)}
+        ${Object.entries(FIRST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} mark=${marks[view]} />`)}
         ${Object.entries(LAST).map(([view, text]) => html`<${Link} key=${view} view=${view} text=${text} above=${above} name="last" />`)}
         <${Link} view="more" text="More" above=${above in LAST ? "more" : above} name="others" />
       </nav>

@@ -2,7 +2,7 @@
 // an alert, the doorbell or motion in its room ends; darker by night.
 import { computed, effect, signal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
-import { urgent } from "./alerts.js";
+import { urgent } from "./added.js";
 import { now, zone } from "./clock.js";
 import { call, connection, onOpen, subscribe } from "./door.js";
 import { deviceOf, shown } from "./house.js";

@@ -1,3 +1,3 @@
 import { Alerts, urgent } from "./alerts.js";
 
-export const page = { parts: { top: Alerts }, marks: { home: () => urgent().length } };
+export const page = { parts: { top: Alerts }, urgent };
