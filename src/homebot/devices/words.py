@@ -96,8 +96,10 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
         for place, pair in enumerate(pairwise(text), 1)
         if pair[0] in ascii_lowercase and pair[1] in ascii_uppercase
     ]
+    if not ends:
+        return ""
     apart = " ".join(text[begin:end] for begin, end in pairwise((0, *ends, len(text))))
-    return _matching_words(apart, groups, anywhere=anywhere) if ends else ""
+    return _matching_words(apart, groups, anywhere=anywhere)
 
 
 def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
