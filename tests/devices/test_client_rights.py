@@ -138,7 +138,7 @@ def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(name: str) -> 
 
 
 OPENING_NAMES = """
-en: Unlock, Alarm off, Oven on, Start sauna, Command UnlockDoor, Open gate, Remote start, Disarm alarm, Open trunk, Release strike
+en: Unlock, Alarm off, Oven on, Start sauna, Command UnlockDoor, Open gate, Remote start, Open trunk, Release strike
 de: Tür entriegeln, Entsperren, Tor öffnen, Alarm unscharf, Alarm deaktivieren, Kofferraum öffnen, Türsummer
 fr: Déverrouiller la porte, Ouvrir le portail, Désarmer, Désactiver l'alarme, Ouvrir le coffre, Ouverture gâche
 it: Sblocca porta, Apri cancello, Disarma, Disattiva allarme, Apri bagagliaio, Apri serratura
