@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from datetime import tzinfo
@@ -42,6 +43,7 @@ class AppContext:
         notifies: Whether there is a way to send messages; else they are only logged.
         rehearse: Called with an app and an act of a robot that is only recorded, in a replay or dry run; None else.
         write_stores: Writes the stores of all apps at once, instead of within five seconds.
+        began_at: When homebot started, in seconds since the Unix epoch.
         asleep: Returns the seconds for which the computer was suspended, while the monotonic clock stood still.
     """
 
@@ -55,6 +57,7 @@ class AppContext:
     rehearse: Callable[[str, str], None] | None = None
     write_stores: Callable[[], Coroutine[object, object, object]] = _write_nowhere
     asleep: Callable[[], float] = float
+    began_at: float = -math.inf
 
     @property
     def zone(self) -> tzinfo:

@@ -160,6 +160,15 @@ class Schedule:
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
         return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, spread)
 
+    def at_elevation(self, degrees: float, handler: RunHandler, name: str | None, *, is_rising: bool) -> Job:
+        """See :meth:`homebot.App.at_elevation`."""
+        from homebot.apps.sun import elevation_time  # noqa: PLC0415 - astral takes 40 ms
+
+        home = self._app.context
+        times = elevation_time(degrees, home.latitude, home.longitude, is_rising=is_rising)
+        text = f"the sun {'rises above' if is_rising else 'falls below'} {degrees:g}°"
+        return self._add_wall(times, text, handler, name, 0, "single")
+
     def _read_day(self, name: str) -> date | None:
         kept = self._kept(_DAYS).get(name)
         return None if kept is None else date.fromisoformat(kept)

@@ -71,6 +71,50 @@ def is_sun_up(now: float, latitude: float | None, longitude: float | None) -> bo
     return sun.elevation(place, datetime.fromtimestamp(now, UTC), with_refraction=False) > _HORIZON
 
 
+def sun_elevation(now: float, latitude: float | None, longitude: float | None) -> float:
+    """Return the degrees of the sun above the horizon *now*, in seconds since the Unix epoch, without refraction.
+
+    Raises:
+        UsageError: The location is unknown.
+    """
+    place = _observer("the elevation of the sun", latitude, longitude)
+    return sun.elevation(place, datetime.fromtimestamp(now, UTC), with_refraction=False)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ElevationTime:
+    """The time at which the rising or setting sun passes an elevation, in degrees."""
+
+    place: astral.Observer
+    degrees: float
+    is_rising: bool
+
+    def on(self, day: date, zone: tzinfo) -> float | None:
+        """Return the moment on *day*, in seconds since the Unix epoch; None if there is none."""
+        way = astral.SunDirection.RISING if self.is_rising else astral.SunDirection.SETTING
+        try:
+            noon = sun.noon(self.place, date=day, tzinfo=zone)
+            moment = sun.time_at_elevation(
+                self.place, self.degrees, date=day, direction=way, tzinfo=zone, with_refraction=False
+            )
+        except ValueError:
+            return None
+        is_of_day = (moment <= noon) is self.is_rising
+        return moment.timestamp() if is_of_day else None
+
+
+def elevation_time(
+    degrees: float, latitude: float | None, longitude: float | None, *, is_rising: bool
+) -> ElevationTime:
+    """Return the time at which the rising or setting sun passes so many *degrees*.
+
+    Raises:
+        UsageError: The location is unknown.
+    """
+    return ElevationTime(_observer("the elevation of the sun", latitude, longitude), degrees, is_rising)
+
+
 def _observer(asked: str, latitude: float | None, longitude: float | None) -> astral.Observer:
     if latitude is None or longitude is None:
         raise UsageError(f"{asked} needs the place of the home: set latitude and longitude in the table [home]")

@@ -107,6 +107,7 @@ class AppHost:
             rehearse=self._rehearse if rehearses else None,
             write_stores=self.write_stores,
             asleep=clock.asleep if isinstance(clock, LoopClock) else float,
+            began_at=self.began_at,
         )
 
     @property

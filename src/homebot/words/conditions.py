@@ -11,8 +11,8 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
-from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
+from homebot.words.phrases import ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
+from homebot.words.times import SunElevation, SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
@@ -90,7 +90,9 @@ class AnyOf:
     conditions: tuple["Condition", ...]
 
 
-Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | LastRun | StartedBy | TimedOut | AnyOf
+Condition: TypeAlias = (
+    SunIs | SunElevation | OnDays | TimeSpan | SunSpan | Matches | Press | LastRun | StartedBy | TimedOut | AnyOf
+)
 """A press holds in the run that it started."""
 
 
@@ -167,7 +169,7 @@ def _denies(parts: Sequence[str]) -> bool:
 def _stands_alone(text: str) -> bool:
     """Return whether the condition *text* is not the state of devices, which one query may join."""
     is_lasting = text[:1] == "(" and text[-1:] == ")" and LASTING.match(text[1:-1]) is not None
-    return is_lasting or _of_run(text) is not None or is_time_or_person(text)
+    return is_lasting or _of_run(text) is not None or ELEVATION.match(text) is not None or is_time_or_person(text)
 
 
 def _of_run(text: str) -> Condition | None:
@@ -187,6 +189,8 @@ def _of_time(text: str) -> Condition | None:
         return SunIs(is_up)
     if (days := read_days_after_word(text)) is not None:
         return OnDays(days)
+    if (elevation := SunElevation.read(text, ELEVATION)) is not None:
+        return elevation
     if (run := LAST_RUN.match(text)) is not None:
         return LastRun(read_duration(run["length"], text), run["sign"] in {"over", "above", "before", "more"})
     return read_span(text)
@@ -214,6 +218,8 @@ def _denied(condition: Condition) -> Condition:
             return SunIs(not condition.is_up)
         case LastRun():
             return LastRun(condition.seconds, not condition.is_over)
+        case SunElevation():
+            return condition._replace(is_above=not condition.is_above)
         case OnDays() if (others := condition.days.others()) is not None:
             return OnDays(others)
         case TimeSpan() if condition.begin != condition.end:

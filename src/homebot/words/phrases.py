@@ -21,6 +21,16 @@ PRESS: Final = Phrase("{query} press|pressed|presses [{value:one}]")
 CHANGES: Final = Phrase("{what} changes")
 
 # Times.
+STARTS: Final = Phrase("homebot starts")
+ELEVATION: Final = Phrase(
+    "sun elevation|height [is] sign~above|below|over|under|<|<=|>|>= {degrees:amount}",
+    "[the] sun is sign~above|below|over|under {degrees:amount}",
+)
+SUN_CROSSES: Final = Phrase(
+    "sun elevation|height [rises|falls|drops] sign~above|below|over|under|<|> {degrees:amount}",
+    "[the] sun rises|falls|drops|sinks sign~above|below|over|under {degrees:amount}",
+)
+CROSSES: Final = Phrase("{what} rises|climbs above|over {limit}", "{what} falls|drops|sinks below|under {limit}")
 INTERVAL: Final = Phrase("every {length:length}")
 STARTED_BY: Final = Phrase("started by {what}")
 TIMED_OUT: Final = Phrase("[the] [last] wait timed out")

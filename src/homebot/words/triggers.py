@@ -19,6 +19,7 @@ from homebot.words.phrases import (
     ALL,
     ARRIVAL,
     CHANGES,
+    CROSSES,
     INTERVAL,
     LASTING,
     LIMIT,
@@ -27,9 +28,11 @@ from homebot.words.phrases import (
     NOBODY,
     PLACED_LIMIT,
     PRESS,
+    STARTS,
+    SUN_CROSSES,
 )
 from homebot.words.queries import parse_query
-from homebot.words.times import DaysAndTime, EachHour, SunMoment, read_duration, read_span, time_kind
+from homebot.words.times import DaysAndTime, EachHour, SunElevation, SunMoment, read_duration, read_span, time_kind
 from homebot.words.tokens import split_at
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
@@ -126,6 +129,11 @@ class PersonMoves:
 
 
 @dataclass(frozen=True, slots=True)
+class HomebotStarts:
+    """A start of homebot, once its devices had time to be found."""
+
+
+@dataclass(frozen=True, slots=True)
 class EachInterval:
     """Again and again after a length of time, such as ``30m``."""
 
@@ -148,7 +156,17 @@ class Changes:
 
 
 Trigger: TypeAlias = (
-    Becomes | Press | Changes | RobotArrival | PersonMoves | DaysAndTime | SunMoment | EachInterval | EachHour
+    Becomes
+    | Press
+    | Changes
+    | RobotArrival
+    | PersonMoves
+    | DaysAndTime
+    | SunMoment
+    | SunElevation
+    | EachInterval
+    | EachHour
+    | HomebotStarts
 )
 
 
@@ -172,18 +190,26 @@ def read_trigger(text: str) -> Trigger:
     reject_joined(plain, "or", "and")
     if (found := _read_other(plain)) is not None:
         return found
-    state = read_state(plain, _EXAMPLES)
+    crossing = CROSSES.match(plain)
+    state = read_state(plain if crossing is None else _as_limit(plain, crossing["what"]), _EXAMPLES)
     if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and starts_unknown(state.query)):
         words = "'Anna arrives', 'everybody has left' or 'nobody is home'"
         raise UsageError(f"{text!r} may only have been unknown before; start by {words}")
     return state
 
 
+def _as_limit(text: str, what: str) -> str:
+    """Return ``temperature below 18 °C`` for ``temperature falls below 18 °C``: a state begins in both."""
+    return f"{what} {text[len(what) + 1 :].partition(' ')[2]}"
+
+
 def _read_other(plain: str) -> Trigger | None:
     """Return the trigger *plain* if it is no state of devices."""
-    moment = DaysAndTime.read(plain) or SunMoment.read(plain)
+    moment = DaysAndTime.read(plain) or SunMoment.read(plain) or SunElevation.read(plain, SUN_CROSSES)
     if moment is not None:
         return moment
+    if STARTS.match(plain) is not None:
+        return HomebotStarts()
     person = read_move(plain) or read_person(plain)
     if person is not None:
         return PersonMoves(plain, *person)

@@ -9,6 +9,8 @@ from homebot.devices.names import LIST_ROUTINES
 from homebot.graph import Node
 from homebot.testing import virtual_house_of
 
+PLACE = {"zone": "UTC", "latitude": 48.0, "longitude": 8.0}
+
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 
@@ -18,6 +20,11 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("hom
         ("every 30m", "", "09:40", 3),
         ("at :15 every hour", "", "10:20", 3),
         ("every hour at :15", "the last run was over 90m ago", "11:20", 2),
+        ("homebot starts", "", "10:00", 1),
+        ("sun elevation above 9.5°", "", "12:00", 1),
+        ("the sun falls below 5°", "", "12:00", 0),
+        ("every 10m", "sun elevation below 9.5°", "09:05", 4),
+        ("every 10m", "not sun elevation below 9.5° or before 8:15", "09:45", 7),
         ("hall motion changes", "", "10:00", 4),
         ("hall motion occupancy changes", "", "10:00", 4),
         ("every 10m", "hall motion clear for 25m", "08:59", 3),
@@ -28,7 +35,9 @@ async def test_a_routine_runs_as_often_as_its_text_says(when: str, condition: st
     """Somebody is in the hall from 8:01 to 8:02, and from 9:10 to 9:11."""
     world = hall(("08:01", "hall"), ("08:02", "outside"), ("09:10", "hall"), ("09:11", "outside"))
     routine = {"name": "Often", "when": [when], "if": [condition] if condition else [], "do": ["wait 1s"]}
-    async with virtual_house_of(world=world, config=config(routine), start="2026-01-01 08:00") as house:
+    async with virtual_house_of(
+        world=world, config=config(routine) | {"home": PLACE}, start="2026-01-01 08:00"
+    ) as house:
         await house.run_until(until)
         async with Node(house.runtime.graph, "owner") as owner:
             listing = owner.create_client(ListRoutines, LIST_ROUTINES)

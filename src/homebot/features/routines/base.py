@@ -35,11 +35,12 @@ from homebot.features.routines.watches import (
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
-from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
+from homebot.words.times import DaysAndTime, EachHour, SunElevation, SunMoment, SunSpan, TimeSpan
 from homebot.words.triggers import (
     Becomes,
     Changes,
     EachInterval,
+    HomebotStarts,
     PersonMoves,
     Press,
     RobotArrival,
@@ -52,11 +53,28 @@ HELD_BACK: Final = "routine.held_back"
 FAILED: Final = "routine.step_failed"
 STOPPED: Final = "routine.stopped"
 
+_STARTING_S: Final = 60.0
+"""Seconds after the start of homebot in which routines that begin to watch take part in it."""
+
+_SETTLING_S: Final = 10.0
+"""Seconds after which devices are known at a start."""
+
 _RAN_AT: Final = "ran_at"
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 _Conditions = Sequence[tuple[str, Condition]]
-_Watched = DaysAndTime | SunMoment | EachInterval | EachHour | Press | Changes | PersonMoves | RobotArrival
+_Watched = (
+    DaysAndTime
+    | SunMoment
+    | SunElevation
+    | EachInterval
+    | EachHour
+    | HomebotStarts
+    | Press
+    | Changes
+    | PersonMoves
+    | RobotArrival
+)
 
 
 class RoutineBase(App[SettingsT_co]):
@@ -154,6 +172,11 @@ class RoutineBase(App[SettingsT_co]):
                 return self.daily(trigger.time, start, days=trigger.days, name=name).cancel
             case SunMoment():
                 return self.at(trigger.event, start, offset=trigger.offset, name=name).cancel
+            case SunElevation(is_above=is_rising, degrees=degrees):
+                return self._jobs().at_elevation(degrees, start, name, is_rising=is_rising).cancel
+            case HomebotStarts():
+                is_start = self.clock.now() - self.context.began_at < _STARTING_S and self.context.rehearse is None
+                return self.after(_SETTLING_S, start, name=name).cancel if is_start else partial(_cancel, ())
             case EachInterval():
                 return self.every(trigger.length, start, name=name).cancel
             case EachHour():
@@ -190,6 +213,11 @@ class RoutineBase(App[SettingsT_co]):
         match condition:
             case SunIs():
                 return self.sun_is_up() is condition.is_up
+            case SunElevation():
+                from homebot.apps.sun import sun_elevation  # noqa: PLC0415 - astral is for routines that ask
+
+                now = sun_elevation(self.clock.now(), self.context.latitude, self.context.longitude)
+                return (now > condition.degrees) is condition.is_above
             case OnDays():
                 return condition.days.has(self.now().date())
             case TimeSpan():

@@ -12,7 +12,7 @@ from homebot.features.routines.program import Branch, ConditionText, StepSetting
 from homebot.support.folding import fold
 from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, check_possible, single_conditions
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
-from homebot.words.times import SunMoment, SunSpan
+from homebot.words.times import SunElevation, SunMoment, SunSpan
 from homebot.words.triggers import Becomes, Trigger, read_trigger
 
 
@@ -70,7 +70,7 @@ class RoutineSettings(AppSettings):
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""
-        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs | SunSpan))
+        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs | SunSpan | SunElevation))
 
     def written(self) -> dict[str, object]:
         """Return its table as a person would write it: without default values."""

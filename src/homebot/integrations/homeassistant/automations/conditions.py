@@ -159,6 +159,8 @@ def _opposite(text: str) -> str:
 def _other_time(text: str) -> str:
     """Return the opposite of a condition of time; empty for any other."""
     side, _, moment = text.partition(" ")
+    if text.startswith("sun elevation "):
+        return text.replace(" above ", " below ") if " above " in text else text.replace(" below ", " above ")
     if text.startswith("last run "):
         return text.replace(" over ", " under ") if " over " in text else text.replace(" under ", " over ")
     return f"{_OTHER_SIDE[side]} {moment}" if side in _OTHER_SIDE else _OPPOSITES.get(text, "")

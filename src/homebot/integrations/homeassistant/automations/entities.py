@@ -275,6 +275,9 @@ def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant, bool]]:
         own = {slug_of(text) for text in (part.name, part.tag, own_part.capability)} - {""}
         ends = {f"_{text}" for text in own} | ({""} if len(possible) == 1 else set())
         yield from ((f"{name}{end}", own_part, True) for name in names for end in ends)
+        is_main = own_part.capability and CAPABILITIES.get(own_part.capability, OWN).sensor == device.service_type
+        if is_main:
+            yield from ((name, own_part, False) for name in names)
         others = _NAMES.get(own_part.capability, ())
         yield from ((f"{name}_{end}", own_part, False) for name in names for end in others)
 

@@ -235,7 +235,7 @@ class Actions:
         for branch in branches:
             steps = [*_single(branch)]
             targets = {step.target for step in steps if isinstance(step, Do)}
-            if any(isinstance(step, dict) for step in steps):
+            if any(isinstance(step, dict) and "repeat" not in step for step in steps):
                 asking.append(branch)
             if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in steps):
                 waiting.append(branch)

@@ -117,10 +117,8 @@ def attribute_of(entities: Entities, entity_id: str, attribute: str, value: obje
 
 
 def elevation_text(sign: str, degrees: float) -> str:
-    """Return the condition that the sun is above or below so many degrees."""
-    raise NotCarriedError(
-        f"the elevation of the sun, {sign} {degrees:g}°; ask for the sun, such as 'after sunset - 30m'"
-    )
+    """Return the condition, which is a trigger too, that the sun is above or below so many degrees."""
+    return f"sun elevation {'above' if sign[0] == '>' else 'below'} {degrees:.12g}°"
 
 
 def _state_text(entity: KnownEntity, state: str, key: str) -> str:

@@ -40,6 +40,10 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
             return [*map(StartTrigger, times)]
         case "time_pattern":
             return [*map(StartTrigger, _pattern(automation, fields))]
+        case "homeassistant":
+            if (event := fields.text("event")) != "start":
+                raise NotCarriedError(f"trigger homeassistant: {event!r}; a routine knows only its start")
+            return [StartTrigger("homebot starts")]
         case "sun":
             return [StartTrigger(sun_moment(fields, fields.text("event"), "offset"))]
         case "device" if "entity_id" not in fields:
