@@ -32,6 +32,15 @@ FEATURES = {feature.name: feature for feature in all_features()}
 ROOT = Path(__file__).parents[1] / "src/homebot"
 
 
+SERVICES = {service.name: name for name, feature in FEATURES.items() for service in feature.services}
+SERVICE = re.compile("|".join(rf"{service}(?![\w/])" for service in SERVICES))
+
+
+def services_in(text: str) -> list[str]:
+    """The features whose services *text* spells."""
+    return [SERVICES[found] for found in SERVICE.findall(text)]
+
+
 @pytest.fixture
 def other_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder of Python's path with the package ``acme``, whose feature is at an entry point."""
@@ -129,16 +138,17 @@ def test_the_list_of_features_loads_nothing_of_them() -> None:
 
 def test_no_module_outside_its_folder_imports_a_feature_names_a_module_of_it_or_spells_its_service() -> None:
     """Not even in a function, or for the type checker; the protocol that others speak is in ``devices``."""
-    services = {service.name: name for name, feature in FEATURES.items() for service in feature.services}
     found = []
     for path, tree in source_trees().items():
         own = path.split("/")[1] if path.startswith("features/") else ""
+        prose = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
         for node in ast.walk(tree):
             texts = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             texts += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            texts += [node.value] if isinstance(node, ast.Constant) and isinstance(node.value, str) else []
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in prose:
+                texts.append(node.value)
             for text in texts:
-                named = {services.get(text, ""), *re.findall(r"homebot\.features\.(\w+)", text)} - {"", own}
+                named = {*services_in(text), *re.findall(r"homebot\.features\.(\w+)", text)} - {own}
                 if named and path != "devices/names.py":
                     found.append(f"{path}: {text}")
     assert found == []
@@ -146,14 +156,13 @@ def test_no_module_outside_its_folder_imports_a_feature_names_a_module_of_it_or_
 
 def test_no_script_of_the_page_imports_that_of_a_feature_or_spells_its_service() -> None:
     """The scripts of ``web`` and the feature ``page`` are two halves of one thing, and speak with each other."""
-    services = {service.name: name for name, feature in FEATURES.items() for service in feature.services}
     source, features = ROOT / "web/source", ROOT / "features"
     made = {"features.js", "languages"}  # by collect.js, which runs in Node
     found = []
     for script in ({*source.rglob("*.js")} - {source / "collect.js"}).union(features.glob("*/page/*.js")):
         own = script.relative_to(features).parts[0] if script.is_relative_to(features) else "page"
         text = script.read_text()
-        found += [f"{script}: {one}" for one in re.findall(r'"(/[^"]+)"', text) if services.get(one, own) != own]
+        found += [f"{script}: {name}" for name in services_in(text) if name != own]
         for path in re.findall(r'(?:from |import |import\()"(\.[^"]+)"', text):  # from where `make page` copies it to
             folder = script.parent if own == "page" else source / "features" / own
             place = (folder / path).resolve().relative_to(source)

@@ -69,7 +69,6 @@ LIST_TOKENS = "/rosbridge_websocket/tokens"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 OWN_NAMESPACES = frozenset(
     {
-        "alerts",
         "apps",
         "broker",
         "control",
@@ -77,7 +76,6 @@ OWN_NAMESPACES = frozenset(
         "discovery",
         "gateway",
         "getIndexData",
-        "history",
         "homebot",
         "network_services",
         "parameter_events",
