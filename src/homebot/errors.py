@@ -36,40 +36,6 @@
 
 from collections.abc import Collection, Iterable
 
-__all__ = [
-    "AbortError",
-    "BusyError",
-    "CertificateError",
-    "ClosedError",
-    "ConfigError",
-    "DuplicateNameError",
-    "ExitError",
-    "GoalAbortedError",
-    "GoalCanceledError",
-    "GoalError",
-    "GoalRejectedError",
-    "HomebotError",
-    "InvalidNameError",
-    "LinkError",
-    "ParameterError",
-    "PeerError",
-    "PluginError",
-    "QosError",
-    "RefusedError",
-    "ServiceError",
-    "ServiceFailedError",
-    "ServiceGoneError",
-    "ServiceTimeoutError",
-    "ServiceUnavailableError",
-    "TypeMismatchError",
-    "UnableError",
-    "UnansweredError",
-    "UnknownTypeError",
-    "UsageError",
-    "WireError",
-    "WrongCodeError",
-]
-
 
 class HomebotError(Exception):
     """The base of all errors that homebot raises."""

@@ -17,8 +17,6 @@ from homebot.errors import PluginError
 from homebot.plugins import entry_points_of_others, error_text
 from homebot.rights import OfferedService
 
-__all__ = ["Feature", "RunOption", "Verb"]
-
 GROUP: Final = "homebot.features"
 
 _FOLDER: Final = Path(__file__).with_name("features")

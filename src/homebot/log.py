@@ -18,10 +18,9 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.support.limiter import Limiter
-from homebot.support.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
+from homebot.support.logger import ConsoleRenderer, LineWriter, with_local_time
+from homebot.support.logger import sentence as sentence
 from homebot.support.output import CleanText, QueuedText, is_journal, wants_colour
-
-__all__ = ["LogFormat", "LogLimit", "configure_logging", "more_like_this", "sentence"]
 
 LogFormat: TypeAlias = Literal["console", "json"]
 

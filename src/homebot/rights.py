@@ -3,8 +3,6 @@
 from enum import Enum
 from typing import NamedTuple
 
-__all__ = ["OfferedService", "Right"]
-
 
 class Right(Enum):
     """One right of a client, by the first word of a right in a ``scope``."""

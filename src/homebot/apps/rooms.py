@@ -6,8 +6,6 @@ from typing import TypeVar
 from homebot.devices.handles import Handle, HandleChange
 from homebot.support.folding import fold
 
-__all__ = ["in_room", "per_handle", "per_room"]
-
 HandleT = TypeVar("HandleT", bound=Handle)
 
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from homebot.clock import Clock
     from homebot.graph import Node
 
-__all__ = ["Length", "Schedule"]
-
 JOB_SKIPPED: Final = "app.job_skipped"
 MAX_JOBS: Final = 1000
 MAX_CATCH_UP: Final = 31 * 86_400.0
@@ -44,7 +42,7 @@ Length: TypeAlias = str | float | timedelta
 """A length of time: text such as ``2m``, seconds, or a timedelta."""
 
 
-class JobOwner(Protocol):
+class _JobOwner(Protocol):
     """The owner of jobs, such as :class:`homebot.App`."""
 
     @property
@@ -69,7 +67,7 @@ class JobOwner(Protocol):
 class Schedule:
     """The jobs of *app*; see the methods of the same names in :class:`homebot.App`."""
 
-    def __init__(self, app: JobOwner) -> None:
+    def __init__(self, app: _JobOwner) -> None:
         self._app = app
         self._clock = app.clock
         self._jobs: dict[str, Job] = {}

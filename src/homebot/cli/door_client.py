@@ -34,8 +34,6 @@ from homebot.support.data_folder import data_directory
 from homebot.support.owner_token import OWNER_FILE, OWNER_HEADER, owner_proof
 from homebot.support.printable import printable
 
-__all__ = ["DoorClient", "set_door_command"]
-
 DoorCommand: TypeAlias = "Callable[[DoorClient, argparse.Namespace], int]"
 
 _MAX_WAITING: Final = 10_000  # topic messages that arrive while something else is awaited

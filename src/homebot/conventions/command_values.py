@@ -10,24 +10,6 @@ from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = [
-    "Writer",
-    "bool_writer",
-    "moment_text",
-    "number_writer",
-    "option_writer",
-    "percent_writer",
-    "push_writer",
-    "require_bool",
-    "require_color",
-    "require_moment",
-    "require_number",
-    "require_option",
-    "require_transition",
-    "require_true",
-    "speed_of",
-]
-
 Writer: TypeAlias = Callable[[PlainValue, float], Publications]
 """Writes a value with a transition in seconds. Like all checks here, raises RefusedError with the accepted values."""
 

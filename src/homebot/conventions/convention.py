@@ -13,21 +13,6 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = [
-    "ConfidentialConvention",
-    "Convention",
-    "ConventionSettings",
-    "LazyConvention",
-    "MessageReader",
-    "OfferPublisher",
-    "ProblemReportingConvention",
-    "PublishingConvention",
-    "ReservingConvention",
-    "SlicedConvention",
-    "TextConvention",
-    "TopicPrefix",
-]
-
 TopicPrefix: TypeAlias = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 """The first levels of topics, without wildcards."""
 

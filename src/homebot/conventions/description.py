@@ -13,31 +13,6 @@ from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = [
-    "TRACKER_SILENCE",
-    "AnnouncementEvent",
-    "AsksMembers",
-    "AutoExpiry",
-    "Availability",
-    "AvailabilityMode",
-    "AvailabilitySource",
-    "Codec",
-    "DescribedPart",
-    "DeviceAnnounced",
-    "DeviceRequest",
-    "DeviceWithdrawn",
-    "GroupsListed",
-    "LastWillAvailability",
-    "Publication",
-    "Publications",
-    "TakesCode",
-    "TextEndpoint",
-    "WritesSeveral",
-    "as_group",
-    "begin_message",
-    "work_left",
-]
-
 AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
 
 

@@ -11,15 +11,6 @@ from homebot.conventions.payload import JsonMessage
 from homebot.conventions.table_codec import CodedWriter, JointWriter, PayloadParser, Reader, TableCodec, json_object
 from homebot.devices.part import Capability, Category, CodeKind, Part, payload_digest
 
-__all__ = [
-    "BytesPart",
-    "CapabilityFields",
-    "JsonPart",
-    "PartBuilder",
-    "PartFields",
-    "with_own_ids",
-]
-
 MessageT = TypeVar("MessageT")
 
 _CODED = frozenset({"alarm", "lock"})

@@ -12,46 +12,15 @@ from typing import NoReturn, TypeAlias, TypeVar
 from pydantic_core import from_json
 from pydantic_core import to_json as json_of
 
-from homebot.conventions.unreadable import NO_READINGS, Readings, shown, unreadable
+from homebot.conventions.unreadable import NO_READINGS as NO_READINGS
+from homebot.conventions.unreadable import Readings as Readings
+from homebot.conventions.unreadable import shown as shown
+from homebot.conventions.unreadable import unreadable as unreadable
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
 from homebot.support.strict_json import duplicate_key_hook
-
-__all__ = [
-    "MAX_ANNOUNCEMENT_BYTES",
-    "MAX_DEPTH",
-    "MAX_LONG_STATE_BYTES",
-    "MAX_STATE_BYTES",
-    "NO_READINGS",
-    "DuplicateKeys",
-    "JsonMessage",
-    "Readings",
-    "as_fields",
-    "check_depth",
-    "check_surrogates",
-    "clean_text",
-    "compact_json",
-    "decode_json",
-    "fields_of",
-    "is_unknown",
-    "meaning_reader",
-    "number_of",
-    "numbers_of",
-    "parse_json",
-    "parse_object",
-    "percent_of",
-    "read_number",
-    "record_duplicate",
-    "shown",
-    "text_of",
-    "to_json",
-    "to_text",
-    "unreadable",
-    "whole_of",
-]
-
 
 MAX_ANNOUNCEMENT_BYTES = 256 * 1024
 """Longest announcement of one device; one with a hundred parts has about 100 kB."""

@@ -3,17 +3,6 @@
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = [
-    "AccessRefused",
-    "DefineType",
-    "DefineTypeRequest",
-    "DefineTypeResponse",
-    "ListTokens",
-    "ListTokensRequest",
-    "ListTokensResponse",
-    "ListedToken",
-]
-
 
 class AccessRefused(Message):
     """A request of a rosbridge client that lacks the right for it.

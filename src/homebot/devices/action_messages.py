@@ -8,17 +8,6 @@ from homebot.devices.command_messages import CommandDevicesRequest, CommandDevic
 from homebot.messages.action import ActionType
 from homebot.messages.message import Message, ServiceAnswer, UInt32
 
-__all__ = [
-    "CommandDevicesAction",
-    "CommandDevicesFeedback",
-    "CommandDevicesGoal",
-    "CommandDevicesResult",
-    "HoldDevice",
-    "HoldDeviceFeedback",
-    "HoldDeviceGoal",
-    "HoldDeviceResult",
-]
-
 
 class CommandDevicesGoal(CommandDevicesRequest, ros_type="homebot/action/CommandDevices_Goal"):
     """A command in words, with the fields of the service ``/devices/command``."""

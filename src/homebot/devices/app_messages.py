@@ -9,35 +9,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt32
 
-__all__ = [
-    "AppInfo",
-    "AppJob",
-    "AppsRequest",
-    "AppsResponse",
-    "ChangeAppRequest",
-    "ChangeAppResponse",
-    "ChangeRoutine",
-    "ChangeRoutineRequest",
-    "ChangeRoutineResponse",
-    "GetHomePlace",
-    "HomePlaceRequest",
-    "HomePlaceResponse",
-    "ListApps",
-    "ListRoutines",
-    "LoadApp",
-    "ProposeRoutine",
-    "ProposeRoutineRequest",
-    "Reload",
-    "ReloadApp",
-    "ReloadRequest",
-    "RoutineChange",
-    "RoutineInfo",
-    "RoutineNote",
-    "RoutinesRequest",
-    "RoutinesResponse",
-    "UnloadApp",
-]
-
 _NO_TIME = Time(sec=0, nanosec=0)
 
 

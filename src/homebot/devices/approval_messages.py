@@ -3,8 +3,6 @@
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = ["ApproveDevice", "ApprovedCommands", "DescribeCommands", "GetUnapproved", "TrustDevice"]
-
 
 class ApproveDeviceRequest(Message):
     """Approve a device, so that it may be driven; the directory remembers this across restarts.

@@ -16,24 +16,6 @@ if TYPE_CHECKING:
 
     from homebot.devices.outcomes import Outcome
 
-__all__ = [
-    "MAX_SETTINGS",
-    "MAX_TRANSITION_S",
-    "CommandDevices",
-    "CommandDevicesRequest",
-    "CommandDevicesResponse",
-    "CommandEvent",
-    "CommandRequest",
-    "CommandResult",
-    "CommandedPart",
-    "OutcomeKind",
-    "PerformCommand",
-    "SendText",
-    "SendTextRequest",
-    "SendTextResponse",
-    "Setting",
-]
-
 
 @lru_cache(maxsize=1)
 def _words() -> tuple[str, ...]:

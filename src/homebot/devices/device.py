@@ -8,30 +8,9 @@ from homebot.devices.part import Part
 from homebot.devices.value import UNKNOWN, Reading, SetBy, Value
 from homebot.errors import InvalidNameError, RefusedError
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.key_value import KeyValue
+from homebot.messages.key_value import KeyValue as KeyValue
 from homebot.messages.message import Message
 from homebot.names import validate_node_name
-
-__all__ = [
-    "EVERYTHING",
-    "ChangeKind",
-    "ChangedSetting",
-    "ChangedSettings",
-    "Device",
-    "DeviceChange",
-    "DevicePart",
-    "Endpoint",
-    "Fact",
-    "Freshness",
-    "KeyValue",
-    "Reachability",
-    "Route",
-    "State",
-    "StateChange",
-    "is_commanded",
-    "part_names",
-    "target_of",
-]
 
 Freshness: TypeAlias = Literal["fresh", "unconfirmed", "stale"]
 ChangeKind: TypeAlias = Literal[

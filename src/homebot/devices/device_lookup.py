@@ -14,8 +14,6 @@ from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node
 
-__all__ = ["DeviceLookup"]
-
 _READ_AGAIN_AFTER: Final = 1.0
 """Seconds after which an unknown address causes all devices to be read again."""
 

@@ -15,23 +15,6 @@ from homebot.errors import WireError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt8
 
-__all__ = [
-    "REACHABLE",
-    "Command",
-    "CommandAnswer",
-    "GatewayState",
-    "RawCommand",
-    "RawMessage",
-    "RefreshPart",
-    "RefreshRequest",
-    "RefreshResponse",
-    "Report",
-    "SendCommand",
-    "SendCommandResponse",
-    "Sighting",
-]
-
-
 REACHABLE = "reachable"
 """Capability of a whole device (part ``""``): whether it can be reached, according to its convention."""
 

@@ -3,8 +3,6 @@
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = ["GroupInfo", "ListGroups", "ListGroupsRequest", "ListGroupsResponse"]
-
 
 class ListGroupsRequest(Message):
     """Request for the groups of the house.

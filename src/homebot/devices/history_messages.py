@@ -9,21 +9,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = [
-    "MAX_POINTS",
-    "CorrectHistory",
-    "CorrectHistoryRequest",
-    "CorrectHistoryResponse",
-    "EnergyOfDay",
-    "HistorySeries",
-    "ReadEnergy",
-    "ReadEnergyRequest",
-    "ReadEnergyResponse",
-    "ReadHistory",
-    "ReadHistoryRequest",
-    "ReadHistoryResponse",
-]
-
 MAX_POINTS = 5000
 """The largest number of points of a series in one answer."""
 

@@ -11,29 +11,6 @@ from homebot.devices.value import Value
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = [
-    "MAX_ENTRIES",
-    "DeviceFight",
-    "EntryKind",
-    "ExplainDevice",
-    "ExplainDeviceRequest",
-    "ExplainDeviceResponse",
-    "ExplainMissingState",
-    "ExplainMissingStateRequest",
-    "ExplainMissingStateResponse",
-    "Finding",
-    "GetCauses",
-    "GetCausesRequest",
-    "JournalEntry",
-    "JournalFact",
-    "JournalVerdict",
-    "KnownCause",
-    "KnownCauses",
-    "ReadJournal",
-    "ReadJournalRequest",
-    "ReadJournalResponse",
-]
-
 EntryKind: TypeAlias = Literal[
     "requested",
     "judged",

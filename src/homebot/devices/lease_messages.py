@@ -13,25 +13,6 @@ from homebot.messages.message import LocalServiceType, Message, ServiceType
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
-__all__ = [
-    "MAX_TTL",
-    "SHORTEST_TTL",
-    "EndLeases",
-    "EndLeasesRequest",
-    "GetLeases",
-    "GetLeasesRequest",
-    "HeldPart",
-    "HoldPart",
-    "HoldRequest",
-    "HolderOfPart",
-    "HolderRequest",
-    "LeaseResponse",
-    "LeaseState",
-    "LeasesResponse",
-    "ReleaseLease",
-    "RenewLease",
-]
-
 SHORTEST_TTL = 1.0
 MAX_TTL = 3600.0
 

@@ -12,25 +12,6 @@ if TYPE_CHECKING:
     from homebot.devices.device import Device
     from homebot.devices.value import PlainValue
 
-__all__ = [
-    "NO_CONTROL",
-    "OUTCOMES",
-    "AlreadySo",
-    "Confirmed",
-    "Contradicted",
-    "Evidence",
-    "Gone",
-    "NoAnswer",
-    "Outcome",
-    "Refused",
-    "Reverted",
-    "Superseded",
-    "has_succeeded",
-    "no_such_part",
-    "worst",
-]
-
-
 NO_CONTROL = "the control layer is not running; it is restarted by itself, see `homebot doctor`"
 """Reason of a command without an answer."""
 

@@ -8,22 +8,6 @@ from homebot.devices.device import KeyValue
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = [
-    "AliasDevice",
-    "AreaRing",
-    "ChangeRoom",
-    "DoorInfo",
-    "ExportPlaces",
-    "GetPlaces",
-    "ImportPlaces",
-    "OwnerRequest",
-    "PlaceDevice",
-    "RoomInfo",
-    "TagDevice",
-    "TeachPlace",
-]
-
-
 _MAX_CHARACTERS = 800_000
 
 

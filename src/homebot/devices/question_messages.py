@@ -8,15 +8,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = [
-    "AnswerQuestion",
-    "AnswerQuestionRequest",
-    "AnswerQuestionResponse",
-    "GetQuestions",
-    "OpenQuestion",
-    "OpenQuestions",
-]
-
 
 class OpenQuestion(Message):
     """A question that waits for an answer.

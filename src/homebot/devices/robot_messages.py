@@ -3,8 +3,6 @@
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = ["RobotPose", "RobotRoom", "WhereIsRobot", "WhereIsRobotRequest", "WhereIsRobotResponse"]
-
 
 class RobotPose(Message):
     """The position of a robot, on ``/robots/poses``.

@@ -11,21 +11,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = [
-    "MAX_PARTS",
-    "ApplyScene",
-    "ApplySceneRequest",
-    "ChangeScene",
-    "ChangeSceneRequest",
-    "ChangeSceneResponse",
-    "ListScenes",
-    "SceneChange",
-    "SceneInfo",
-    "ScenePart",
-    "ScenesRequest",
-    "ScenesResponse",
-]
-
 MAX_PARTS = 500
 """The limit of parts of one scene."""
 

@@ -12,26 +12,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = [
-    "MAX_LISTED",
-    "AnnouncedOn",
-    "ExportIndex",
-    "FindDevices",
-    "ForgetDevice",
-    "Found",
-    "GetChanges",
-    "GetIndexData",
-    "IndexEntry",
-    "IndexRow",
-    "IndexTable",
-    "ListDevices",
-    "ListedDevice",
-    "ListedReading",
-    "QueryDevices",
-    "SubscribeToTopic",
-]
-
-
 MAX_LISTED = 200
 """The limit of devices in one answer of :data:`ListDevices`, about 60 kB of JSON."""
 

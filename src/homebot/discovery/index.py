@@ -14,7 +14,8 @@ from homebot.devices import Device
 from homebot.devices.health import Count
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.terms import Query, type_is
-from homebot.discovery.device_table import DeviceTable, IndexCounters
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.device_table import IndexCounters as IndexCounters
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.intake import SightingIntake
@@ -28,8 +29,6 @@ from homebot.support.counters import Severity
 if TYPE_CHECKING:
     from homebot.discovery.places_editor import PlacesEditor
     from homebot.discovery.places_exchange import PlacesExchange
-
-__all__ = ["MAX_DEVICES", "DeviceIndex", "IndexCounters"]
 
 MAX_DEVICES = 100_000
 

@@ -12,17 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, model_validator
 
 from homebot.config import FilePath
 from homebot.errors import UsageError
-from homebot.support.file_access import check_secret_file, read_secret
-
-__all__ = [
-    "HttpLogin",
-    "HttpLoginSettings",
-    "PasswordSettings",
-    "ThingLogin",
-    "check_secret_file",
-    "read_logins",
-    "read_password",
-]
+from homebot.support.file_access import check_secret_file as check_secret_file
+from homebot.support.file_access import read_secret
 
 
 class PasswordSettings(BaseModel):

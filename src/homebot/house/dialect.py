@@ -15,8 +15,6 @@ from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMoto
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import SimulatedDevice, number
 
-__all__ = ["Bridge", "BridgeDialect", "DeviceState", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo", "state_of"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceState:

@@ -9,19 +9,6 @@ from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "as_json",
-    "as_object",
-    "as_text",
-    "device_orders",
-    "hardware_address",
-    "json_value",
-    "lamp_order",
-    "mired_kelvin",
-    "node_name",
-    "scaled",
-]
-
 MAX_PAYLOAD_BYTES = 10_000
 """Bytes of a command; none of a device is as long."""
 

@@ -13,8 +13,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Int8, Message, ServiceType
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["ActionType", "FeedbackT", "GoalT", "ResultT", "SendGoalType", "message_class"]
-
 GoalT = TypeVar("GoalT", bound=Message)
 ResultT = TypeVar("ResultT", bound=Message)
 FeedbackT = TypeVar("FeedbackT", bound=Message)

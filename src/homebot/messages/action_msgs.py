@@ -6,8 +6,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Int8, Message, ServiceType
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["CancelGoal", "CancelGoalRequest", "CancelGoalResponse", "GoalInfo", "GoalStatus", "GoalStatusArray"]
-
 
 class GoalInfo(Message, ros_type="action_msgs/msg/GoalInfo"):
     """A goal, and the time of its acceptance."""

@@ -6,8 +6,6 @@ from functools import lru_cache
 
 from homebot.messages.message import Int32, Message, UInt32
 
-__all__ = ["Duration", "Time"]
-
 _NANOSECONDS = 1_000_000_000
 _FIRST, _LAST = -(2.0**31), 2.0**31 - 1
 

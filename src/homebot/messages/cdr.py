@@ -22,8 +22,6 @@ from homebot.messages.json import validation_problem
 from homebot.messages.message import Message
 from homebot.messages.numeric_array import LAYOUTS, NumericArray
 
-__all__ = ["message_from_cdr", "message_to_cdr"]
-
 MessageT = TypeVar("MessageT", bound=Message)
 
 _Write: TypeAlias = Callable[[bytearray, Any], None]

@@ -15,18 +15,6 @@ from homebot.errors import UsageError
 from homebot.messages.message import Message, RosType
 from homebot.messages.numeric_array import LAYOUTS, NumericArray, RosArray
 
-__all__ = [
-    "TEXTS",
-    "FieldDefinition",
-    "definition_body",
-    "definition_text",
-    "fields_by_name",
-    "fields_of",
-    "nested_types",
-    "zero_message",
-    "zero_of",
-]
-
 MessageT = TypeVar("MessageT", bound=Message)
 
 TEXTS: Final = ("string", "wstring")

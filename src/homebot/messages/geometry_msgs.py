@@ -8,18 +8,6 @@ from homebot.messages.message import Float64Array, Message
 from homebot.messages.std_msgs import Header
 from homebot.messages.text_messages import text_messages
 
-__all__ = [
-    "Point",
-    "Pose",
-    "PoseStamped",
-    "PoseWithCovariance",
-    "PoseWithCovarianceStamped",
-    "Quaternion",
-    "Transform",
-    "TransformStamped",
-    "Vector3",
-]
-
 __getattr__ = text_messages("geometry_msgs")
 
 

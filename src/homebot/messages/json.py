@@ -22,16 +22,6 @@ from homebot.messages.message import Message
 from homebot.messages.numeric_array import NumericArray
 from homebot.support.strict_json import in_ascii
 
-__all__ = [
-    "JsonObject",
-    "JsonValue",
-    "message_from_json",
-    "message_to_json",
-    "message_to_pieces",
-    "message_to_text",
-    "validation_problem",
-]
-
 JsonValue: TypeAlias = "bool | int | float | str | list[JsonValue] | dict[str, JsonValue] | None"
 JsonObject: TypeAlias = "dict[str, JsonValue]"
 

@@ -2,8 +2,6 @@
 
 from homebot.messages.message import Message
 
-__all__ = ["KeyValue"]
-
 
 class KeyValue(Message, ros_type="diagnostic_msgs/msg/KeyValue"):
     """One fact, such as one about a device from its gateway."""

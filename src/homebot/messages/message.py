@@ -19,37 +19,6 @@ from pydantic_core import CoreSchema
 from homebot.errors import UsageError
 from homebot.messages.numeric_array import RosArray
 
-__all__ = [
-    "Byte",
-    "ByteArray",
-    "Char",
-    "CharArray",
-    "Float32",
-    "Float32Array",
-    "Float64",
-    "Float64Array",
-    "Int8",
-    "Int8Array",
-    "Int16",
-    "Int16Array",
-    "Int32",
-    "Int32Array",
-    "Int64",
-    "Int64Array",
-    "LocalServiceType",
-    "Message",
-    "RosType",
-    "ServiceAnswer",
-    "ServiceType",
-    "UInt8",
-    "UInt16",
-    "UInt16Array",
-    "UInt32",
-    "UInt32Array",
-    "UInt64",
-    "UInt64Array",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class RosType:

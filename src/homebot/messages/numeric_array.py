@@ -9,8 +9,6 @@ from typing import Any, Final, TypeVar, overload
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-__all__ = ["LAYOUTS", "NumericArray", "RosArray"]
-
 LAYOUTS: Final = {
     "byte": "B",
     "char": "B",

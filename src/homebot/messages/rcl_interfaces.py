@@ -3,8 +3,6 @@
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import ByteArray, Float64Array, Int64Array, Message, UInt8, UInt32
 
-__all__ = ["Log", "Parameter", "ParameterEvent", "ParameterValue"]
-
 
 class Log(Message, ros_type="rcl_interfaces/msg/Log"):
     """One log line, on ``/rosout``.

@@ -5,8 +5,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.text_messages import text_messages
 
-__all__ = ["Bool", "Float64", "Header", "Int32", "String"]
-
 __getattr__ = text_messages("std_msgs")
 
 

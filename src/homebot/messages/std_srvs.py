@@ -2,15 +2,6 @@
 
 from homebot.messages.message import Message, ServiceType
 
-__all__ = [
-    "SetBool",
-    "SetBoolRequest",
-    "SetBoolResponse",
-    "SuccessResponse",
-    "Trigger",
-    "TriggerRequest",
-]
-
 
 class TriggerRequest(Message, ros_type="std_srvs/srv/Trigger_Request"):
     """No fields: the call is the request."""

@@ -6,8 +6,6 @@ from typing import Any
 
 from homebot.errors import UnknownTypeError
 
-__all__ = ["text_messages"]
-
 
 def text_messages(package: str) -> Callable[[str], Any]:
     """Return the ``__getattr__`` of the module ``homebot.messages.PACKAGE``, which builds messages by name.

@@ -3,8 +3,6 @@
 from homebot.messages.geometry_msgs import TransformStamped
 from homebot.messages.message import Message
 
-__all__ = ["TFMessage"]
-
 
 class TFMessage(Message, ros_type="tf2_msgs/msg/TFMessage"):
     """Transforms between coordinate frames, on ``/tf``."""

@@ -14,8 +14,6 @@ from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.interfaces import find_message
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["type_hash"]
-
 _Field: TypeAlias = "dict[str, Any]"
 
 _NESTED: Final = 1

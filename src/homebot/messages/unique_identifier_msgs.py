@@ -6,8 +6,6 @@ from pydantic import Field
 
 from homebot.messages.message import Message
 
-__all__ = ["UUID"]
-
 
 class UUID(Message, ros_type="unique_identifier_msgs/msg/UUID"):
     """A universally unique identifier (RFC 4122): 16 bytes in network order."""

@@ -29,8 +29,6 @@ from homebot.mqtt.topics import validate_filter
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.support.logger import get_logger
 
-__all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
-
 ONLINE: Final = b"online"
 OFFLINE: Final = b"offline"
 """The status of a client on its broker."""

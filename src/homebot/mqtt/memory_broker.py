@@ -20,8 +20,6 @@ from homebot.mqtt.client.transport import TransportUser
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["MemoryBroker"]
-
 _HOST: Final = "memory"
 _PORT: Final = 1883
 _LINKS_PER_CLIENT = 2  # as many as the broker on TCP has sockets

@@ -7,9 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import UsageError
-from homebot.places.plan import Point
-
-__all__ = ["Edge", "Point", "Polygon", "foot", "signed_area"]
+from homebot.places.plan import Point as Point
 
 Edge: TypeAlias = tuple[Point, Point]
 

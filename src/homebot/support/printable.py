@@ -1,7 +1,5 @@
 """Sanitizing of outside texts for one line of a terminal. Pure."""
 
-__all__ = ["printable"]
-
 _WIDEST = 200
 
 

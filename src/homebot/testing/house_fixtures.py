@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from homebot.testing import pytest_loops as loops
-from homebot.testing.pytest_loops import anyio_loop, own_loop, virtual_time
+from homebot.testing.pytest_loops import anyio_loop as anyio_loop
+from homebot.testing.pytest_loops import own_loop as own_loop
+from homebot.testing.pytest_loops import virtual_time as virtual_time
 
 if TYPE_CHECKING:
     from homebot.testing.house import TestHouse
     from homebot.testing.virtual_house import VirtualHouse
-
-__all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virtual_time"]
 
 _REPORTS = pytest.StashKey[list[Callable[[], tuple[str, str]]]]()
 """Functions for the title and the text about each house of a test."""

@@ -70,8 +70,6 @@ from homebot.words.vocabulary import (
     meaning_of,
 )
 
-__all__ = ["parse_query"]
-
 Term: TypeAlias = tuple[Query, str, bool]
 """A term with its text, and whether ``and``, ``but`` or a comma precedes it."""
 

@@ -12,7 +12,8 @@ from urllib.parse import unquote
 import anyio
 from anyio import to_thread
 
-from homebot.bridges.home_api.routes import ApiAnswer, ApiRequest, answer, problem_body
+from homebot.bridges.home_api.routes import ApiAnswer, ApiRequest, answer
+from homebot.bridges.home_api.routes import problem_body as problem_body
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.client import OutsideClient
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 
     from homebot.bridges.rosbridge.agents import AgentServers
     from homebot.bridges.rosbridge.connection import DoorConnection, HttpExchange
-
-__all__ = ["HttpRequests", "problem_body"]
 
 _MAX_ADDRESSES = 1000
 

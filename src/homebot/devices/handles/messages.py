@@ -16,8 +16,6 @@ from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 
-__all__ = ["HandleMessages"]
-
 HandleT = TypeVar("HandleT", bound=Handle)
 
 _MAX_QUEUED: Final = 1000

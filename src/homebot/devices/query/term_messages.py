@@ -35,8 +35,6 @@ from homebot.devices.value import UNKNOWN, Value
 from homebot.errors import UsageError
 from homebot.messages.message import Message, UInt32
 
-__all__ = ["MAX_DEPTH", "MAX_TERMS", "QueryTerm", "query_terms", "query_words", "read_terms"]
-
 MAX_TERMS = 1000
 """The limit of terms of one query."""
 

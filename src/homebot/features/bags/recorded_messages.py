@@ -17,8 +17,6 @@ from homebot.messages.message import Message
 from homebot.recording.lines import GatewayNews, LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording
 
-__all__ = ["recorded_messages"]
-
 _NAMES: Final[Mapping[type[Message], Callable[[Any], str]]] = {
     Sighting: lambda one: GatewayNames(one.gateway).received_topics,
     Report: lambda one: GatewayNames(one.gateway).readings,

@@ -7,17 +7,6 @@ from pydantic import Field
 from homebot.messages.action import ActionType
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = [
-    "Achieve",
-    "AchieveFeedback",
-    "AchieveGoal",
-    "AchieveRequest",
-    "AchieveResponse",
-    "AchieveResult",
-    "AchieveWords",
-    "PlannedStep",
-]
-
 
 class AchieveRequest(Message):
     """A goal in words.

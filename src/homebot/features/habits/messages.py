@@ -9,16 +9,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = [
-    "DecideHabit",
-    "DecideHabitRequest",
-    "HabitOccasion",
-    "HabitProposal",
-    "SuggestHabits",
-    "SuggestHabitsRequest",
-    "SuggestHabitsResponse",
-]
-
 _NO_TIME = Time(sec=0, nanosec=0)
 
 

@@ -17,21 +17,6 @@ from homebot.devices.health import Quarantine
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.names import escape_token
 
-__all__ = [
-    "MAX_QUIET",
-    "MAX_SILENCE_S",
-    "CallGateway",
-    "CallGatewayRequest",
-    "CallGatewayResponse",
-    "FollowGateway",
-    "FollowGatewayRequest",
-    "FollowGatewayResponse",
-    "GetGateways",
-    "GetGatewaysRequest",
-    "GetGatewaysResponse",
-    "machine_name",
-]
-
 MAX_QUIET: Final = 1.0
 """Seconds after which an answer comes although there is no news."""
 

@@ -8,17 +8,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = [
-    "ChangeLayout",
-    "ChangeLayoutRequest",
-    "ChangeLayoutResponse",
-    "DeviceUsage",
-    "GetUsage",
-    "PageLayout",
-    "UsageRequest",
-    "UsageResponse",
-]
-
 LayoutList: TypeAlias = Literal["favorites", "hidden", "not_here", "rooms"]
 
 

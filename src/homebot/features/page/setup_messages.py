@@ -8,19 +8,6 @@ from homebot.devices.value import ShortText
 from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = [
-    "ChangeSetup",
-    "ChangeSetupRequest",
-    "ChangeSetupResponse",
-    "FindUnused",
-    "FindUnusedRequest",
-    "FindUnusedResponse",
-    "MakeToken",
-    "MakeTokenRequest",
-    "MakeTokenResponse",
-    "UnusedDevices",
-]
-
 
 class UnusedDevices(Message):
     """Devices in the network that no gateway uses yet.

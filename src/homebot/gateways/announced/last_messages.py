@@ -5,8 +5,6 @@ from typing import NamedTuple
 
 from homebot.messages import Time
 
-__all__ = ["CachedMessage", "LastMessageCache"]
-
 MAX_TOTAL = 32 * 1024 * 1024
 MAX_EACH = 64 * 1024
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
-from homebot.conventions.dns_sd import FoundService
+from homebot.conventions.dns_sd import FoundService as FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError
 from homebot.gateways.address_guard import AddressGuard
@@ -21,8 +21,6 @@ from homebot.plugins import check_extra
 
 if TYPE_CHECKING:
     from homebot.gateways.http_client import HttpClient
-
-__all__ = ["Driver", "DriverSettings", "FoundService", "first_answer"]
 
 Answer = TypeVar("Answer")
 

@@ -17,24 +17,13 @@ from homebot.messages.definition import TEXTS, FieldDefinition
 from homebot.messages.message import Message, RosType, ServiceType
 from homebot.messages.numeric_array import LAYOUTS
 
-__all__ = [
-    "KINDS",
-    "Interface",
-    "ParsedMessage",
-    "build_interface",
-    "interface_key",
-    "messages_in",
-    "parse_interface",
-    "split_definitions",
-]
-
 Interface = type[Message] | ServiceType[Any, Any] | ActionType[Any, Any, Any]
 
 FindMessage = Callable[[str], type[Message]]
 
 _NUMBERS: Final = {
     name.lower(): (getattr(fields, name), getattr(fields, f"{name}Array", bytes))
-    for name in fields.__all__
+    for name in vars(fields)
     if name.lower() in LAYOUTS
 }
 """The field type and the array type for each numeric type; that of ``uint8`` is bytes."""

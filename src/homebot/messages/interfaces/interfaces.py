@@ -28,8 +28,6 @@ from homebot.messages.interfaces.interface_text import (
 from homebot.messages.message import Message, ServiceType
 from homebot.support.similar import similar_to
 
-__all__ = ["Interfaces", "find_action", "find_message", "find_service", "interface_names"]
-
 _DEFAULT: Final = "jazzy"
 _HOME: Final = "homebot.messages"
 _PACKAGES: Final = (

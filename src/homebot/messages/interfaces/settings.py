@@ -13,9 +13,6 @@ from homebot.messages.interfaces.interface_text import parse_interface
 from homebot.messages.interfaces.interfaces import Interfaces
 from homebot.support.addresses import is_loopback
 
-__all__ = ["RosSettings", "read_interfaces"]
-
-
 _ADDRESS = re.compile(r"(tcp|tls)/(.+):(\d{1,5})")
 
 

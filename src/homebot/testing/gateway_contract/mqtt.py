@@ -18,8 +18,6 @@ from homebot.mqtt.options import MqttOptions
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 from homebot.testing.pytest_loops import VIRTUAL_TIME
 
-__all__ = ["MqttContract", "MqttLamp"]
-
 
 class MqttLamp(Lamp):
     """A lamp that is an MQTT client of its own.
