@@ -333,8 +333,8 @@ class Sending:
             opened.wake()
 
     def _on_undone(self, progress: CommandProgress, undoing: Undoing, value: PlainValue, cause: Cause) -> None:
-        order, by = progress.order, "device" if cause is Cause.DEVICE else "unknown"
-        outcome = Reverted(undoing.after, by, command_id=order.id)
+        order = progress.order
+        outcome = Reverted(undoing.after, cause.value, command_id=order.id)
         device, part = order.place
         self._journal.reverted(order.issuer, order.place, outcome, Setting.of(undoing.capability, value))
         self._events.publish(

@@ -120,8 +120,8 @@ class CommandResult(Message):
         witness: ``confirmed`` and ``contradicted``: the name of the second device that observed it; empty if none did.
         by: ``superseded``: the id of the newer command.
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
-        reason: ``refused``, and ``no_answer`` if it was not sent: the reason; ``reverted``: ``device``, or ``unknown``
-            if a person may have done it; ``gone``: the missing thing.
+        reason: ``refused``, and ``no_answer`` if it was not sent: the reason; ``reverted``: ``device``, ``person``,
+            or ``unknown`` if it may be either; ``gone``: the missing thing.
         is_unacknowledged: ``no_answer``: whether it was sent but its network has not acknowledged it, so it may arrive
             later.
         warning: Why a person had better look, although the policies let the command pass; the end of the text.

@@ -148,7 +148,7 @@ class Reverted(Outcome):
 
     Attributes:
         after: Seconds after it obeyed.
-        cause: ``device`` if it does so after each command, ``unknown`` if it may also have been a person.
+        cause: ``device`` if it does so after each command, ``person`` if it never does, else ``unknown``.
     """
 
     kind: ClassVar[str] = "reverted"
@@ -158,8 +158,12 @@ class Reverted(Outcome):
     cause: str = "unknown"
 
     def _clause(self) -> str:
-        by = "by itself, as usual" if self.cause == "device" else "by a hand or by itself"
-        return f"changed back after {_seconds_text(self.after)} s, {by}"
+        return f"changed back after {_seconds_text(self.after)} s, {reverted_by(self.cause)}"
+
+
+def reverted_by(cause: str) -> str:
+    """Return the cause of an undoing, in words."""
+    return {"device": "by itself, as usual", "person": "by a hand"}.get(cause, "by a hand or by itself")
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,7 @@ CASES: tuple[tuple[Outcome, str, int], ...] = (
         1,
     ),
     (Gone(command_id="a-8"), "the device was removed", 1),
+    (Reverted(6.0, "person", command_id="a-4"), "changed back after 6 s, by a hand", 1),
 )
 """Outcomes, their words, and the exit code."""
 

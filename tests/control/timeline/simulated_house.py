@@ -546,7 +546,5 @@ def _told(entry: JournalEntry, change: TrueChange) -> str:
     """Return the cause that *entry* tells of *change*; ``nothing`` if it is about another one."""
     if abs(entry.at.to_seconds() - change.at) > _SAME:
         return "nothing"
-    if entry.kind == "reverted":
-        return entry.results[0].reason
     settings = [(one.capability, one.value.plain()) for one in entry.settings]
     return entry.cause if (change.capability, change.value) in settings else "nothing"

@@ -39,7 +39,8 @@ class Kind:
         furnish: Puts its devices into a house.
         hours: How long it is watched.
         hand_every: The mean seconds between two changes by persons at any time.
-        named: The least share of persons named; those soon after a command are told to be unknown.
+        named: The least share of persons named. Others are unknown until it is learnt that a device keeps its values,
+            and where a bridge may take back an echo, a lamp tell its old level again, or a blind be on its way.
         wrong_persons: The largest share of none among those told to be persons.
         unlearnt: How many changes of one house may be told to be a person's before their regularity is learnt.
         by_device: The least share of a device's own changes told to be its own.
@@ -51,7 +52,7 @@ class Kind:
     furnish: Callable[[SimulatedHouse], None]
     hours: float = 3.0
     hand_every: float = 300.0
-    named: float = 0.0
+    named: float = 0.8
     wrong_persons: float = 0.05
     unlearnt: int = 0
     by_device: float = 0.0
@@ -352,24 +353,20 @@ KINDS = (
     Kind("hue group", partial(groups, way="bridge", low=0.05, high=1.0, is_asked=True)),
     Kind("ha group", partial(groups, way="computed", low=0.1, high=2.5, is_asked=True)),
     Kind("fade, off", partial(fades, transition=6.0, late=0.0)),
-    Kind("fade, dimmed", partial(fades, transition=6.0, late=0.0, by="level")),
-    Kind("late level, off", partial(fades, transition=0.0, late=8.0)),
-    Kind("blind that settles", partial(blinds, settles_after=20.0, by=2.0), hours=6.0, by_device=0.95),
+    Kind("fade, dimmed", partial(fades, transition=6.0, late=0.0, by="level"), named=0.5),
+    Kind("late level, off", partial(fades, transition=0.0, late=8.0), named=0.7),
+    Kind("blind that settles", partial(blinds, settles_after=20.0, by=2.0), hours=6.0, by_device=0.95, named=0.7),
     Kind("adaptive lighting", adaptive, hours=6.0, by_program=0.75, named=0.85, unlearnt=3),
-    Kind("timer of 5 min", lambda house: timers(house, 5.0), hours=6.0, hand_every=1000.0, by_device=0.7, unlearnt=3),
+    Kind("timer of 5 min", lambda house: timers(house, 5.0), hours=6.0, hand_every=1000.0, by_device=0.8, named=0.9),
+    Kind("timer of 15 min", lambda house: timers(house, 15.0), hours=12.0, hand_every=3000.0, by_device=0.8, named=0.9),
+    Kind("timer of 30 min", lambda house: timers(house, 30.0), hours=24.0, hand_every=6000.0, by_device=0.8, named=0.9),
     Kind(
-        "timer of 15 min", lambda house: timers(house, 15.0), hours=12.0, hand_every=3000.0, by_device=0.7, unlearnt=3
-    ),
-    Kind(
-        "timer of 30 min", lambda house: timers(house, 30.0), hours=24.0, hand_every=6000.0, by_device=0.7, unlearnt=3
-    ),
-    Kind(
-        "timer of 60 min", lambda house: timers(house, 60.0), hours=48.0, hand_every=12000.0, by_device=0.7, unlearnt=3
+        "timer of 60 min", lambda house: timers(house, 60.0), hours=48.0, hand_every=12000.0, by_device=0.8, named=0.9
     ),
     Kind("power cut, held", held, hours=6.0, hand_every=4000.0),
-    Kind("drift", drifting, by_device=0.95, named=0.75),
-    Kind("gateway restarts", gateway_restarts, named=0.75),
-    Kind("restart", mixed, hand_every=100.0, is_restarted=True, unlearnt=1),
+    Kind("drift", drifting, by_device=0.95, named=0.85),
+    Kind("gateway restarts", gateway_restarts, named=0.9),
+    Kind("restart", mixed, hand_every=100.0, is_restarted=True),
 )
 
 

@@ -13,7 +13,12 @@ from tests.control.timeline.simulated_kinds import KINDS, Kind, Play
 
 from homebot.support.virtual_time import VirtualTimeLoop
 
-_OWN_CAUSES: tuple[Truth, ...] = ("person", "device", "program")
+_SHARES: tuple[tuple[Truth, str], ...] = (
+    ("person", "person"),
+    ("person", "unknown"),
+    ("device", "device"),
+    ("program", "program"),
+)
 
 _HEADINGS = (
     f"{'kind (aim)':27}",
@@ -21,6 +26,7 @@ _HEADINGS = (
     "sent over a person (0)",
     "told person and none (5 %)",
     "persons named",
+    "unknown",
     "devices told so",
     "programs told so",
     "persons told command (0)",
@@ -63,7 +69,7 @@ def main(words: Sequence[str] | None = None) -> int:
             f"{tables.commands:,}",
             tables.overridden.total(),
             f"{tables.wrong_persons:.1%}" if told(told="person") else "-",
-            *(f"{tables.share(truth, truth):.0%}" if told(truth=truth) else "-" for truth in _OWN_CAUSES),
+            *(f"{tables.share(truth, cause):.0%}" if told(truth=truth) else "-" for truth, cause in _SHARES),
             told(truth="person", told="command") + told(truth="person", told="transition"),
             told(truth="person", told="device") + told(truth="person", told="program"),
             f"{tables.seen['two answers']} of {tables.seen['asked']:,}",

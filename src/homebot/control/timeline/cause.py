@@ -25,7 +25,7 @@ def judge(fact: Reported, roles: Roles) -> Attribution:
     """Return the cause of a report: the only answer to this question; it is stored in the report."""
     if fact.set_by:
         return Attribution(Cause.PERSON if fact.set_by == "person" else Cause.PROGRAM)
-    answered = ""
+    answered, is_led_away = "", False
     for command, role in roles:
         cause = explanation(role, fact, command)
         if cause is not None and not (answered and cause is Cause.TRANSITION):  # it leads away from what is newer
@@ -33,9 +33,11 @@ def judge(fact: Reported, roles: Roles) -> Attribution:
             return Attribution(cause, order.id, role_told, order.is_foreign, fact.was_absent)
         if role is ReportRole.UNRELATED and command.is_open:
             answered = answered or command.order.id
+            is_led_away = command.motion.has_faded and not command.motion.may_pass(fact.capability, fact.value)
     cause, along = _cause_without_command(fact)
     if answered and not along and cause is not Cause.DEVICE:  # a person, or the device's own answer
-        return Attribution(Cause.UNKNOWN, answered, ReportRole.UNRELATED, was_absent=fact.was_absent)
+        cause = Cause.PERSON if is_led_away and cause is Cause.PERSON else Cause.UNKNOWN
+        return Attribution(cause, answered, ReportRole.UNRELATED, was_absent=fact.was_absent)
     return Attribution(cause, along, was_absent=fact.was_absent)
 
 
@@ -100,8 +102,10 @@ def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> C
     if fact.is_after_loss or fact.was_absent:
         return None
     if role is ReportRole.UNDONE:
-        is_usual = fact.timed >= ENOUGH or fact.capability in command.suspected
-        return Cause.DEVICE if is_usual else Cause.UNKNOWN
+        if fact.timed >= ENOUGH or fact.capability in command.suspected:
+            return Cause.DEVICE
+        is_by_hand = fact.was_kept and not (fact.timed or fact.along or command.may_be_taken_back(fact))
+        return Cause.PERSON if is_by_hand else Cause.UNKNOWN
     if role is ReportRole.DEVIATES:
         return Cause.UNKNOWN
     if role is ReportRole.MATCHES:
@@ -141,7 +145,8 @@ class Nearby(NamedTuple):
         for known in self:
             for command in reversed(known):
                 order, sendings = command.order, command.transmission
-                if order.place == place or not sendings.count or fact.at < sendings.first_sent_at:
+                is_own = order.place == place or order.id == fact.attribution.command  # or that to its group
+                if is_own or not sendings.count or fact.at < sendings.first_sent_at:
                     continue
                 is_open = known is self.device and command.is_open  # it may answer slowly
                 signs = (sendings.first_sent_at, sendings.sent_at, *command.met_times)

@@ -191,6 +191,8 @@ def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
         is_undone = undoing is not None and undoing.capability == capability
         if undoing is not None and not is_undone:
             continue
+        if undoing is None:
+            profile.learn_kept(capability, wanted.value)
         is_fast = wanted.fast_at is not None and not is_witnessed
         profile.learn_return(capability, undoing.after if undoing is not None else None, is_fast=is_fast)
         if is_undone and wanted.echoed_at is not None:

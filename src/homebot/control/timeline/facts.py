@@ -209,6 +209,7 @@ class Reported:
         along: The id of the command to a part near this one that it may belong to; empty for none.
         is_usual: Whether the part usually changes along with such a command.
         timed: How often the previous value lasted as long the last times; three times come from a timer.
+        was_kept: Whether the part usually keeps the previous value, which a command brought.
         was_absent: Whether the device was unreachable since the previous value.
         is_news: Whether it repeats the value of a device that reports only changes: it changed twice in between.
         set_by: Who set it past homebot, if the gateway knows that.
@@ -231,6 +232,7 @@ class Reported:
     along: str = ""
     is_usual: bool = False
     timed: int = 0
+    was_kept: bool = False
     was_absent: bool = False
     is_news: bool = False
     set_by: SetBy = ""

@@ -188,7 +188,7 @@ class Motion:
             else:
                 self._now[capability] = value
                 is_nearer = isinstance(before, float) and abs(before - goal) - abs(value - goal) >= STEP
-                is_nearer = is_nearer and (capability != "level" or self._range[0] <= value < self._range[1] + STEP)
+                is_nearer = is_nearer and self.may_pass(capability, value)
             if capability == "level":
                 self._is_fade = self._is_fade or is_nearer
                 self._told_at = -math.inf if before is None else at
@@ -196,6 +196,11 @@ class Motion:
         if is_nearer:
             self.moved_at = at
         return is_nearer
+
+    def may_pass(self, capability: str, value: PlainValue) -> bool:
+        """Return whether a *value* may be on the way of the device, as far as that is known."""
+        lowest, highest = self._range
+        return capability != "level" or not isinstance(value, float) or lowest <= value < highest + STEP
 
     def fade_sign(self, at: float) -> Literal["fading", "back", "unknown"]:
         """Return what the level in a message at that time shows of a lamp that is on after it was told off."""

@@ -21,7 +21,7 @@ from homebot.control.timeline.facts import (
     SendingEnded,
     Sent,
 )
-from homebot.control.timeline.profile import ENOUGH, DeviceProfile, ProgramWatch
+from homebot.control.timeline.profile import ENOUGH, DeviceProfile, ProgramWatch, may_be_timer
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
@@ -362,7 +362,11 @@ class PartTimeline:
         if not attribution.command:
             self.nearby.explain(fact, self.place, self.profile)
         if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
-            fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
+            lasted = fact.at - brought.at
+            fact.timed = self.profile.learn_stay(fact.capability, fact.previous, lasted) or int(may_be_timer(lasted))
+            if attribution.cause is Cause.UNKNOWN and not (is_unexplained or fact.timed):
+                self.nearby.explain(fact, self.place, self.profile)
+            fact.was_kept = self.profile.keeps(fact.capability, brought.value)
         if is_unexplained and not (fact.along or fact.timed >= ENOUGH):
             is_on, _, since = self._latest.get("on_off", (True, 0.0, -math.inf))
             fact.by_program = self._programs.cause(fact, math.inf if is_on is False else since)

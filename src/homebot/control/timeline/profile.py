@@ -69,6 +69,7 @@ class DeviceProfile:
         echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
         stays: How long commanded values lasted until another followed.
+        kept: How many commanded values lasted, at most three, by :func:`_kept_name`.
         gaps: The seconds between changes that nothing explains: between those of a level or colour, and to one value.
         creeps: How many times in a row another program changed the level or colour a little, at most three.
         pairs: How often in a row it changed along with commands to each part near it, at most three times.
@@ -84,6 +85,7 @@ class DeviceProfile:
     answers: dict[str, _Answers] = field(default_factory=dict)
     stays: dict[str, _Newest[tuple[bool | float | str, _Seconds]]] = field(default_factory=dict)
     gaps: dict[str, _Newest[tuple[bool | float | str, _Seconds]]] = field(default_factory=dict)
+    kept: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     creeps: Annotated[int, Field(ge=0, le=ENOUGH)] = 0
     pairs: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     failures: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
@@ -99,6 +101,7 @@ class DeviceProfile:
         self.answers = earlier.answers | self.answers
         self.stays = earlier.stays | self.stays
         self.gaps = earlier.gaps | self.gaps
+        self.kept = earlier.kept | self.kept
         self.creeps = max(self.creeps, earlier.creeps)
         self.pairs = earlier.pairs | self.pairs
         self.failures = earlier.failures | self.failures
@@ -166,17 +169,31 @@ class DeviceProfile:
         while len(self.failures) > KEPT:
             del self.failures[next(iter(self.failures))]
 
+    def learn_kept(self, capability: str, value: PlainValue) -> None:
+        """Record that a commanded *value* lasted."""
+        name = _kept_name(capability, value)
+        before = self.kept.pop(name, 0)
+        self.kept[name] = min(before + 1, ENOUGH)
+        if len(self.kept) > KEPT:
+            del self.kept[next(iter(self.kept))]
+        self.is_changed = self.is_changed or before < ENOUGH
+
+    def keeps(self, capability: str, value: PlainValue) -> bool:
+        """Return whether commanded values such as *value* usually last."""
+        return self.kept.get(_kept_name(capability, value), 0) >= ENOUGH
+
     def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
         """Record that *value* lasted for *seconds*; return how often it did so the last times, at least five.
 
         The longer it lasted, the seldomer does a person hit the time by chance, so more of the last times count.
-        People undo a command so soon so often that a short time counts as usual only if it was the same each time.
+        People undo a command so soon so often that a short time counts only if it is always the same.
         """
         before = sum(lasted == value for lasted, _ in self.stays.get(capability, ()))
         slack = max(durations.REGULAR, durations.CLOCK_DRIFT * seconds)
         newest = min(max(_NEWEST, int(seconds / durations.HASTY)), KEPT)
         count = self._learn_regular(self.stays, capability, value, seconds, slack, newest)
-        return count if seconds > durations.HASTY or count == min(before, _NEWEST) else min(count, ENOUGH - 1)
+        needed = _NEWEST if self.keeps(capability, value) else min(before, _NEWEST)
+        return count if seconds > durations.HASTY or count >= needed else 0
 
     def learn_gap(self, capability: str, value: PlainValue, seconds: float) -> bool:
         """Record the time since the last change that nothing explains; return whether these come regularly."""
@@ -366,6 +383,16 @@ class ProgramWatch:
             self._profile.learn_creep(is_small=False)
         self._creep = creep._replace(at=fact.at, is_small=is_small)
         return creep.cause if is_small or (is_other and not creep.is_small) else None
+
+
+def may_be_timer(seconds: float) -> bool:
+    """Return whether a time is as long as the first one of a timer: most are set to whole minutes."""
+    return abs(seconds - round(seconds / 60.0) * 60.0) <= durations.REGULAR < seconds
+
+
+def _kept_name(capability: str, value: PlainValue) -> str:
+    """Return the name under which it counts whether a value lasts: all numbers of a capability have one."""
+    return f"{capability} {value}" if isinstance(value, bool | str) else capability
 
 
 def _is_small(capability: str, before: PlainValue, value: PlainValue) -> bool:

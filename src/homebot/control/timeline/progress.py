@@ -229,6 +229,11 @@ class CommandProgress:
         is_word = isinstance(wanted.seen, str) and is_intermediate(capability, wanted.value, wanted.seen)
         return is_word or wanted.seen_at < self.transmission.sent_at
 
+    def may_be_taken_back(self, fact: Reported) -> bool:
+        """Return whether *fact* may retract the wanted value, which a bridge told before the device obeyed."""
+        fast_at = self.wanted[fact.capability].fast_at
+        return fast_at is not None and self.motion.moved_at <= fast_at and fact.at - fact.since <= durations.TAKEN_BACK
+
     def apply(self, fact: CommandFact, settle: float) -> None:
         """Add the next fact about the command; a confirmed value has to last for *settle* seconds."""
         if isinstance(fact, Decided):
@@ -368,11 +373,13 @@ class CommandProgress:
         """Return the role of a report after the confirmation: another value is a step, or the end of the wanted one."""
         capability, value, now = fact.capability, fact.value, fact.at
         if wanted.fits(value):
+            if self.members:
+                self._is_of_group(fact)  # those of its members follow
             self._end_steps(capability)
             wanted.refine(value)
             return ReportRole.EFFECT
-        is_on_again = capability == "on_off"
-        may_fade = is_on_again and (now < self._fades_until or (self._fades_out and self.motion.has_level))
+        is_on_again = capability == "on_off" and self._fades_out
+        may_fade = is_on_again and (now < self._fades_until or self.motion.has_level)
         if not (may_fade or self._may_move_on(wanted, fact)):
             self._undo(capability, now)
             return ReportRole.UNDONE
@@ -395,7 +402,9 @@ class CommandProgress:
         if capability == "level" and self.order.turns_on and value < wanted.value:
             return True  # it fades in from 0
         before = self.known.get(capability)
-        return not isinstance(before, float) or min(before, wanted.value) < value < max(before, wanted.value)
+        if not isinstance(before, float):
+            return self.motion.may_pass(capability, value)
+        return min(before, wanted.value) < value < max(before, wanted.value)
 
     def _judge_fade(self, at: float) -> None:
         """Judge by its level whether a lamp that is on again fades out, or was turned on."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeAlias
 
-from homebot.devices.outcomes import has_succeeded
+from homebot.devices.outcomes import has_succeeded, reverted_by
 from homebot.devices.wording.time_format import ago, to_seconds
 from homebot.devices.wording.values import plain_value, value_text
 from homebot.feature import cause_words
@@ -230,7 +230,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
         return _REASONS.get(first.cause, _UNEXPLAINED)
     if last.kind == "reverted":
         asked = f"{issuer_text(first.issuer)} had asked for {settings_text(first.settings)}"
-        return f"it changed back, by a hand or by itself, after {asked}"
+        return f"it changed back, {reverted_by(last.cause)}, after {asked}"
     if _changed_along(chain):
         asked_part = f"asked {name_text(first.device, names, first.part)} for"
         return f"{_request_reason(first, names, asked_part)}; it changed along with that"
