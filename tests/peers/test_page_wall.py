@@ -9,6 +9,7 @@ from urllib.parse import quote
 import pytest
 from anyio import to_thread
 from tests.peers.chromium import Page, axe_program, chromium, opened_page
+from tests.ports import reserve_port
 
 from homebot.house import World
 from homebot.house.description import load_world
@@ -344,4 +345,23 @@ async def test_hostile_names_are_names_and_everything_open_has_no_complaint_of_a
             assert await to_thread.run_sync(own.complaints, axe) == []
             await own.open(view, shows="Home")
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        assert own.problems() == []
+
+
+async def test_cameras_show_their_newest_picture_and_say_if_there_is_none(browser: Any, world: World) -> None:
+    port = reserve_port()
+    tables = {
+        "Porch": {"url": f"http://127.0.0.1:{port}/icon.png"},
+        "lamp": {"url": f"http://127.0.0.1:{port}/icon.png"},
+        "Gate": {"url": f"http://127.0.0.1:{port}/page.js"},
+    }
+    drawn = "return [...document.querySelectorAll(`${arguments[0]} img`)].filter((one) => one.naturalWidth).length"
+    async with opened_page(browser, world, {"pictures": tables}, port=port) as own:
+        await own.open("#/security", shows="There is no picture.")
+        assert "Porch" in await own.shows("no JPEG, PNG, GIF or WebP", "main")
+        await to_thread.run_sync(own.until, lambda: browser.execute_script(drawn, "main") == 2)
+        await own.open("#/room/living_room", shows="lamp")
+        await own.click("button[aria-label='more of lamp']")
+        await to_thread.run_sync(own.until, lambda: browser.execute_script(drawn, ".sheet") == 1)
+        await own.click("button[aria-label=close]")
         assert own.problems() == []

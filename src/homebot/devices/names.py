@@ -173,6 +173,8 @@ class GatewayNames:
             :data:`homebot.devices.approval_messages.DescribeCommands`.
         refresh: Service that asks a part for its values, as :data:`homebot.devices.gateway_messages.RefreshPart`; only
             of gateways that can.
+        picture: Service that returns the newest picture of a part, as
+            :data:`homebot.devices.picture_messages.GetPicture`; only of gateways that have some.
         subscribe: Service that starts mirroring raw messages.
     """
 
@@ -192,6 +194,7 @@ class GatewayNames:
         self.send_command = f"{base}/send_command"
         self.describe_commands = f"{base}/describe_commands"
         self.refresh = f"{base}/refresh"
+        self.picture = f"{base}/picture"
         self.subscribe = f"{base}/subscribe_to_topic"
         self._received_data = f"{base}/received_data"
 

@@ -53,7 +53,7 @@ ready (``task_status.started()``) after its first attempt to connect, successful
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -68,6 +68,7 @@ from homebot.clock import Clock
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import ONLY_OBSERVES, SENDS_NOTHING
+from homebot.errors import HomebotError
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, qos_profile_latched
 from homebot.log import LogLimit
 from homebot.units import Seconds
@@ -186,6 +187,27 @@ class Gateway(ABC):
         self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
         self._state_lines = LogLimit(node.graph.clock, burst=5)
         self._is_ready = False
+
+    def offer_pictures(self, read: Callable[[str, str], Awaitable[bytes]]) -> None:
+        """Offer the pictures of its devices; *read* is called with the key of a device and the id of a part."""
+
+        def start() -> None:
+            from homebot.devices.picture_messages import (  # noqa: PLC0415 - with the first look
+                GetPicture,
+                PictureRequest,
+                PictureResponse,
+                picture_of,
+            )
+
+            async def answer(request: PictureRequest) -> PictureResponse:
+                try:
+                    return picture_of(request.device[:100], await read(request.device, request.part))
+                except HomebotError as exc:
+                    return PictureResponse(success=False, message=str(exc))
+
+            self.node.create_service(GetPicture, self.names.picture, answer, concurrent=True)
+
+        self.node.offer_service("homebot/srv/GetPicture", self.names.picture, start)
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:

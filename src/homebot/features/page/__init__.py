@@ -2,11 +2,13 @@
 
 from typing import Final
 
-from homebot.feature import Feature
+from homebot.feature import Feature, FeatureTable
 from homebot.rights import OfferedService, Right
 
 CHANGE_LAYOUT: Final = OfferedService("/page/change_layout", Right.ACT)
 GET_USAGE: Final = OfferedService("/page/usage", Right.READ)
+GET_PICTURE: Final = OfferedService("/page/picture", Right.READ)
+LIST_PICTURES: Final = OfferedService("/page/pictures", Right.READ)
 FIND_UNUSED: Final = OfferedService("/setup/found", Right.READ, "homebot/srv/FindUnused")
 CHANGE_SETUP: Final = OfferedService("/setup/change", Right.MANAGE, "homebot/srv/ChangeSetup")
 MAKE_TOKEN: Final = OfferedService("/setup/token", Right.MANAGE, "homebot/srv/MakeToken")
@@ -16,7 +18,12 @@ LAYOUT: Final = "/page/layout"
 
 FEATURE: Final = Feature(
     name="page",
-    services=(CHANGE_LAYOUT, GET_USAGE, FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN),
+    services=(CHANGE_LAYOUT, GET_USAGE, GET_PICTURE, LIST_PICTURES, FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN),
     runs="homebot.features.page.page:serve_page",
-    messages=("homebot.features.page.messages", "homebot.features.page.setup_messages"),
+    tables={"pictures": FeatureTable("homebot.features.page.pictures:read_pictures")},
+    messages=(
+        "homebot.devices.picture_messages",
+        "homebot.features.page.messages",
+        "homebot.features.page.setup_messages",
+    ),
 )

@@ -80,5 +80,16 @@ class UsageResponse(Message):
     lost: UInt32 = 0
 
 
+class PictureNamesRequest(Message):
+    """Request for the pictures at addresses of the owner."""
+
+
+class PictureNamesResponse(ServiceAnswer):
+    """Their names: of devices, or of cameras without one."""
+
+    names: tuple[str, ...] = ()
+
+
 ChangeLayout = ServiceType("homebot/srv/ChangeLayout", ChangeLayoutRequest, ChangeLayoutResponse)
 GetUsage = ServiceType("homebot/srv/GetUsage", UsageRequest, UsageResponse)
+ListPictures = ServiceType("homebot/srv/ListPictures", PictureNamesRequest, PictureNamesResponse)

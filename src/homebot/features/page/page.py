@@ -31,6 +31,7 @@ from homebot.features.page.messages import (
     UsageRequest,
     UsageResponse,
 )
+from homebot.features.page.pictures import Pictures
 from homebot.features.page.usage import Usage
 from homebot.graph import Node, qos_profile_latched
 from homebot.support.isolation import run_as
@@ -62,6 +63,7 @@ async def serve_page(house: FeatureContext) -> None:
     async with Node(house.graph, FEATURE.name) as node:
         usage = Usage(house.store("page usage"), house.zone)
         offer_setup(node, house.config_file, house.restart)
+        Pictures(node, house.table("pictures") or {}).offer()
         await run_as(node.full_name, PageData(node, usage, house.directory).serve)
 
 

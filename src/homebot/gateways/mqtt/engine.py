@@ -92,6 +92,7 @@ class AnnouncedDevices:
             log_key="topic",
         )
         self.counters, self.quarantine = engine.counters, engine.quarantine
+        self.find_part = engine.find_part
         self._listeners, self._reporter, self._states = engine.listeners, engine.reporter, engine.states
         self.tick = self._reporter.refresh_time
         self.route = self._registry.route

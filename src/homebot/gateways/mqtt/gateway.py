@@ -7,8 +7,9 @@ has it in its queue; should this process die before that, the broker sends it ag
 import platform
 import re
 import secrets
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import ClassVar
 
 import anyio
@@ -20,7 +21,7 @@ from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import GatewayState, SubscribeToTopic
 from homebot.devices.gateway_messages import CommandAnswer
-from homebot.errors import ClosedError
+from homebot.errors import ClosedError, RefusedError
 from homebot.gateways.base import UNAVAILABLE, Gateway, GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.command_publisher import Responses
@@ -30,7 +31,7 @@ from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node, QoSProfile
 from homebot.log import LogLimit
-from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.clients import HostedBroker, client_maker
 from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -181,6 +182,7 @@ class MqttGateway(Gateway):
         self.counters = self._described.counters
         if node.name == "mqtt":
             node.create_service(SubscribeToTopic, "/subscribe_to_mqtt_topic", self._described.texts.subscribe)
+        self.offer_pictures(partial(self._read_picture, make_client))
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -278,6 +280,14 @@ class MqttGateway(Gateway):
                 await self._handle(batch)
                 connection.ack(batch)
                 del batch  # not kept while waiting for the next one: all retained messages are tens of megabytes
+
+    async def _read_picture(self, make_client: Callable[[MqttOptions], MqttClient], key: str, part: str) -> bytes:
+        from homebot.mqtt.next_message import next_message  # noqa: PLC0415 - with the first look
+
+        found = self._described.find_part(key, part).described.part
+        if found.service_type != "camera" or not found.reads:
+            raise RefusedError(f"a picture of {key[:100]}", "it announced none")
+        return await next_message(found.reads[0], self._settings.options(), make_client)
 
     def _asked_responses(self) -> Responses:
         answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)

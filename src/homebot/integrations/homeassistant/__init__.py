@@ -19,5 +19,5 @@ Tested against: Home Assistant itself, with all entities of its integration ``de
 2026.11.0; messages of real products with the answers of 2025.4.4; the contract of gateways; and simulated devices
 (``dialect = "homeassistant"``, ``"homeassistant_device"``, ``"home_assistant"``).
 
-Not done: pictures, cameras, calendars, weather, scripts, and the installation of software.
+Not done: videos, calendars, weather, scripts, and the installation of software.
 """

@@ -11,10 +11,14 @@ import { say } from "./language.js";
 import { isKept, keep } from "./layout.js";
 import { LastKnown, Marks } from "./marks.js";
 import { Owner } from "./owner.js";
+import { Picture, hasPicture } from "./picture.js";
 import { closeSheet, giveFocusBack, sheet } from "./tile.js";
 import { ActButton } from "./buttons.js";
 import { titled } from "./words.js";
 import { Why } from "./why.js";
+
+/** What may have a picture: the cover of what it plays, or its map. */
+const EXTRA = new Set(["video_player", "speaker", "robotic_vacuum_cleaner", "x_lawn_mower", "generic_switch"]);
 
 const DEAF = 350; // ms in which the touch that opened it may still end
 
@@ -49,6 +53,7 @@ function Opened({ id }) {
         <button type="button" class="round" aria-label=${say("close|do")} onClick=${closeSheet}><${Sign} path=${SIGNS.close} /></button></header>
       <div class="body">
         <${LastKnown} device=${device} />
+        ${(hasPicture(device) || EXTRA.has(device.type)) && html`<${Picture} of=${id} text=${device.name} isExtra=${!hasPicture(device)} />`}
         ${device.may_act && (kind.Main ? html`<${kind.Main} device=${device} />` : kind.act?.(device) && html`<div class="solo"><${ActButton} device=${device} act=${kind.act(device)} /></div>`)}
         <${Why} device=${device} isShort />
         <${Rest} device=${device} main=${kind.main} />

@@ -169,7 +169,6 @@ def test_what_homebot_shows_to_home_assistant_does_not_come_back(device: dict[st
         ("sensor.code", {"friendly_name": "Keypad code"}),
         ("scene.leave", {"entity_id": ["light.hall", "lock.door"]}),
         ("scene.come", {"entity_id": ["light.garage_door", "switch.garage_door"]}),
-        ("camera.door", {}),
         ("script.leave", {}),
         ("switch.all", {"entity_id": ["switch.lamp", "switch.garage_door"]}),
         ("light.hall", {"is_hue_group": True, "lights": ["Hall lamp"]}),

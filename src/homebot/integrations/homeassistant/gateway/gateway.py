@@ -130,6 +130,7 @@ class HomeAssistantGateway(LinkedGateway):
             max_devices=settings.max_entities,
             find_problems=self._problems,
         )
+        self.offer_pictures(self._read_picture)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -329,6 +330,12 @@ class HomeAssistantGateway(LinkedGateway):
             raise exc from None
         entity.expect(call)
         return along
+
+    async def _read_picture(self, key: str, part: str) -> bytes:
+        from homebot.integrations.homeassistant.gateway.pictures import read_picture  # noqa: PLC0415 - if looked at
+
+        entity = self._entities.entity(key, part)
+        return await read_picture(self._settings, entity.domain, entity.entity_id)
 
     async def _refresh(self, key: str, part: str) -> None:
         """Have an entity polled, and of a group its members; Home Assistant reports what has changed."""

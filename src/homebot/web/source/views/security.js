@@ -6,11 +6,11 @@ import { call, connection } from "../door.js";
 import { Entry } from "../entry.js";
 import { shown } from "../house.js";
 import { html } from "../html.js";
-import { SIGNS, Sign, thingOf } from "../icons.js";
+import { SIGNS, Sign, THINGS, thingOf } from "../icons.js";
 import { kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
 import { isOpen, placeName } from "../summaries.js";
-import { Picture } from "../picture.js";
+import { Picture, hasPicture, isOfDevice, named } from "../picture.js";
 import { Tile, openSheet } from "../tile.js";
 import { capital, titled } from "../words.js";
 
@@ -44,7 +44,7 @@ export function Security() {
   const order = [...open, ...doors.filter((one) => !isDoorOpen(one))];
   const hazards = devices.filter((one) => HAZARDS.has(one.type)).sort((a, b) => (toneOf(b) === "alarm") - (toneOf(a) === "alarm"));
   const panels = devices.filter((one) => one.type === "x_alarm_panel");
-  const cameras = devices.filter((one) => one.type === "camera");
+  const cameras = [...devices.filter(hasPicture).map((device) => ({ name: device.name, of: device.id, sign: signOf(device) })), ...named.value.filter((name) => !isOfDevice(devices, name)).map((name) => ({ name, of: name, sign: THINGS.camera[0] }))];
   return html`
     <h1 class="hidden">${say("Security")}</h1>
     <${Added} at="top" />
@@ -58,10 +58,10 @@ export function Security() {
       </div>
       ${panels.length + cameras.length > 0 && html`<div class="column">
         ${panels.map((one) => html`<${Panel} key=${one.id} device=${one} />`)}
-        ${cameras.map((one) => html`<section key=${one.id} class="card" aria-label=${one.name}><h2><span class="icon"><${Sign} path=${signOf(one)} /></span> <bdi>${one.name}</bdi></h2><${Picture} device=${one} /></section>`)}
+        ${cameras.map(({ name, of, sign }) => html`<section key=${of} class="card" aria-label=${name}><h2><span class="icon"><${Sign} path=${sign} /></span> <bdi>${name}</bdi>${of !== name && html`<button type="button" class="round more" aria-label=${say("more of {name}", { name })} onClick=${() => openSheet(of)}><${Sign} path=${SIGNS.right} /></button>`}</h2><${Picture} of=${of} text=${name} /></section>`)}
       </div>`}
     </div>
-    ${!doors.length && !hazards.length && !panels.length && html`<p class="empty">${say("There is no lock, contact or alarm yet.")}</p>`}`;
+    ${!doors.length && !hazards.length && !panels.length && !cameras.length && html`<p class="empty">${say("There is no lock, contact or alarm yet.")}</p>`}`;
 }
 
 function Panel({ device }) {

@@ -308,6 +308,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     ),
     "switch": EntityComponent(switch_type, (SWITCH,)),
     "media_player": _MEDIA_PLAYER,
+    "camera": EntityComponent("camera", (EntityRow("value", read_text("state")),)),
     "event": EntityComponent(
         "generic_switch",
         (EntityRow("press", read_text("event_type"), options=lambda info: options_of(info, "event_types")),),
@@ -344,6 +345,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
         lambda number: {"service": "set_value", "value": round(number)},
         "minimum",
     ),
+    "image": EntityComponent("camera", (EntityRow("value", read_text("state")),)),
     "timer": EntityComponent("x_setting", (EntityRow("value", read_text("state")),)),
     "update": EntityComponent(  # homebot never installs an update
         "x_update",
