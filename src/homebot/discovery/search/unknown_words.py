@@ -153,8 +153,10 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
 
 
 def _missing(term: Query, postings: Postings) -> str:
-    """Return that no device has the name or tag in *term*, with the most similar; empty for other terms."""
+    """Return that no device has the word, name or tag in *term*, with the most similar; empty for other terms."""
     match term:
+        case HasText(word):
+            return f"no device has the word {word!r}; without a query all are listed"
         case NameIs(name) | FactIs("name", name):
             problem, key, known = f"nothing is called {name!r}", "names", postings.values_of("fact name")
         case FactIs("tag", name):
