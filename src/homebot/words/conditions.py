@@ -12,12 +12,13 @@ from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.people import check_known, read_person
 from homebot.words.phrases import ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
-from homebot.words.times import SunElevation, SunSpan, TimeSpan, longest, read_duration, read_span
+from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
     Becomes,
     Press,
+    SunElevation,
     Trigger,
     is_time_or_person,
     read_press,

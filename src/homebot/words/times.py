@@ -8,9 +8,7 @@ from typing import Final, NamedTuple
 
 from homebot.errors import UsageError
 from homebot.units import MAX_WAIT, parse_duration
-from homebot.words.amounts import read_amount
 from homebot.words.days import EVERY_DAY, days_text, read_days, read_days_after_word
-from homebot.words.tokens import Phrase
 
 MAX_OFFSET_S: Final = 43_200.0
 """Seconds from an event of the sun, so that each stays on its own day."""
@@ -70,27 +68,6 @@ class SunMoment(NamedTuple):
         if read_duration(offset, f"{found['event']} {found['sign']} {offset}") > MAX_OFFSET_S:
             raise UsageError(f"{text!r}: {offset} is more than 12 hours from the {found['event']}")
         return cls(found["event"], f"{'-' if found['sign'] == '-' else ''}{offset}")
-
-
-class SunElevation(NamedTuple):
-    """The sun is, or comes, above or below so many degrees over the horizon."""
-
-    is_above: bool
-    degrees: float
-
-    @classmethod
-    def read(cls, text: str, form: Phrase) -> "SunElevation | None":
-        """Return the elevation in *text* of one of the forms for it; None if it is none.
-
-        Raises:
-            UsageError: It is no number of degrees that the sun may have.
-        """
-        if (found := form.match(text)) is None:
-            return None
-        amount = read_amount(found["degrees"])
-        if amount is None or amount.unit not in {"", "°C"} or not -90 <= float(amount.number) <= 90:
-            raise UsageError(f"{text!r}: write degrees above the horizon, like 'sun elevation below 4°'")
-        return cls(found["sign"] in {"above", "over", ">", ">="}, float(amount.number))
 
 
 class DaysAndTime(NamedTuple):

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import DevicePart
@@ -13,6 +13,7 @@ from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.names import find_name
+from homebot.words.amounts import read_amount
 from homebot.words.days import read_days_after_word
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import (
@@ -32,8 +33,8 @@ from homebot.words.phrases import (
     SUN_CROSSES,
 )
 from homebot.words.queries import parse_query
-from homebot.words.times import DaysAndTime, EachHour, SunElevation, SunMoment, read_duration, read_span, time_kind
-from homebot.words.tokens import split_at
+from homebot.words.times import DaysAndTime, EachHour, SunMoment, read_duration, read_span, time_kind
+from homebot.words.tokens import Phrase, split_at
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _MAX_INTERVAL_BLANKS: Final = 2  # half an hour
@@ -126,6 +127,27 @@ class PersonMoves:
     query: Query
     is_home: bool
     fact: str
+
+
+class SunElevation(NamedTuple):
+    """The sun is, or comes, above or below so many degrees over the horizon."""
+
+    is_above: bool
+    degrees: float
+
+    @classmethod
+    def read(cls, text: str, form: Phrase) -> "SunElevation | None":
+        """Return the elevation in *text* of one of the forms for it; None if it is none.
+
+        Raises:
+            UsageError: It is no number of degrees that the sun may have.
+        """
+        if (found := form.match(text)) is None:
+            return None
+        amount = read_amount(found["degrees"])
+        if amount is None or amount.unit not in {"", "°C"} or not -90 <= float(amount.number) <= 90:
+            raise UsageError(f"{text!r}: write degrees above the horizon, like 'sun elevation below 4°'")
+        return cls(found["sign"] in {"above", "over", ">", ">="}, float(amount.number))
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,7 @@ from homebot.features.routines.watches import (
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
-from homebot.words.times import DaysAndTime, EachHour, SunElevation, SunMoment, SunSpan, TimeSpan
+from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
 from homebot.words.triggers import (
     Becomes,
     Changes,
@@ -44,6 +44,7 @@ from homebot.words.triggers import (
     PersonMoves,
     Press,
     RobotArrival,
+    SunElevation,
     Trigger,
     read_trigger,
 )

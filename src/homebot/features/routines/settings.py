@@ -12,8 +12,8 @@ from homebot.features.routines.program import Branch, ConditionText, StepSetting
 from homebot.support.folding import fold
 from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, check_possible, single_conditions
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
-from homebot.words.times import SunElevation, SunMoment, SunSpan
-from homebot.words.triggers import Becomes, Trigger, read_trigger
+from homebot.words.times import SunMoment, SunSpan
+from homebot.words.triggers import Becomes, SunElevation, Trigger, read_trigger
 
 
 def _trigger(text: str) -> str:

@@ -31,10 +31,12 @@ SOURCE = "automations.yaml"
 SETTABLE = {
     "on_off", "level", "color", "color_temperature", "movement", "position", "lock", "heating_setpoint",
     "thermostat_mode", "playback", "volume", "vacuum", "alarm", "scene", "fan_speed",
+    "option", "number",
 }  # fmt: skip
 OPTIONS = {
     "press": ("single", "double", "hold", "long", "remote_button_short_press turn_on"),
     "thermostat_mode": ("off", "heat"),
+    "option": ("day", "night"),
 }
 NOW = Time.from_seconds(0.0)
 
@@ -59,6 +61,7 @@ def device(name: str, *parts: DevicePart, entities: str = "", key: str = "", are
     )  # fmt: skip
 
 
+HELPERS = Endpoint(gateway="helpers", key="", address="", command_address="", freshness="fresh", last_seen=NOW)
 LAMP = ("on_off", "level", "color", "color_temperature")
 HOUSE = (
     device("Hall lamp", part("", "light", *LAMP), area="Hall"),
@@ -86,6 +89,16 @@ HOUSE = (
     device("Bath climate", part("", "temperature_sensor", "temperature", "humidity")),
     device("Bath fan", part("", "fan", "on_off", "fan_speed")),
     device("Bath leak", part("", "water_leak_detector", "water_leak")),
+    *(
+        device(name, part("", "x_setting", *able)).model_copy(update={"endpoints": (HELPERS,)})
+        for name, able in {
+            "vacation": ["on_off"],
+            "lux limit": ["number"],
+            "mode": ["option"],
+            "visits": ["number"],
+            "oven": ["on_off", "press"],
+        }.items()
+    ),
     device("Household", part("", "x_household", "at_home", "all_at_home")),
 )
 

@@ -62,6 +62,9 @@ _CONTROLS: Final = {
     "input_boolean": ("x_setting", "on_off"),
     "input_button": ("x_setting", "push"),
     "input_select": ("x_setting", "option"),
+    "input_number": ("x_setting", "number"),
+    "counter": ("x_setting", "number"),
+    "timer": ("x_setting", "on_off"),
     "sensor": ("", "value"),
 }
 """The types of the parts that are entities of a domain, and their capabilities: the first one tells the state."""
@@ -166,7 +169,10 @@ class Entities:
                 siblings = [listed for listed in _listed(device) if listed.startswith(f"{domain}.")]
                 possible = [*_possible(device, domain)]
                 meant = possible if len(siblings) == len(possible) == 1 else []
-            if len(meant) != 1 or (device is None and entity_id.startswith("input_")):  # no device has helpers
+            is_helper = entity_id.partition(".")[0] in _HELPERS
+            if is_helper and device is None:  # no other device has helpers
+                meant = [entity for entity in meant if _is_of_helpers(entity.device)]
+            if len(meant) != 1:
                 is_known = device is not None or meant
                 problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
                 raise NotCarriedError(f"{entity_id} {problem}{_advice(entity_id)}")
@@ -256,6 +262,10 @@ def _listed(device: Device) -> dict[str, str]:
     """Return the entities of a device that Home Assistant told, with their units there if these differ."""
     texts = [text for fact in device.facts if fact.name == "entities" for text in fact.value.split(", ")]
     return {match["id"]: match["unit"] or "" for match in map(_LISTED.fullmatch, texts) if match}
+
+
+def _is_of_helpers(device: Device) -> bool:
+    return any(route.gateway == "helpers" for route in device.endpoints)
 
 
 def _advice(entity_id: str) -> str:

@@ -44,6 +44,11 @@ _WORDS: Final = {
     "scene.turn_on": "scene press",
     "button.press": "push press",
     "input_button.press": "push press",
+    "counter.increment": "number number +1",
+    "counter.decrement": "number number -1",
+    "counter.reset": "number number 0",
+    "timer.start": "on_off on",
+    "timer.cancel": "on_off off",
 }
 """The capability of services without data, of which a device takes the first that it has, and the words."""
 
@@ -57,6 +62,8 @@ _DATA: Final = {
     "fan.turn_on": ("percentage",),
     "fan.set_percentage": ("percentage",),
     "number.set_value": ("value",),
+    "input_number.set_value": ("value",),
+    "counter.set_value": ("value",),
     "humidifier.set_humidity": ("humidity",),
     "climate.set_temperature": ("hvac_mode", "temperature"),
     "climate.set_hvac_mode": ("hvac_mode",),

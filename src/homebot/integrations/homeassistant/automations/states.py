@@ -24,6 +24,7 @@ from homebot.words.vocabulary import ADJECTIVES
 _Meaning: TypeAlias = tuple[str, Operator, PlainValue]
 
 _FLAGS: Final = {"on": True, "off": False}
+_TIMER: Final = {"active": True, "idle": False}
 _COVERS: Final[dict[str, _Meaning]] = {"open": ("position", ">", 0.0), "closed": ("position", "=", 0.0)}
 _ALARM: Final = (
     *("disarmed", "armed_home", "armed_away", "armed_night", "armed_vacation"),
@@ -219,6 +220,8 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
         raise NotCarriedError(f"{entity.id}: {state!r} is no state that a routine can ask for")
     if state in _FLAGS and (flag := _flag_of(entity, state)):
         return flag, "=", _FLAGS[state]
+    if entity.domain == "timer" and state in _TIMER:
+        return "on_off", "=", _TIMER[state]
     if entity.domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
         return _COVERS[state]
     capability = next(iter(entity.controls), "")

@@ -167,6 +167,10 @@ _SENDERS: Final = {
 
 def _event(automation: Automation, fields: UnreadFields) -> str:
     kind, data = fields.text("event_type"), fields.inner("event_data")
+    if kind == "timer.finished":
+        entity = automation.entities.find(data.text("entity_id"))
+        data.end()
+        return _press(entity.name, "finished")
     if kind not in _SENDERS:
         raise NotCarriedError(f"trigger event: {kind!r}; carried over are events of {', '.join(_SENDERS)}")
     address, command = (data.text(key, "") for key in _SENDERS[kind])

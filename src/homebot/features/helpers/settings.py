@@ -1,0 +1,109 @@
+"""The table ``[helpers]``."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
+
+from homebot.config import parse_settings
+from homebot.errors import ConfigError
+from homebot.gateways.base import GatewaySettings
+from homebot.support.folding import fold
+from homebot.units import Seconds
+
+_MAX_HELPERS = 100
+_MAX_CHOICES = 50
+
+
+def _name(text: str) -> str:
+    if fold(text) != text.replace("_", " ").strip():
+        raise ValueError("a name is written in small letters without accents, such as vacation or movie_night")
+    return text
+
+
+_Name = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(_name)]
+
+
+class NumberHelper(BaseModel):
+    """A number, ``{ value = 30, min = 0, max = 100 }``, or one that counts, ``{ counter = 0 }``."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    value: float | None = None
+    counter: int | None = None
+    min: float | None = None
+    max: float | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.value is None) is (self.counter is None):
+            raise ValueError("give `value`, such as 30, or `counter`, such as 0")
+        if (self.min is None) is not (self.max is None) or not (self.low <= self.first <= self.high):
+            raise ValueError("give `min` and `max`, with the value between them")
+        return self
+
+    @property
+    def first(self) -> float:
+        """The value at the first start."""
+        return float(self.counter or 0) if self.value is None else self.value
+
+    @property
+    def low(self) -> float:
+        """The least value."""
+        return self.min if self.min is not None else 0.0 if self.counter is not None else -1e9
+
+    @property
+    def high(self) -> float:
+        """The greatest value."""
+        return 1e9 if self.max is None else self.max
+
+
+class TimerHelper(BaseModel):
+    """A timer, ``{ timer = "10m" }``: on while it runs."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    timer: Annotated[Seconds, Field(gt=0, le=7 * 86_400)]
+
+
+HelperSetting = bool | float | tuple[str, ...] | NumberHelper | TimerHelper
+"""A value that is true or false, a number, texts of which the first is chosen, or one with limits."""
+
+
+def _setting(value: object) -> HelperSetting:
+    """Check a helper here, because the errors of a union would name all of its members."""
+    match value:
+        case bool() | NumberHelper() | TimerHelper():
+            return value
+        case int() | float() if math.isfinite(value):
+            return float(value)
+        case dict():
+            try:
+                if "timer" in value:
+                    return parse_settings(TimerHelper, value, "", "")
+                return parse_settings(NumberHelper, value, "", "")
+            except ConfigError as exc:
+                raise ValueError(f"{exc.key}: {exc.reason}".removeprefix(": ")) from exc
+        case list() | tuple() if 0 < len(value) <= _MAX_CHOICES and all(
+            isinstance(text, str) and text for text in value
+        ):
+            return tuple(value)
+    raise ValueError(
+        f"must be true or false, a number, a list of texts, or a table such as {{ counter = 0 }} or "
+        f'{{ timer = "10m" }}, got {value!r:.100}'
+    )
+
+
+_Setting = Annotated[HelperSetting, PlainValidator(_setting)]
+
+
+class HelpersSettings(GatewaySettings):
+    """The helpers by name."""
+
+    helpers: Annotated[dict[_Name, _Setting], Field(default_factory=dict, max_length=_MAX_HELPERS)]
+
+
+def gateway_of_helpers(helpers: object, _: Mapping[str, object]) -> dict[str, dict[str, object]]:
+    """Return the table of the gateway, whose devices are *helpers*."""
+    return {"helpers": {"helpers": helpers}}
