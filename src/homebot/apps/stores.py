@@ -127,18 +127,15 @@ class AppStores:
             changes = {(app, key): self._texts[app].get(key) for app, key in self._changed}
             await to_thread.run_sync(file.write, changes)
             for (app, key), text in changes.items():
-                self._record_written(app, key, text)
-
-    def _record_written(self, app: str, key: str, text: str | None) -> None:
-        place = (app, key)
-        if text is None:
-            self._written.discard(place)
-        else:
-            self._written.add(place)
-        if self._texts[app].get(key) == text:  # it may have changed meanwhile
-            self._changed.pop(place, None)
-        else:
-            self._changed[place] = None
+                place = (app, key)
+                if text is None:
+                    self._written.discard(place)
+                else:
+                    self._written.add(place)
+                if self._texts[app].get(key) == text:  # it may have changed meanwhile
+                    self._changed.pop(place, None)
+                else:
+                    self._changed[place] = None
 
     def _write_all_anew(self) -> None:
         self._written.clear()

@@ -218,7 +218,12 @@ class PlanPicture(NamedTuple):
         """
         if not self.rooms or height < MIN_LINES:
             return []
-        scale = self._scale(width, height)
+        wests, souths, easts, norths = zip(*self.rooms.values(), strict=True)
+        west, north = min(wests), max(norths)
+        metres_across, metres_down = max(easts) - west, north - min(souths)
+        wanted = round(metres_down / metres_across * width / _ASPECT)
+        lines = min(height, _MAX_LINES, max(MIN_LINES, wanted))
+        scale = _Scale(west, north, (width - 1) / metres_across, (lines - 1) / metres_down, lines)
         boxes = {name: scale.box(*walls) for name, walls in self.rooms.items()}
         if not all(box.has_space_for(name) for name, box in boxes.items()):
             return []
@@ -226,14 +231,6 @@ class PlanPicture(NamedTuple):
         for name, box in boxes.items():
             cells |= box.label(f"{name} {signs.get(name, '')}", _LIT if name in lit else _DARK)
         return [_joined([cells.get((column, line), _EMPTY) for column in range(width)]) for line in range(scale.lines)]
-
-    def _scale(self, width: int, height: int) -> _Scale:
-        wests, souths, easts, norths = zip(*self.rooms.values(), strict=True)
-        west, north = min(wests), max(norths)
-        metres_across, metres_down = max(easts) - west, north - min(souths)
-        wanted = round(metres_down / metres_across * width / _ASPECT)
-        lines = min(height, _MAX_LINES, max(MIN_LINES, wanted))
-        return _Scale(west, north, (width - 1) / metres_across, (lines - 1) / metres_down, lines)
 
     def _walls_with_doors(self, boxes: Collection[_Box], scale: _Scale) -> dict[tuple[int, int], tuple[str, str]]:
         cells = {place: (_WALLS[ways], _DARK) for place, ways in _walls(boxes).items()}

@@ -53,7 +53,9 @@ class LiveHouse(HouseWatcher):
         self._began, self._lived = self._clock.now(), world.now
         self._devices: dict[str, Device] = {}
         self._names: dict[str, str] = {}
-        self._plan = _plan_of(world)
+        corners = {name: room.corners for name, room in world.rooms.rooms.items() if room.corners}
+        rooms = {name: (*points[0], *points[2]) for name, points in corners.items()}
+        self._plan = PlanPicture(rooms, [middle for _, _, middle in world.rooms.doorways()], DOOR_WIDTH)
         self._view = HouseView.of(node)
         self.story = Story(self._names, self._time)
         node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self.story.add_entry, _ENTRIES)
@@ -125,12 +127,6 @@ async def _redraw(house: LiveHouse, draw: Callable[[Callable[[int, int], Sequenc
     while True:
         await to_thread.run_sync(draw, partial(lines_of, house.picture()))
         await anyio.sleep(_EVERY)
-
-
-def _plan_of(world: World) -> PlanPicture:
-    corners = {name: room.corners for name, room in world.rooms.rooms.items() if room.corners}
-    rooms = {name: (*points[0], *points[2]) for name, points in corners.items()}
-    return PlanPicture(rooms, [middle for _, _, middle in world.rooms.doorways()], DOOR_WIDTH)
 
 
 def _hint(world: World, page: str) -> str:

@@ -110,8 +110,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         SystemExit: The command line is wrong (code 2), or requests ``--help`` or ``--version`` (code 0).
     """
     argv = sys.argv[1:] if argv is None else argv
-    if "run" in argv:
-        _hold_hangups()
+    if "run" in argv and hasattr(signal, "SIGHUP") and not has_terminal():  # Windows has no SIGHUP
+        # It waits until ``serve`` can reload: so early, it would end the process, and it should at a terminal.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
     for name in ("stdout", "stderr"):  # None if it was closed before the start
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
@@ -167,12 +168,6 @@ def _verbs() -> "dict[str, Verb]":
     from homebot.feature import all_features  # noqa: PLC0415 - the core's commands start without features
 
     return {name: verb for feature in all_features() for name, verb in feature.verbs.items()}
-
-
-def _hold_hangups() -> None:
-    """Let SIGHUP wait until ``serve`` can reload: so early, it would end the process, and it should at a terminal."""
-    if hasattr(signal, "SIGHUP") and not has_terminal():  # Windows has none
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
 
 
 def has_terminal() -> bool:

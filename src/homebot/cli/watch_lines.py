@@ -124,7 +124,10 @@ class HouseLines:
             case "reported" | "changed":
                 self._explain(entry)
             case "outcome" | "reverted":
-                self._add_outcome(entry, now)
+                command = self._commands.get(entry.command) or _Command({}, "")
+                result = entry.results[0]
+                if not (has_succeeded(result.outcome) and command.is_seen and entry.kind == "outcome"):
+                    self._add(entry, "outcome", command.settings, f"→ {command.words}", printable(result.text), now)
             case "denied":
                 self._add(entry, "outcome", {}, "", entry_text(entry, self._names), now)
 
@@ -142,12 +145,6 @@ class HouseLines:
         self._commands[entry.command] = _Command(values, words)
         cause = trigger_text(entry.trigger, self._names)
         self._add(entry, "command", values, f"→ {words}", f"because {cause}" if cause else "", now)
-
-    def _add_outcome(self, entry: JournalEntry, now: float) -> None:
-        command = self._commands.get(entry.command) or _Command({}, "")
-        result = entry.results[0]
-        if not (has_succeeded(result.outcome) and command.is_seen and entry.kind == "outcome"):
-            self._add(entry, "outcome", command.settings, f"→ {command.words}", printable(result.text), now)
 
     def _explain(self, entry: JournalEntry) -> None:
         command = self._commands.get(entry.command)

@@ -45,7 +45,9 @@ def why_not_harmless(device: Device, part: DevicePart, settings: Mapping[str, Pl
     if kind in _LOADS:
         return _said(device, part, _LOADS[kind]) or _why_out_of_range(settings or {})
     if kind == "window_covering":
-        return _why_no_blind(device, part)
+        if _said(device, part, words.COVERING) or words.matching_words(part.part.advertised, words.COVERING):
+            return _said(device, part, words.WINDOW)
+        return "nothing says that it is a blind, a curtain or an awning"
     return _why_no_lamp(device, part) if kind in {"plug", "switch"} else f"it is {spoken_type(kind)}"
 
 
@@ -62,12 +64,6 @@ def why_not_covered(
     if not limit and rights.acts_on_harmless and not rights.acts_on_ordinary:
         limit = why_not_harmless(device, part, settings)
     return None if rights.may_command(device, part, asks=bool(asks), is_harmless=not limit) else limit
-
-
-def _why_no_blind(device: Device, part: DevicePart) -> str:
-    if _said(device, part, words.COVERING) or words.matching_words(part.part.advertised, words.COVERING):
-        return _said(device, part, words.WINDOW)
-    return "nothing says that it is a blind, a curtain or an awning"
 
 
 def _why_no_lamp(device: Device, part: DevicePart) -> str:

@@ -81,7 +81,9 @@ class PlacesExchange:
         by_identifier = yield from self._by_identifier(frozenset(name for names in places.devices for name in names))
         owner.check_room(sum(self._count(names, by_identifier) for names in places.devices))
         before = owner.plan
-        added = self._import_rooms(places, before)
+        if places.rooms or places.doors:
+            owner.import_rooms(places.rooms, SOURCE, places.doors)
+        added = _added_to_plan(places, before, owner.plan)
         kept: list[str] = []
         for names, facts in places.devices.items():
             yield
@@ -91,12 +93,6 @@ class PlacesExchange:
         if owner.plan.rooms != before.rooms:
             yield from self._restate(before, owner.plan)
         return Imported(tuple(added), tuple(kept))
-
-    def _import_rooms(self, places: Places, before: HousePlan) -> list[str]:
-        """Add rooms and doors to the plan *before*; return those that are new."""
-        if places.rooms or places.doors:
-            self._table.owner.import_rooms(places.rooms, SOURCE, places.doors)
-        return _added_to_plan(places, before, self._table.owner.plan)
 
     def reconfigure(self, places: Places, rooms: HouseRooms, now: float) -> Generator[None, None, None]:
         """Replace the statements of the configuration, and update the devices concerned.

@@ -8,7 +8,7 @@ import asyncio
 import socket
 import struct
 from collections.abc import Iterable
-from ipaddress import IPv4Address, IPv6Address, IPv6Network
+from ipaddress import IPv4Address, IPv6Network
 from typing import TypeAlias, cast
 
 from homebot.errors import RefusedError
@@ -106,17 +106,12 @@ def _judged(address: SocketAddress) -> tuple[str, bool]:
     return text, _is_own(text, address[3] if len(address) > 3 else 0)
 
 
-def _names_this_computer(address: IPv4Address | IPv6Address) -> bool:
-    """Return whether *address* alone says so; a group includes this computer."""
-    return address.is_loopback or address.is_unspecified or address.is_multicast
-
-
 def _is_own(text: str, scope: int) -> bool:
     """Return whether the kernel would deliver packets for an address on this computer; none is sent."""
     known = parse_address(text)
     if known is not None and known in _NAT64:
         known = IPv4Address(known.packed[-4:])
-    if known is None or _names_this_computer(known):
+    if known is None or known.is_loopback or known.is_unspecified or known.is_multicast:
         return True
     if known.version == 4 or not known.is_link_local:
         scope = 0  # ignored by the kernel for other addresses

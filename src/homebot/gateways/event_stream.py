@@ -62,7 +62,10 @@ class EventStreamParser:
 
     def _parse_line(self, line: str) -> ServerEvent | None:
         if not line:
-            return self._dispatch()
+            event = ServerEvent(self._kind or "message", "\n".join(self._data)) if self._data else None
+            self._kind, self._size = "", 0
+            self._data.clear()
+            return event
         self._size += len(line)
         self._check_size(0)
         name, _, value = line.partition(":")
@@ -75,12 +78,6 @@ class EventStreamParser:
             case _:
                 pass  # ids and pauses are for resumption; comments and unknown fields are ignored
         return None
-
-    def _dispatch(self) -> ServerEvent | None:
-        event = ServerEvent(self._kind or "message", "\n".join(self._data)) if self._data else None
-        self._kind, self._size = "", 0
-        self._data.clear()
-        return event
 
     def _check_size(self, more: int) -> None:
         if self._size + more > self._max_event:

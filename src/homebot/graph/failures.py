@@ -64,7 +64,10 @@ class Failures:
 
         The traceback is logged if the last one came from another place.
         """
-        failure = self._failure(node, callback)
+        key = (node, callback)
+        if key not in self._failures and len(self._failures) >= _MAX_SOURCES:
+            key = ("", _OTHERS)
+        failure = self._failures.setdefault(key, CallbackFailure(*key))
         failure.count += 1
         failure.last = error_text(error)
         failure.at = self._clock.now()
@@ -80,12 +83,6 @@ class Failures:
             failures=failure.count,
             **trace,
         )
-
-    def _failure(self, node: str, callback: str) -> CallbackFailure:
-        key = (node, callback)
-        if key not in self._failures and len(self._failures) >= _MAX_SOURCES:
-            key = ("", _OTHERS)
-        return self._failures.setdefault(key, CallbackFailure(*key))
 
     def count_late(self, node: str, service: str, error: HomebotError | None) -> None:
         """Count a late answer and log an *error*, at most one line in 10 s for each service."""

@@ -176,7 +176,12 @@ def _numbers_from_json(field: FieldDefinition, value: list[object]) -> list[obje
 
 def _value_from_json(field: FieldDefinition, value: object) -> object:
     if field.is_bytes or (field.is_numeric and isinstance(value, str)):
-        return _bytes_from_json(value)
+        with suppress(ValueError, TypeError):
+            if isinstance(value, str):
+                return base64.b64decode(value, validate=True)
+            if isinstance(value, list):
+                return bytes(value)
+        return value  # validation then names it
     if field.is_numeric and isinstance(value, list):
         return _numbers_from_json(field, value)
     if field.is_array and isinstance(value, list):
@@ -190,28 +195,13 @@ def _element_from_json(field: FieldDefinition, value: object) -> object:
     if field.choices is not None and isinstance(value, str) and value in tuple(field.choices):
         return field.choices(value)
     if isinstance(value, str) and not value.isascii():
-        return _text_from_json(value)
+        try:
+            value.encode()
+        except UnicodeEncodeError:
+            return value.encode(errors="surrogatepass")  # a lone surrogate, which validation refuses as bytes
+        return value
     if value is None and field.ros_type in _REAL:
         return math.nan
-    return value
-
-
-def _text_from_json(value: str) -> object:
-    """Return *value*, or bytes if a JSON escape is a lone surrogate, which validation then refuses."""
-    try:
-        value.encode()
-    except UnicodeEncodeError:
-        return value.encode(errors="surrogatepass")
-    return value
-
-
-def _bytes_from_json(value: object) -> object:
-    """Return *value* decoded as bytes, or unchanged if that fails: validation then names it."""
-    with suppress(ValueError, TypeError):
-        if isinstance(value, str):
-            return base64.b64decode(value, validate=True)
-        if isinstance(value, list):
-            return bytes(value)
     return value
 
 

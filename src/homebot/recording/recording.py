@@ -149,7 +149,10 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
                 raise UsageError(f"{where}: field 'kind': the first line of a recording is its header, 'recording'")
             recording = Recording(line.message)
             continue
-        _check_place(line, where, is_over=is_over)
+        if is_over:
+            raise UsageError(f"{where}: comes after the end of the recording")
+        if isinstance(line.message, RecordingHeader):
+            raise UsageError(f"{where}: field 'kind': a recording has one header, in its first line")
         is_over = isinstance(line.message, RecordingEnd)
         if isinstance(line.message, CommandResult):
             results[line.message.command_id] = line.message
@@ -168,13 +171,6 @@ def _whole_line(text: bytes, repetitions: Repetitions, where: str) -> RecordingL
         return replace(line, message=repetitions.whole(line.message))
     except UsageError as exc:
         raise UsageError(f"{where}: {exc}") from exc
-
-
-def _check_place(line: RecordingLine, where: str, *, is_over: bool) -> None:
-    if is_over:
-        raise UsageError(f"{where}: comes after the end of the recording")
-    if isinstance(line.message, RecordingHeader):
-        raise UsageError(f"{where}: field 'kind': a recording has one header, in its first line")
 
 
 def _sort(recording: Recording) -> None:

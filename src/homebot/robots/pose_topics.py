@@ -93,7 +93,11 @@ class PoseTopics:
             if messages := [*iter(subscription.take, None)]:
                 handle(messages)
         for robot in self._robots.values():
-            self._place_by_frames(robot)
+            pose = self._frames.pose_of(robot)
+            if pose is not None and pose != self._placed.get(robot.name):
+                self._placed[robot.name] = pose
+                error = _TF_ERROR if robot.sigma is None else min(_MAX_ERROR, max(_MIN_TF_ERROR, robot.sigma))
+                robot.place("/tf", TF_LIMIT, pose[0], age=self._now() - pose[1], error=error)
 
     def refusal(self, robot: str, since: float = -math.inf) -> str:
         """Return the last refusal of a message of *robot*, or on a topic of all robots; empty for none *since*."""
@@ -141,13 +145,6 @@ class PoseTopics:
                 self._robots[owner].add_life()
             except TransformException as exc:
                 self._refuse(topic, str(exc))
-
-    def _place_by_frames(self, robot: TrackedRobot) -> None:
-        pose = self._frames.pose_of(robot)
-        if pose is not None and pose != self._placed.get(robot.name):
-            self._placed[robot.name] = pose
-            error = _TF_ERROR if robot.sigma is None else min(_MAX_ERROR, max(_MIN_TF_ERROR, robot.sigma))
-            robot.place("/tf", TF_LIMIT, pose[0], age=self._now() - pose[1], error=error)
 
     def _on_amcl(self, robot: str, topic: str, messages: Sequence[PoseWithCovarianceStamped]) -> None:
         odometry = f"{topic.rpartition('/')[0]}/odom"

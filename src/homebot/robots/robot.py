@@ -89,7 +89,9 @@ class TrackedRobot:
         if before is not None and (jump := _jump(before, pose)):
             self.doubt(f"{source} jumped by {jump:.1f} m")
         elif self.unsure_because and pose.has_position:
-            self._regain_trust()
+            self._consistent += 1
+            if self._consistent >= _CONSISTENT:
+                self.unsure_because = ""
         if by_robot:
             self.add_life(age)
         else:
@@ -97,11 +99,6 @@ class TrackedRobot:
 
     def _is_apart_from_amcl(self, pose: RobotPose) -> bool:
         return any(one.source.endswith(_AMCL) and _is_apart(one, pose) for one in self._poses.values())
-
-    def _regain_trust(self) -> None:
-        self._consistent += 1
-        if self._consistent >= _CONSISTENT:
-            self.unsure_because = ""
 
     def add_life(self, age: float = 0.0) -> None:
         """Record a sign of life of the robot *age* seconds ago."""

@@ -84,7 +84,13 @@ class Vacuum:
                 if self._log.allows(MAP_REFUSED) is not None:
                     self._node.log.warning(MAP_REFUSED, message=f"a map of {self._robot.name} is not read: {exc}")
                 continue
-            self._warn_of_new_map(found)
+            self._first_id = found.vendor_id if self._first_id is None else self._first_id
+            if self._map is not None and self._map.vendor_id != found.vendor_id:
+                table = f"[robots.{self._robot.name}]"
+                text = (
+                    f"{self._robot.name} uses another map now; map_transform and segments of {table} do not apply to it"
+                )
+                self._node.log.warning(MAP_CHANGED, message=text, robot=self._robot.name)
             self._map, self._received_at = found, self._robot.now()
             self._lies_at = self._place_of_map(found)
             if self._lies_at is not None:
@@ -102,13 +108,6 @@ class Vacuum:
     def _on_status(self, message: RawMessage) -> None:
         self._status = message.text()[:40]
         self._robot.add_life()
-
-    def _warn_of_new_map(self, vacuum_map: VacuumMap) -> None:
-        self._first_id = vacuum_map.vendor_id if self._first_id is None else self._first_id
-        if self._map is not None and self._map.vendor_id != vacuum_map.vendor_id:
-            table = f"[robots.{self._robot.name}]"
-            text = f"{self._robot.name} uses another map now; map_transform and segments of {table} do not apply to it"
-            self._node.log.warning(MAP_CHANGED, message=text, robot=self._robot.name)
 
     def _place_of_map(self, vacuum_map: VacuumMap) -> MapPose | None:
         """Return the pose of the map in the house: as stated by the owner, or fitted to rooms of the same names."""

@@ -303,15 +303,11 @@ def planned_app(
     key = _key_of(name, table)
     if (array := _table_of(table)) and (check := feature_tables()[array].check):
         load(check)(name, table, config)
-    _check_name(key, name, config.source)
+    if name in OWN_NODES or name in find_features().features:
+        raise ConfigError(config.source, key, "is the name of one of homebot's own nodes; choose another name")
     scope_of(key, table, config.source)
     made = load_class if given is None else lambda *_: given
     return _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
-
-
-def _check_name(key: str, name: str, source: str) -> None:
-    if name in OWN_NODES or name in find_features().features:
-        raise ConfigError(source, key, "is the name of one of homebot's own nodes; choose another name")
 
 
 def _discovery(config: Config) -> DirectorySettings:

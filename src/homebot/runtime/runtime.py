@@ -337,7 +337,16 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
-        await self._start_services(stack)
+        # Each in-process peer that gateways need is started once, unless it was passed in.
+        running = dict(self._context.services)
+        if self._house is not None:
+            for given in await stack.enter_async_context(self._house.network.running(self._context.random)):
+                running[type(given)] = given
+        for service in self._needed:
+            if service.kind not in running:
+                running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
+        plugins = frozenset(str(table.get("class", name)) for name, table in self.config.gateways.items())
+        self._context = replace(self._context, services=running, gateways=plugins)
         gateways = tuple(
             replace(gateway, settings=gateway.kind.resolve(gateway.settings, self._context))
             for gateway in self._plan.gateways
@@ -404,18 +413,6 @@ class Runtime:
         ]
         if lacking:
             raise UsageError(f"services without a right: {', '.join(lacking)}; add them to CORE_SERVICES")
-
-    async def _start_services(self, stack: AsyncExitStack) -> None:
-        """Start each in-process peer that gateways need, once, unless it was passed in."""
-        running = dict(self._context.services)
-        if self._house is not None:
-            for given in await stack.enter_async_context(self._house.network.running(self._context.random)):
-                running[type(given)] = given
-        for service in self._needed:
-            if service.kind not in running:
-                running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
-        plugins = frozenset(str(table.get("class", name)) for name, table in self.config.gateways.items())
-        self._context = replace(self._context, services=running, gateways=plugins)
 
     async def _gateway(self, component: PlannedComponent[Gateway], *, task_status: TaskStatus[None]) -> None:
         async with self._gateway_node(self.graph, component.name) as node:

@@ -139,7 +139,11 @@ class Supervisor:
                 start.mistake = cause
                 start.started()
                 return
-            delay = self._delay_after(recent)
+            now = self._clock.monotonic()
+            while recent and now - recent[0] >= CRASH_WINDOW:
+                recent.popleft()
+            recent.append(now)
+            delay = None if len(recent) >= MAX_CRASHES else FIRST_DELAY * 2.0 ** (len(recent) - 1)
             self._report(name, cause, delay)
             start.started()  # better to start homebot without it than not at all
             if delay is None:
@@ -164,14 +168,6 @@ class Supervisor:
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run, name=name)
         return crash
-
-    def _delay_after(self, crashes: deque[float]) -> float | None:
-        """Count a crash; return the seconds until the next start, or None after too many crashes."""
-        now = self._clock.monotonic()
-        while crashes and now - crashes[0] >= CRASH_WINDOW:
-            crashes.popleft()
-        crashes.append(now)
-        return None if len(crashes) >= MAX_CRASHES else FIRST_DELAY * 2.0 ** (len(crashes) - 1)
 
     def _log_state(self, name: str, state: Literal["running again", "ended"]) -> None:
         if name in self.crashes:

@@ -243,7 +243,15 @@ class SqliteFile:
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
             _check(connection)
-            self._migrate(connection, version)
+            schema = self._schema  # migrated step by step, each in a transaction, after making a copy
+            if 0 < version < schema.version:
+                copy = self.path.with_name(f"{self.path.name}.version-{version}")
+                copy.unlink(missing_ok=True)  # an earlier step failed
+                _vacuum_into(connection, copy)
+                for one in range(version, schema.version):
+                    _apply(connection, schema.migrations[one], one + 1)
+            else:
+                _apply(connection, schema.statements if version == 0 else (), schema.version)
             for check in self._schema.checks:
                 connection.execute(check).fetchall()
         except BaseException:
@@ -273,18 +281,6 @@ class SqliteFile:
         if problem := _why_not_ours(version, self._schema):
             raise UsageError(f"{self._title} {problem}")
         return version
-
-    def _migrate(self, connection: sqlite3.Connection, version: int) -> None:
-        """Migrate the file step by step, each in a transaction, after making a copy."""
-        schema = self._schema
-        if 0 < version < schema.version:
-            copy = self.path.with_name(f"{self.path.name}.version-{version}")
-            copy.unlink(missing_ok=True)  # an earlier step failed
-            _vacuum_into(connection, copy)
-            for one in range(version, schema.version):
-                _apply(connection, schema.migrations[one], one + 1)
-        else:
-            _apply(connection, schema.statements if version == 0 else (), schema.version)
 
     @contextmanager
     def _used(self, what: str) -> Iterator[sqlite3.Connection]:

@@ -35,7 +35,9 @@ class TimeLimits:
         self._ends[number] = end
         heapq.heappush(self._heap, (at, number))
         if len(self._heap) > self._room:
-            self._rebuild()
+            self._heap[:] = [one for one in self._heap if one[1] in self._ends]
+            heapq.heapify(self._heap)
+            self._room = 2 * len(self._heap) + _SLACK
         if at < self._rings_at:
             self._ring_at(at)
         return number
@@ -43,11 +45,6 @@ class TimeLimits:
     def discard(self, number: int) -> None:
         """Remove the limit with that number. Idempotent."""
         self._ends.pop(number, None)
-
-    def _rebuild(self) -> None:
-        self._heap[:] = [one for one in self._heap if one[1] in self._ends]
-        heapq.heapify(self._heap)
-        self._room = 2 * len(self._heap) + _SLACK
 
     def _ring_at(self, at: float) -> None:
         if self._timer is not None:

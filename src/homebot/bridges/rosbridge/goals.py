@@ -73,7 +73,12 @@ class SentGoals:
             hint = similar_name(name, [action.name for action in self._node.graph.actions()], "/rosapi/action_servers")
             raise PeerError(f"action {name} has no server now; {hint}")
         action_type = action_type_of(self._node.graph, name, op.action_type)
-        request = self._goal_message(action_type.Goal, op.args)
+        values, problem = parse_queries(action_type.Goal, named_values(action_type.Goal, op.args))
+        if problem is not None:
+            raise problem
+        request = request_from_client(
+            action_type.Goal, self._access.stamped(action_type.Goal, values), self._node.graph.clock.now()
+        )
         if name not in self._clients:
             self._clients[name] = ActionClient(self._node, action_type, name)
         sent = _SentGoal(op, self._clients[name])
@@ -95,12 +100,6 @@ class SentGoals:
             return False
         self._clients.popitem()[1].close()
         return True
-
-    def _goal_message(self, goal_type: type[Message], args: dict[str, Any] | list[Any]) -> Message:
-        values, problem = parse_queries(goal_type, named_values(goal_type, args))
-        if problem is not None:
-            raise problem
-        return request_from_client(goal_type, self._access.stamped(goal_type, values), self._node.graph.clock.now())
 
     async def _run(self, sent: _SentGoal, request: Message) -> None:
         op, client, status = sent.op, sent.client, GoalState.UNKNOWN

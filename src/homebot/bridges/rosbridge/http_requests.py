@@ -100,12 +100,9 @@ class HttpRequests:
         if (agents := self._agents) is None:
             check_extra("/mcp", "mcp", "mcp")
             module = await to_thread.run_sync(import_module, "homebot.bridges.rosbridge.agents")
-            agents = self._agents = self._first(module.AgentServers(self._calls_of, self._tasks))
+            # Another request may have begun meanwhile.
+            agents = self._agents = self._agents or module.AgentServers(self._calls_of, self._tasks)
         return agents
-
-    def _first(self, agents: AgentServers) -> AgentServers:
-        """Return those that another request has begun meanwhile, or else *agents*."""
-        return self._agents or agents
 
     async def _wait(self, address: str) -> None:
         """Wait until a request from *address* is within the rate limit, and for its turn."""

@@ -54,7 +54,10 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
     if _openings(rest) > MAX_NESTING:
         _check_nesting(value)
     if "\\ud" in rest or "\\uD" in rest:
-        _check_unicode(value)
+        try:
+            json.dumps(value, ensure_ascii=False).encode()
+        except UnicodeEncodeError as exc:
+            raise RefusedJsonError("contains half of a surrogate pair, which is not Unicode") from exc
     for found, span in zip(lists, arrays, strict=True):
         yield from _read_numbers(found, text, *span)
     return value
@@ -131,10 +134,3 @@ def _check_nesting(value: object) -> None:
             for item in (parent.values() if isinstance(parent, dict) else parent if isinstance(parent, list) else ())
             if isinstance(item, dict | list)
         ]
-
-
-def _check_unicode(value: object) -> None:
-    try:
-        json.dumps(value, ensure_ascii=False).encode()
-    except UnicodeEncodeError as exc:
-        raise RefusedJsonError("contains half of a surrogate pair, which is not Unicode") from exc

@@ -151,7 +151,12 @@ async def call_service(
             response = client.service_type.Response.of(response)
         if problem is not None:
             response = refusal(client.service_name, response, problem)
-        frame = await _success(op, response, turns)
+        pieces = message_to_pieces(response)
+        written = [next(pieces)]
+        for piece in pieces:
+            written.append(piece)
+            await turns.turn()
+        frame = frame_text("service_response", op.id, {"service": op.service, "result": True}, values="".join(written))
     except HomebotError as exc:
         frame = _failure(node, op, exc)
     finally:
@@ -177,15 +182,6 @@ def missing_service(node: Node, op: CallService) -> str:
     name = node.resolve_name(op.service, "service name")
     is_known = bool(node.graph.get_endpoints(kind=EntityKind.SERVICE, name=name))
     return "" if is_known else _unavailable(node, ServiceUnavailableError(name))
-
-
-async def _success(op: CallService, response: Message, turns: ServerTurns) -> str:
-    pieces = message_to_pieces(response)
-    written = [next(pieces)]
-    for piece in pieces:
-        written.append(piece)
-        await turns.turn()
-    return frame_text("service_response", op.id, {"service": op.service, "result": True}, values="".join(written))
 
 
 def _failure(node: Node, op: CallService, error: HomebotError) -> str:

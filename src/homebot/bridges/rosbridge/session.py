@@ -138,7 +138,13 @@ class ClientSession:
         rate = RateLimit(most, at_once=most)
         async for frame in frames:
             if wait := rate.charge(now()):
-                self._report_slow()
+                self._shared.counters.slowed_down += 1
+                if self._slowness.allows("") is not None:
+                    limit = f"more than {self._settings.max_frames_per_second} frames a second"
+                    self._remark("warning", f"{limit} came from this client: it is being throttled to that rate", None)
+                    self.client.log(
+                        "slowed down", "door.slowed_down", f" sends {limit}: it is being throttled to that rate"
+                    )
                 await anyio.sleep(wait)
             await self._outbox.room()
             await self._turns.turn()
@@ -270,13 +276,6 @@ class ClientSession:
         held = self._node.graph.count_endpoints(self._node.full_name)
         if held >= self._settings.max_entities_of_all:
             raise PeerError(f"all clients together use {held} topics and services already, the limit")
-
-    def _report_slow(self) -> None:
-        self._shared.counters.slowed_down += 1
-        if self._slowness.allows("") is not None:
-            limit = f"more than {self._settings.max_frames_per_second} frames a second"
-            self._remark("warning", f"{limit} came from this client: it is being throttled to that rate", None)
-            self.client.log("slowed down", "door.slowed_down", f" sends {limit}: it is being throttled to that rate")
 
     def _report_taken(self, name: str) -> None:
         """Report that a newer connection took over the service or action *name*."""

@@ -171,7 +171,11 @@ def _restore(options: argparse.Namespace) -> int:
     staged = Path(mkdtemp(prefix="restore-", dir=root))
     try:
         manifest = extract_archive(Path(options.file), staged)
-        _check_files(staged / "data")
+        for path in sorted((staged / "data").glob("*.sqlite")):
+            schema = KEPT_FILES.get(path.name)
+            problem = "is not a file of homebot" if schema is None else why_not_readable(path, schema) or _damage(path)
+            if problem:
+                raise UsageError(f"{path.name} {problem}; nothing was restored")
         folder = root / manifest.folder
         check_unused(folder)
         aside = _move_in(staged, folder, options.into, manifest)
@@ -183,14 +187,6 @@ def _restore(options: argparse.Namespace) -> int:
     if missing := [name for name in manifest.left_out if not (options.into / name).exists()]:
         print(f"missing, because they contain secrets: {', '.join(missing)}; put them there before the start")
     return 0
-
-
-def _check_files(data: Path) -> None:
-    for path in sorted(data.glob("*.sqlite")):
-        schema = KEPT_FILES.get(path.name)
-        problem = "is not a file of homebot" if schema is None else why_not_readable(path, schema) or _damage(path)
-        if problem:
-            raise UsageError(f"{path.name} {problem}; nothing was restored")
 
 
 def _damage(path: Path) -> str:

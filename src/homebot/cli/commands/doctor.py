@@ -52,21 +52,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _doctor(options: argparse.Namespace) -> int:
     if options.offline:
-        return _check_offline(options)
+        from homebot.cli.commands.config import offline_findings  # noqa: PLC0415 - loads the plug-ins
+
+        file = Path(options.config or DEFAULT_CONFIG)
+        findings = [one.model_dump(mode="json") for one in offline_findings(file, reaches=options.reach)]
+        return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
     if options.config or options.reach:
         raise UsageError("--config and --reach are for --offline; a running homebot knows its configuration")
     try:
         return with_client(options, _ask)
     except LinkError as exc:
         raise LinkError(f"{exc}; `homebot doctor --offline` checks what it needs") from exc
-
-
-def _check_offline(options: argparse.Namespace) -> int:
-    from homebot.cli.commands.config import offline_findings  # noqa: PLC0415 - loads the plug-ins
-
-    file = Path(options.config or DEFAULT_CONFIG)
-    findings = [one.model_dump(mode="json") for one in offline_findings(file, reaches=options.reach)]
-    return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
 
 
 def _ask(door: DoorClient, options: argparse.Namespace) -> int:

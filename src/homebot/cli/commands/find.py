@@ -64,7 +64,8 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
         print_note(found)
     if found.results:
         _show(found, why=options.why)
-    _show_left_out(found)
+    for one in found.left_out:
+        print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
     return 0 if found.results else 1
 
 
@@ -83,11 +84,6 @@ def _named(door: DoorClient, name: str, limit: int) -> QueryDevicesResponse | No
     query = f"name={quoted(name)}"
     devices = find_devices(door, query, limit) if len(query) <= MAX_QUERY else None
     return devices if devices and devices.results else None
-
-
-def _show_left_out(response: QueryDevicesResponse) -> None:
-    for one in response.left_out:
-        print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
 
 
 def _show(response: QueryDevicesResponse, *, why: bool) -> None:

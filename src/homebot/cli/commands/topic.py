@@ -52,11 +52,6 @@ _SMALL_HOUSE = 200
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
     add_list_verb(verbs, "topic")
-    _add_echo(verbs)
-    _add_pub(verbs)
-
-
-def _add_echo(verbs: Commands) -> None:
     command = add_verb(verbs, "echo", "print the messages of a topic")
     command.add_argument("topic", metavar="TOPIC", help="name of the topic, which need not exist yet")
     command.add_argument("--once", action="store_true", help="end after the first message")
@@ -64,6 +59,7 @@ def _add_echo(verbs: Commands) -> None:
     command.add_argument("--field", metavar="A.B", help="print only this field")
     command.add_argument("--json", action="store_true", help="print each message as one line of JSON")
     set_door_command(command, _echo, _ECHO_EXAMPLES)
+    _add_pub(verbs)
 
 
 def _add_pub(verbs: Commands) -> None:

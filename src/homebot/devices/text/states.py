@@ -99,7 +99,12 @@ class TextDecoder:
         if (measured := self._number_in(text)) is not None:
             return measured
         if self._text_capability:
-            return self._any_text(text)
+            if not 0 < len(text) <= _MAX_BYTES:
+                return _NOTHING
+            try:
+                return {self._text_capability: text.decode()}
+            except UnicodeDecodeError:
+                return _NOTHING
         return {self._measured: None} if self._measured and means_unknown(text) else _NOTHING
 
     def _number_in(self, text: bytes) -> Decoded | None:
@@ -140,14 +145,6 @@ class TextDecoder:
 
     def _values(self, name: str, value: PlainValue) -> Decoded:
         return {name: value, **{other: implied for other, implied in _implied(name, value) if other in self._names}}
-
-    def _any_text(self, text: bytes) -> Decoded:
-        if not 0 < len(text) <= _MAX_BYTES:
-            return _NOTHING
-        try:
-            return {self._text_capability: text.decode()}
-        except UnicodeDecodeError:
-            return _NOTHING
 
 
 @lru_cache(maxsize=1000)

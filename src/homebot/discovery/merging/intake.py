@@ -108,7 +108,9 @@ class SightingIntake:
         else:
             self._add_to_known(source, sibling, affected, why)
         if key in self._pending.reports:
-            self._report_waiting(key)
+            now = self._liveness.now
+            for report in self._pending.pop(key, now):
+                self.report(report, now)
 
     def _add_to_known(
         self, source: SourceRecord, sibling: SourceKey | None, affected: frozenset[SourceKey], why: str
@@ -121,12 +123,6 @@ class SightingIntake:
         self._merger.join_repetitions(source.key)
         if source.confirmed:
             self._liveness.mark_seen(self._table.owners[source.key], source, source.seen_at, why)
-
-    def _report_waiting(self, key: SourceKey) -> None:
-        """Apply the reports that arrived before the announcement *key*."""
-        now = self._liveness.now
-        for report in self._pending.pop(key, now):
-            self.report(report, now)
 
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
         """Return whether *sighting* is only a retained one of a forgotten device; if so, remember it."""

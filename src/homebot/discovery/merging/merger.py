@@ -433,13 +433,10 @@ class DeviceMerger:
         for other in group.gone:
             table.record_change("merged", entry, evidence or why, other.id)
         if new and not group.gone:
-            self._record_addition(entry, evidence)
-
-    def _record_addition(self, entry: Entry, evidence: str) -> None:
-        if evidence:
-            self._table.record_change("merged", entry, evidence)
-        else:
-            self._table.record_change("changed", entry, "it announces more capabilities")
+            if evidence:
+                self._table.record_change("merged", entry, evidence)
+            else:
+                self._table.record_change("changed", entry, "it announces more capabilities")
 
     def _absorb(self, entry: Entry, other: Entry) -> None:
         """Merge *other* into *entry*, with the longer silence and the newer sign of life."""

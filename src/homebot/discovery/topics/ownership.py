@@ -116,16 +116,13 @@ class TopicOwnership:
         for topic in part.writes:
             owner = self.owner(key, topic)
             if owner:
-                return self._conflict_text(source, topic, owner)
+                wants = f"{source.label} takes commands on {topic},"
+                if owner == NOBODY:
+                    return f"{wants} which too many other devices use"
+                if owner == self._uses[source.key].device:
+                    return f"{wants} where another announcement of the device takes different ones"
+                return f"{wants} which belongs to {owner}"
         return ""
-
-    def _conflict_text(self, source: SourceRecord, topic: str, owner: str) -> str:
-        wants = f"{source.label} takes commands on {topic},"
-        if owner == NOBODY:
-            return f"{wants} which too many other devices use"
-        if owner == self._uses[source.key].device:
-            return f"{wants} where another announcement of the device takes different ones"
-        return f"{wants} which belongs to {owner}"
 
     def _enter(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
         for prefix in dict.fromkeys(use.owns):
@@ -323,7 +320,15 @@ def _verdicts_on_strangers(node: TopicNode) -> dict[SourceKey, str]:
 def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[SourceKey, str]:
     if owners := _owners(node):
         return _not_of(owners, users)
-    holders = _holders(node)
+    topic = node.topic
+    # Those that publish on the topic, and those with commands on a topic above, with their ranks.
+    holders = [(speaker, float(speaker.rank(topic))) for speaker in node.speakers]
+    above = node.parent
+    while above is not None:
+        if above.users:
+            topic, tie = above.topic, _TIE if above is node.parent else 0.0
+            holders += [(user, user.rank(topic) + (tie if user.asks else 0.0)) for user in above.users]
+        above = above.parent
     if len(users) == 1 and all(one.device == users[0].device for one, _ in holders):
         return {}
     return _by_place(node.topic, users, holders)
@@ -378,19 +383,6 @@ def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
 
 _TIE = 0.5
 """What a claim counts more in a tie."""
-
-
-def _holders(node: TopicNode) -> list[tuple[TopicUse, float]]:
-    """Return the uses that publish on the topic, and those with commands on a topic above, with their ranks."""
-    topic = node.topic
-    found = [(speaker, float(speaker.rank(topic))) for speaker in node.speakers]
-    above = node.parent
-    while above is not None:
-        if above.users:
-            topic, tie = above.topic, _TIE if above is node.parent else 0.0
-            found += [(user, user.rank(topic) + (tie if user.asks else 0.0)) for user in above.users]
-        above = above.parent
-    return found
 
 
 def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:

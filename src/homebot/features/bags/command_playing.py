@@ -142,7 +142,12 @@ class _Player:
         if topic not in self.types:
             self.go_on(self._door.settle)
             try:
-                self.types[topic] = self._advertised(topic)
+                try:
+                    self._door.call("/rosapi/message_details", {"type": topic.ros_type})
+                except PeerError:  # homebot does not know it
+                    self._door.ask(DEFINE_TYPE, {"type": topic.ros_type, "definition": topic.definition})
+                self._door.advertise(topic.name, topic.ros_type, latch=topic.is_latched)
+                self.types[topic] = topic.message_type()
                 self.go_on(self._door.settle)
             except PeerError as exc:
                 self._leave_out(topic, f"as homebot refuses it ({exc})")
@@ -157,14 +162,6 @@ class _Player:
         self.count += 1
         if self.count % _SETTLED_EVERY == 0:
             self.go_on(self._door.settle)
-
-    def _advertised(self, topic: BagTopic) -> type[Message]:
-        try:
-            self._door.call("/rosapi/message_details", {"type": topic.ros_type})
-        except PeerError:  # homebot does not know it
-            self._door.ask(DEFINE_TYPE, {"type": topic.ros_type, "definition": topic.definition})
-        self._door.advertise(topic.name, topic.ros_type, latch=topic.is_latched)
-        return topic.message_type()
 
 
 def _names(topics: Iterable[BagTopic]) -> str:

@@ -97,7 +97,14 @@ class McapWriter:
         topic, at, data = message
         channel = self._channels.get(topic)
         if channel is None:
-            channel = self._channels[topic] = self._channel(topic)
+            encoding, schema = topic.encodings
+            kind = topic.ros_type, schema, topic.definition
+            if kind not in self._schemas:
+                self._schemas[kind] = self._writer.register_schema(topic.ros_type, schema, topic.definition.encode())
+            facts = {"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash}
+            channel = self._channels[topic] = self._writer.register_channel(
+                topic.name, encoding, self._schemas[kind], facts
+            )
         self.start, self.end = (min(self.start, at), max(self.end, at)) if self.counts else (at, at)
         self.counts[topic] += 1
         self._writer.add_message(channel, at, data, at, self.counts[topic])
@@ -111,14 +118,6 @@ class McapWriter:
         with self._file:
             self._writer.add_metadata("rosbag2", {"serialized_metadata": metadata})
             self._writer.finish()  # type: ignore[no-untyped-call]
-
-    def _channel(self, topic: BagTopic) -> int:
-        encoding, schema = topic.encodings
-        kind = topic.ros_type, schema, topic.definition
-        if kind not in self._schemas:
-            self._schemas[kind] = self._writer.register_schema(topic.ros_type, schema, topic.definition.encode())
-        facts = {"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash}
-        return self._writer.register_channel(topic.name, encoding, self._schemas[kind], facts)
 
 
 @final
@@ -198,7 +197,12 @@ class McapFile:
     def _opened(self) -> Iterator[IO[bytes]]:
         try:
             with self.path.open("rb") as file:
-                _check_start(file)
+                # The library looks at the end first.
+                if not MCAP0_MAGIC.startswith(start := file.read(len(MCAP0_MAGIC))):
+                    raise InvalidMagic(start)
+                if len(file.read(FOOTER_SIZE)) < FOOTER_SIZE:
+                    raise EndOfFile("it has no footer")
+                file.seek(0)
                 yield file
         except InvalidMagic as exc:
             raise UsageError(f"{self.path} is not an MCAP file") from exc
@@ -288,15 +292,6 @@ def _unpacked(data: bytes, compression: str) -> bytes:
         case _:
             return data
     raise EndOfFile(f"a chunk unpacks to more than {MAX_UNPACKED_BYTES:,} bytes")
-
-
-def _check_start(file: IO[bytes]) -> None:
-    """Raise an error if *file* begins as no MCAP file or is too short; the library looks at the end first."""
-    if not MCAP0_MAGIC.startswith(start := file.read(len(MCAP0_MAGIC))):
-        raise InvalidMagic(start)
-    if len(file.read(FOOTER_SIZE)) < FOOTER_SIZE:
-        raise EndOfFile("it has no footer")
-    file.seek(0)
 
 
 def _topic(schema: Schema | None, channel: Channel) -> BagTopic:

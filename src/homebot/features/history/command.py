@@ -78,7 +78,10 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
     text = " ".join(options.query)
     if any((options.drop, options.value is not None, options.begin, options.end)):
         return _correct(door, options)
-    _check_options(text, options)
+    if not text.strip() and not options.energy:
+        raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
+    if options.plot and options.energy:
+        raise UsageError("--plot is for values; --energy has a table, --csv and --json")
     since, until = _time_asked(door, options)
     request = _devices(door, text) | {"since": from_seconds(since), "until": from_seconds(until)}
     if options.energy:
@@ -89,13 +92,6 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
         raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
     _print_history(found, options, since, until)
     return 0 if found.series else 1
-
-
-def _check_options(text: str, options: argparse.Namespace) -> None:
-    if not text.strip() and not options.energy:
-        raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
-    if options.plot and options.energy:
-        raise UsageError("--plot is for values; --energy has a table, --csv and --json")
 
 
 def _points(options: argparse.Namespace) -> int:

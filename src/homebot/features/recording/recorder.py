@@ -74,7 +74,15 @@ class Recorder:
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Record until cancelled."""
-        await self._begin()
+        held = (await self._leases.call(GetLeasesRequest())).parts
+        devices = (await self._find.call(FindDevicesRequest())).devices
+        rows = (await self._export.call(ExportIndexRequest())).rows
+        self._started_at = self._clock.now()
+        header = self._header.model_copy(update={"started_at": Time.from_seconds(self._started_at)})
+        self._first_devices = frozenset(device.id for device in devices)
+        self._record(self._started_at, header)
+        for message in (*rows, *devices, *(news for part in held for news in _held(part))):
+            self._record(self._started_at, message)
         with self._node.graph.watch() as changes:
             listen = self._node.create_subscription
             self._subscriptions += (
@@ -100,17 +108,6 @@ class Recorder:
         """Record the end."""
         self.record_lost()
         self._record(self._clock.now(), RecordingEnd(reason=reason))
-
-    async def _begin(self) -> None:
-        held = (await self._leases.call(GetLeasesRequest())).parts
-        devices = (await self._find.call(FindDevicesRequest())).devices
-        rows = (await self._export.call(ExportIndexRequest())).rows
-        self._started_at = self._clock.now()
-        header = self._header.model_copy(update={"started_at": Time.from_seconds(self._started_at)})
-        self._first_devices = frozenset(device.id for device in devices)
-        self._record(self._started_at, header)
-        for message in (*rows, *devices, *(news for part in held for news in _held(part))):
-            self._record(self._started_at, message)
 
     def _follow_gateways(self) -> None:
         for node in self._node.graph.get_node_names():

@@ -175,10 +175,6 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     scene = _scenes(door, options.name)[0]
     if scene.is_native or scene.is_configured:
         raise UsageError(f"{scene.name} is kept by {scene.id if scene.is_native else _kind(scene)}; change it there")
-    return _edit_text(door, options, scene)
-
-
-def _edit_text(door: DoorClient, options: argparse.Namespace, scene: SceneInfo) -> int:
     before = {target_of(one.device, one.part): one.text for one in scene.parts}
     lines = (f"# {printable(one.name)}\n{target_of(one.device, one.part)}: {one.text}\n" for one in scene.parts)
     text, path = edited(_TEXT + "".join(lines))

@@ -71,7 +71,11 @@ class OwnServices:
                 del self._waiting[service_type]
                 await self._announce(network, service_type)
             if self._same_id_as and self._same_id_as < self._name:
-                await self._change_id()
+                self._same_id_as = ""
+                await to_thread.run_sync(self._installation.renew)
+                await self._read_id()
+                message = "another homebot on the network has this one's id, which is another one from now on"
+                self._node.log.warning(ID_TAKEN, message=message, id=self._id)
                 continue
             self._changed = anyio.Event()
             await self._changed.wait()
@@ -95,13 +99,6 @@ class OwnServices:
     async def _read_id(self) -> None:
         self._id = await to_thread.run_sync(self._installation.id_of, self._node.full_name)
         self._waiting = dict.fromkeys((HOMEBOT, *self._offered, *self._waiting))  # others get its name
-
-    async def _change_id(self) -> None:
-        self._same_id_as = ""
-        await to_thread.run_sync(self._installation.renew)
-        await self._read_id()
-        message = "another homebot on the network has this one's id, which is another one from now on"
-        self._node.log.warning(ID_TAKEN, message=message, id=self._id)
 
     async def _announce(self, network: MdnsNetwork, service_type: str) -> None:
         offered = self._offered.get(service_type)

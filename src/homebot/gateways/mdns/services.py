@@ -132,7 +132,15 @@ class Services:
                     tasks, network, _Followed(service.service_type, service.key, TRIES_AFTER_LOSS, has_answered=True)
                 )
             tasks.start_soon(self._ask_again, network)
-            await self._admit_waiting(tasks, network)
+            newcomers = RateLimit(PER_SECOND, BURST)
+            while True:
+                await self._some_wait.wait()
+                while self._may_admit() and newcomers.admits(self._clock.monotonic()):
+                    self._admit(tasks, network, self._next())
+                if any(self._waiting.values()):
+                    await anyio.sleep(PACE)
+                else:
+                    self._some_wait = anyio.Event()
 
     def _enqueue(self, key: str, news: ServiceNews) -> None:
         line = self._waiting.get(news.sender) or OrderedDict()
@@ -145,17 +153,6 @@ class Services:
         line[key] = news
         self._waiting[news.sender] = line
         self._some_wait.set()
-
-    async def _admit_waiting(self, tasks: TaskGroup, network: ServiceNetwork) -> None:
-        newcomers = RateLimit(PER_SECOND, BURST)
-        while True:
-            await self._some_wait.wait()
-            while self._may_admit() and newcomers.admits(self._clock.monotonic()):
-                self._admit(tasks, network, self._next())
-            if any(self._waiting.values()):
-                await anyio.sleep(PACE)
-            else:
-                self._some_wait = anyio.Event()
 
     def _may_admit(self) -> bool:
         """Return whether a service waits, and not too many names without a service take the places of others."""

@@ -291,19 +291,16 @@ class AnnouncementRegistry(DeviceRegistry):
                 self.codecs[text.command_address] = announced_part.described.codec
         self._forget_routes(text.address)
 
-    def _unregister_text(self, stored: StoredAnnouncement) -> None:
-        text = stored.described.text
-        if text is not None and self._texts.get(text.address) in stored.parts.values():
-            del self._texts[text.address]
-            self.codecs.pop(text.command_address, None)
-            self._forget_routes(text.address)
-
     def _leave(self, stored: StoredAnnouncement) -> None:
         for part in stored.parts.values():
             self._forget_routes(*self.commands.remove(part))
             for topic_filter in part.filters:
                 self._remove_reader(topic_filter, part)
-        self._unregister_text(stored)
+        text = stored.described.text
+        if text is not None and self._texts.get(text.address) in stored.parts.values():
+            del self._texts[text.address]
+            self.codecs.pop(text.command_address, None)
+            self._forget_routes(text.address)
         self._leave_reachability(stored)
 
     def _forget_routes(self, *topic_filters: str) -> None:

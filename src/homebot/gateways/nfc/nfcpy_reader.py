@@ -24,7 +24,9 @@ class NfcpyReader(TagReader):
 
     def run(self, desk: ReaderDesk) -> None:
         """Read tags until the *desk* is stopped."""
-        _quiet()
+        log = logging.getLogger("nfc")
+        if not log.handlers:  # it would report each tag that is taken away early as an error in the terminal
+            log.addHandler(logging.NullHandler())
         try:
             frontend = nfc.ContactlessFrontend(self._path)
         except Exception as exc:
@@ -109,10 +111,3 @@ class _NfcpyTag:
         if ndef is None:
             raise TagError("not_a_tag", "it is not formatted for NDEF")
         return ndef
-
-
-def _quiet() -> None:
-    """Keep nfcpy's log off the terminal: it reports each tag that is taken away early as an error."""
-    log = logging.getLogger("nfc")
-    if not log.handlers:
-        log.addHandler(logging.NullHandler())

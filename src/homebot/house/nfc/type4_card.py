@@ -45,7 +45,12 @@ class Type4Card:
         if apdu[:4] == b"\xff\xca\x00\x00":  # answered by readers, which know the number
             return self.uid + _OK
         if apdu[:2] == b"\x00\xa4":
-            return self._select(apdu)
+            if apdu[2:4] == b"\x04\x00":
+                return _OK if apdu[5 : 5 + apdu[4]] == _APPLICATION else _NOT_FOUND
+            if apdu[2] != 0:
+                return _UNKNOWN
+            self._selected = int.from_bytes(apdu[5:7], "big")
+            return _OK if self._selected in self._files else _NOT_FOUND
         offset, file = int.from_bytes(apdu[2:4], "big"), self._files.get(self._selected)
         if file is None or apdu[:1] != b"\x00":
             return _UNKNOWN
@@ -54,14 +59,6 @@ class Type4Card:
         if apdu[1:2] == b"\xd6":
             return self._update(file, offset, apdu[5 : 5 + apdu[4]])
         return _UNKNOWN
-
-    def _select(self, apdu: bytes) -> bytes:
-        if apdu[2:4] == b"\x04\x00":
-            return _OK if apdu[5 : 5 + apdu[4]] == _APPLICATION else _NOT_FOUND
-        if apdu[2] != 0:
-            return _UNKNOWN
-        self._selected = int.from_bytes(apdu[5:7], "big")
-        return _OK if self._selected in self._files else _NOT_FOUND
 
     def _update(self, file: bytearray, offset: int, data: bytes) -> bytes:
         if not self._is_writable or self._selected != _FILE:

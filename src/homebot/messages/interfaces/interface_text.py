@@ -128,7 +128,9 @@ def _add_line(message: ParsedMessage, line: str) -> None:
     if parts["longest"] and base not in TEXTS:
         raise ValueError("only a string has a bound before its brackets")
     if parts["constant"]:
-        message.constants[name] = _constant(parts)
+        if parts["array"] or parts["base"] not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(parts["name"]):
+            raise ValueError("a constant is of one primitive, in capitals")
+        message.constants[name] = _parse_value(parts["base"], parts["value"])
         return
     if not _FIELD_NAME.fullmatch(name):
         raise ValueError("a field has small letters, digits and single underscores")
@@ -155,24 +157,14 @@ def _nested_key(package: str, base: str) -> str:
     return key
 
 
-def _constant(parts: re.Match[str]) -> object:
-    if parts["array"] or parts["base"] not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(parts["name"]):
-        raise ValueError("a constant is of one primitive, in capitals")
-    return _parse_value(parts["base"], parts["value"])
-
-
-def _parse_values(ros_type: str, text: str) -> tuple[Any, ...]:
-    if not (text.startswith("[") and text.endswith("]")):
-        raise ValueError("the default of an array is [VALUE, …]")
-    return tuple(_parse_value(ros_type, item.strip()) for item in _ITEM.findall(text[1:-1]))
-
-
 def _parse_default(of: FieldDefinition, text: str) -> object:
     if of.ros_type not in _PRIMITIVES:
         raise ValueError("only a primitive has a default")
     if not of.is_array:
         return _parse_value(of.ros_type, text)
-    values = _parse_values(of.ros_type, text)
+    if not (text.startswith("[") and text.endswith("]")):
+        raise ValueError("the default of an array is [VALUE, …]")
+    values = tuple(_parse_value(of.ros_type, item.strip()) for item in _ITEM.findall(text[1:-1]))
     count = len(values)
     if count != (of.size or count) or count > (of.bound or count):
         raise ValueError(f"there are {count} values")

@@ -165,7 +165,9 @@ class ClientPackets:
             case Pubrel():
                 self._release(packet)
             case Pubrec():
-                self._taken(packet)
+                reason = self._session.taken(packet.packet_id, packet.reason)
+                if not packet.reason.failed:
+                    self._outbound.send(Pubrel(packet.packet_id, reason))
             case Pubcomp():
                 self._session.completed(packet.packet_id)
             case Pingreq():
@@ -279,11 +281,6 @@ class ClientPackets:
         elif alias not in self._aliases:
             raise PacketError(f"topic alias {alias} was not set", code=ReasonCode.PROTOCOL_ERROR)
         return self._aliases[alias]
-
-    def _taken(self, packet: Pubrec) -> None:
-        reason = self._session.taken(packet.packet_id, packet.reason)
-        if not packet.reason.failed:
-            self._outbound.send(Pubrel(packet.packet_id, reason))
 
     def _disconnect(self, packet: Disconnect) -> None:
         seconds = packet.properties.session_expiry_interval

@@ -87,7 +87,12 @@ class Peer:
         self._received_at = self._state.clock.monotonic()
         try:
             if self._client is None:
-                self._check_start(data)
+                # Other protocols, such as a browser's, are refused without waiting for the rest of a packet.
+                if not self._started and data[:1] != _CONNECT:
+                    raise PacketError(
+                        f"the first byte is 0x{data[0]:02x}, not that of CONNECT", code=ReasonCode.PROTOCOL_ERROR
+                    )
+                self._started = True
             self._reader.feed(data)
         except PacketError as error:
             self._fail(error)
@@ -148,7 +153,8 @@ class Peer:
     def _go_on(self) -> None:
         """Handle received packets; those for which this turn has no time wait for a later one."""
         try:
-            self._handle_login()
+            if self._client is None and self._connect is None and (packet := self._reader.pop()) is not None:
+                self._login(packet)
             if self._client is not None and not self._closed and not self._client.packets.handle_all(self._reader):
                 self._defer()
                 return
@@ -174,24 +180,6 @@ class Peer:
         elif self._connect is None and (self._client is None or self._client.packets.reading):
             self._link.resume_reading()
 
-    def _check_start(self, data: bytes) -> None:
-        """Refuse other protocols, such as a browser's, without waiting for the rest of a packet."""
-        if not self._started and data[:1] != _CONNECT:
-            raise PacketError(f"the first byte is 0x{data[0]:02x}, not that of CONNECT", code=ReasonCode.PROTOCOL_ERROR)
-        self._started = True
-
-    def _handle_login(self) -> None:
-        """Handle the CONNECT, unless it has to wait."""
-        if self._client is None and self._connect is None and (packet := self._reader.pop()) is not None:
-            self._login(packet)
-
-    def _wait_to_log_in(self, packet: Connect, until: float) -> None:
-        """Keep *packet* for the delay after wrong passwords from its host; ``connect_timeout`` still applies."""
-        self._state.counters.logins_slowed += 1
-        self._connect = packet
-        self._link.pause_reading()
-        self._retry = self._state.deadlines.at(until, self.log_in)
-
     def _login(self, packet: Packet) -> None:
         if not isinstance(packet, Connect):
             raise PacketError(f"{type(packet).__name__} came before CONNECT", code=ReasonCode.PROTOCOL_ERROR)
@@ -199,7 +187,10 @@ class Peer:
         self._reader.version = packet.version
         until = login.may_try_at(packet, state, self.address)
         if until > state.clock.monotonic():
-            self._wait_to_log_in(packet, until)
+            self._state.counters.logins_slowed += 1  # after wrong passwords; ``connect_timeout`` still applies
+            self._connect = packet
+            self._link.pause_reading()
+            self._retry = self._state.deadlines.at(until, self.log_in)
             return
         self._silence.cancel()
         verdict = login.refusal(packet, state, self.address)

@@ -47,7 +47,8 @@ class RetainedMessages:
             self._remove(message.topic)
             return True
         if not self._has_room(message):
-            self._remove_expired(now)
+            while (due := self._expiring.pop(now)) is not None:
+                self._remove(due[0])
             if not self._has_room(message):
                 return False
         self._remove(message.topic)
@@ -84,10 +85,6 @@ class RetainedMessages:
         count = len(self._messages) + (old is None)
         size = self.size + message.size - (0 if old is None else old.size)
         return count <= self._max_messages and size <= self._max_bytes
-
-    def _remove_expired(self, now: float) -> None:
-        while (due := self._expiring.pop(now)) is not None:
-            self._remove(due[0])
 
     def _remove(self, topic: str) -> None:
         message = self._messages.pop(topic, None)

@@ -286,7 +286,9 @@ class FrameReader:
                 length, start = read
             end = start + length
             if end - position > self._maximum:
-                position = self._start_skipping(buffer, position, start, length, packets)
+                self._skipping = Frame(buffer[position], b"", length)
+                self._skip = length
+                position = len(buffer) - len(self._skip_over(buffer[start:], packets))
                 continue
             if end > size:
                 self._needed = end - position
@@ -296,11 +298,6 @@ class FrameReader:
         if self._rest or position < size:
             self._rest = bytearray(buffer[position:])
         return packets
-
-    def _start_skipping(self, buffer: bytes, position: int, start: int, length: int, done: list[Frame]) -> int:
-        self._skipping = Frame(buffer[position], b"", length)
-        self._skip = length
-        return len(buffer) - len(self._skip_over(buffer[start:], done))
 
     def _skip_over(self, data: bytes, done: list[Frame]) -> bytes:
         packet = self._skipping

@@ -182,7 +182,15 @@ class ClientProtocol(ClientLink):
             self._greeting.set_exception(reason)
             self.cut(reason)
             return
-        session = _session_of(packet, self._version)
+        granted = packet.properties
+        session = SessionGrant(
+            resumed=packet.session_present,
+            protocol="5" if self._version is ProtocolVersion.V5 else "3.1.1",
+            maximum_qos=2 if granted.maximum_qos is None else granted.maximum_qos,
+            retain_available=granted.retain_available != 0,
+            receive_maximum=granted.receive_maximum or 65_535,
+            maximum_packet_size=granted.maximum_packet_size,
+        )
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
         again = self._requests.begin_link(resumed=session.resumed)
         self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
@@ -242,18 +250,6 @@ def _connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
         password=None if options.password is None else options.password.get_secret_value().encode(),
         will=options.will,
         properties=properties,
-    )
-
-
-def _session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
-    granted = answer.properties
-    return SessionGrant(
-        resumed=answer.session_present,
-        protocol="5" if version is ProtocolVersion.V5 else "3.1.1",
-        maximum_qos=2 if granted.maximum_qos is None else granted.maximum_qos,
-        retain_available=granted.retain_available != 0,
-        receive_maximum=granted.receive_maximum or 65_535,
-        maximum_packet_size=granted.maximum_packet_size,
     )
 
 

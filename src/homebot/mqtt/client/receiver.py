@@ -197,7 +197,11 @@ class Inbox:
         self._droppable += count
         self._droppable_bytes += size
         while self._droppable > 1 and (self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes):
-            self._drop_oldest()
+            index = next(index for index, message in enumerate(self._messages) if message.qos == 0)
+            self._droppable -= 1
+            self._droppable_bytes -= len(self._messages[index].topic) + len(self._messages[index].payload)
+            del self._messages[index]
+            self.dropped += 1
         wake, self._wake = self._wake, None
         if wake is not None and not wake.done():  # its task may be cancelled
             wake.set_result(None)
@@ -228,13 +232,6 @@ class Inbox:
         self._ended = None
         if resumed:
             self._messages = deque(message for message in self._messages if message.qos != 1)
-
-    def _drop_oldest(self) -> None:
-        index = next(index for index, message in enumerate(self._messages) if message.qos == 0)
-        self._droppable -= 1
-        self._droppable_bytes -= len(self._messages[index].topic) + len(self._messages[index].payload)
-        del self._messages[index]
-        self.dropped += 1
 
 
 @final

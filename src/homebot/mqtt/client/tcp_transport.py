@@ -125,7 +125,12 @@ class TcpTransport(asyncio.BufferedProtocol):
         """Handle bytes from the socket."""
         data = bytes(self._buffer[:nbytes])
         if self._ahead.size or len(data) > _PORTION:
-            self._read_ahead(data)
+            if not self._ahead.size:
+                self._loop.call_soon(self._read_portion)
+            self._ahead.put(data)
+            if self._ahead.is_full and self._transport is not None:
+                self._transport.pause_reading()
+                self._is_reading = False
         else:
             self._user.data_received(data)
         self._acknowledge()
@@ -198,14 +203,6 @@ class TcpTransport(asyncio.BufferedProtocol):
         if self._release is not None:
             self._release.cancel()
             self._release = None
-
-    def _read_ahead(self, data: bytes) -> None:
-        if not self._ahead.size:
-            self._loop.call_soon(self._read_portion)
-        self._ahead.put(data)
-        if self._ahead.is_full and self._transport is not None:
-            self._transport.pause_reading()
-            self._is_reading = False
 
     def _read_portion(self) -> None:
         if portion := self._ahead.pop():

@@ -112,7 +112,10 @@ def _decode_connect(body: bytes, _version: ProtocolVersion) -> Connect:
 
 def _encode_connect(packet: Connect, _version: ProtocolVersion) -> bytes:
     is_v5 = packet.version is ProtocolVersion.V5
-    _check_version(packet, is_v5=is_v5)
+    if packet.password is not None and packet.username is None and not is_v5:
+        raise UsageError("before MQTT 5 a password needs a user name")
+    if packet.is_bridge and is_v5:
+        raise UsageError("a bridge says that it is one before MQTT 5 alone")
     body = encode_text(_NAMES[packet.version]) + (packet.version | packet.is_bridge * _BRIDGE).to_bytes(1, "big")
     tail = encode_properties(packet.properties, PacketType.CONNECT) if is_v5 else b""
     tail += encode_text(packet.client_id)
@@ -126,13 +129,6 @@ def _encode_connect(packet: Connect, _version: ProtocolVersion) -> bytes:
         tail += encode_binary(packet.password)
     body += _flags_of(packet).to_bytes(1, "big") + encode_uint16(packet.keep_alive) + tail
     return b"\x10" + encode_varint(len(body)) + body
-
-
-def _check_version(packet: Connect, *, is_v5: bool) -> None:
-    if packet.password is not None and packet.username is None and not is_v5:
-        raise UsageError("before MQTT 5 a password needs a user name")
-    if packet.is_bridge and is_v5:
-        raise UsageError("a bridge says that it is one before MQTT 5 alone")
 
 
 def _flags_of(packet: Connect) -> int:

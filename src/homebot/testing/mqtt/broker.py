@@ -138,7 +138,12 @@ class TestBroker(BrokerView):
             AssertionError: There was no rest within 30 seconds.
         """
         with anyio.move_on_after(_TIMEOUT + quiet):
-            await self._come_to_rest()
+            calm = 0
+            while calm < _CALM_ROUNDS:
+                before = self._core.log.total
+                await self._core.turn()  # the same number of turns on this loop
+                await self._thread.run(self._core.turn)
+                calm = calm + 1 if self._core.log.total == before else 0
             if quiet > 0:
                 await self._thread.run(self._core.silence, quiet)
             return
@@ -151,14 +156,6 @@ class TestBroker(BrokerView):
             keep_sessions: Whether sessions, their queues and retained messages live on.
         """
         await self._thread.run(self._core.restart, keep_sessions)
-
-    async def _come_to_rest(self) -> None:
-        calm = 0
-        while calm < _CALM_ROUNDS:
-            before = self._core.log.total
-            await self._core.turn()  # the same number of turns on this loop
-            await self._thread.run(self._core.turn)
-            calm = calm + 1 if self._core.log.total == before else 0
 
 
 @final

@@ -64,7 +64,13 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
     try:
         yield
     finally:
-        _check_protocol(item)
+        problems = []
+        for name, broker in _brokers(item):
+            problems += [f"{name}: {error}" for error in broker.protocol_errors]
+            broker.forget_protocol_errors()  # so that a shared broker starts its next test clean
+        if problems and not _settings(item).allow_protocol_errors:
+            hint = "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)"
+            pytest.fail("\n".join([*problems, hint]), pytrace=False)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -76,16 +82,6 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
         logs = ((name, broker.packet_log.text(_MAX_PACKETS_SHOWN)) for name, broker in _brokers(item))
         report.sections += [(f"MQTT packets of {name}", text) for name, text in logs if text]
     return report
-
-
-def _check_protocol(test: pytest.Item) -> None:
-    problems = []
-    for name, broker in _brokers(test):
-        problems += [f"{name}: {error}" for error in broker.protocol_errors]
-        broker.forget_protocol_errors()  # so that a shared broker starts its next test clean
-    if problems and not _settings(test).allow_protocol_errors:
-        hint = "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)"
-        pytest.fail("\n".join([*problems, hint]), pytrace=False)
 
 
 def _brokers(test: pytest.Item) -> Iterator[tuple[str, TestBroker | BlockingTestBroker]]:

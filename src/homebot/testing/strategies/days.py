@@ -71,7 +71,8 @@ def _days(
     tables = draw(house)
     start = draw(_hours(0, 23))
     length = draw(_hours(1, max_hours))
-    kinds = _kinds(tables)
+    devices = tables.get("devices", {})
+    kinds = {name: table["kind"] for name, table in devices.items()} if isinstance(devices, dict) else {}
     whats = tuple(what for what in whats if kinds or what == "restart")
     happenings = several(draw, _happenings(whats, kinds, length), 0, max_happenings) if whats else []
     return Day(tables, [replace(happening, at=start + happening.at) for happening in happenings], start, length)
@@ -93,11 +94,6 @@ def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str],
 
 def _hours(low: int, high: int) -> SearchStrategy[float]:
     return st.integers(low, high).map(lambda hours: hours * HOUR)
-
-
-def _kinds(tables: Mapping[str, object]) -> dict[str, str]:
-    devices = tables.get("devices", {})
-    return {name: table["kind"] for name, table in devices.items()} if isinstance(devices, dict) else {}
 
 
 @contextmanager
