@@ -89,6 +89,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("sunnset - 30m", "write a moment like 'sunset - 30m'"),
         ("1h before sunrise", "write a moment like 'sunset - 30m'"),
         ("all windows closed", "would hold as soon as one of them does; ask for the contrary, like 'no window open'"),
+        ("every half hour", "write an interval like 'every 30m', or a time like '22:00 on weekdays'"),
         ("lamp on near robot", "arrives in"),
         ("front door open for 5 parsecs", "is not a duration"),
         ("front door open or sunset", "`or` joins only states of devices here; write 'sunset' for itself"),

@@ -39,6 +39,9 @@ from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _MAX_INTERVAL_BLANKS: Final = 2  # half an hour
 MIN_INTERVAL_S: Final = 1.0
+_OF_TIME: Final = frozenset(
+    "second seconds minute minutes hour hours day days night morning evening week month".split()
+)
 _STATES: Final = dict.fromkeys(
     ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
 )
@@ -333,6 +336,8 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     if (limit := PLACED_LIMIT.match(placed)) is not None:  # a query has its room last
         state = f"{what} {limit['sign']} {limit['limit']} in {limit['room']}"
     if ALL.match(state):
+        if _OF_TIME.intersection(state.casefold().split()):
+            raise UsageError(f"{text!r}: write an interval like 'every 30m', or a time like '22:00 on weekdays'")
         raise UsageError(
             f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'"
         )
