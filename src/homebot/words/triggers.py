@@ -39,9 +39,7 @@ from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _MAX_INTERVAL_BLANKS: Final = 2  # half an hour
 MIN_INTERVAL_S: Final = 1.0
-_OF_TIME: Final = frozenset(
-    "second seconds minute minutes hour hours day days night morning evening week month".split()
-)
+_OF_TIME: Final = {"second", "minute", "minutes", "hour", "hours", "day", "days", "night", "morning", "evening", "week"}
 _STATES: Final = dict.fromkeys(
     ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
 )
