@@ -126,6 +126,7 @@ class ApplySceneRequest(Message):
         undo: Whether to bring back the values before it was applied last, where nothing else has changed them since.
         agreed: Whether the person at the client has agreed to the values of parts that always ask; otherwise people in
             the house are asked. An app cannot agree.
+        unless_asks: Whether an undo does nothing if a person must agree first: ``asks`` of the answer says why.
         issuer: The issuer of the commands; the door sets it for its clients.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
         ask_first: Whether a person must agree to each command first.
@@ -136,6 +137,7 @@ class ApplySceneRequest(Message):
     transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S)] = 0.0
     undo: bool = False
     agreed: bool = False
+    unless_asks: bool = False
     issuer: str = ""
     scope: Annotated[tuple[str, ...], Field(max_length=100)] = ()
     ask_first: bool = False

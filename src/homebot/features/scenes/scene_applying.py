@@ -29,6 +29,7 @@ from homebot.errors import RefusedError, ServiceError
 from homebot.features.scenes.scene import HouseScenes, Place, Scene, place_of
 from homebot.features.scenes.scene_book import SceneBook
 from homebot.graph import Node
+from homebot.messages.key_value import KeyValue
 
 _MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
@@ -92,6 +93,12 @@ class SceneApplying:
                 success=True, message=f"nothing that {scene.name} changed is left to bring back"
             )
         wanted = {place: {one.capability: one.value.plain() for one in settings} for place, settings in due.items()}
+        reasons = {house.name(place): house.why_asked(place, values) for place, values in wanted.items()}
+        if request.unless_asks and (asks := {name: why for name, why in reasons.items() if why}):
+            applied.before.update(entries)
+            applied.is_undone = False
+            listed = tuple(KeyValue(key=name, value=why) for name, why in asks.items())
+            return CommandDevicesResponse(success=False, message="", asks=listed)
         answer = await self._command(request, scene, house, wanted)
         bad = {target_of(one.device, one.part) for one in answer.results if one.result.outcome in _NOT_DONE}
         for key, entry in entries.items() if bad else ():

@@ -18,7 +18,11 @@ const load = () => call("/scenes/list").then((answer) => (scenes.value = answer.
 
 async function apply(scene, more) {
   tell(`${scene.name}: …`, true);
-  const { success, message, results = [] } = await ask("/scenes/apply", { name: scene.id, ...more }, LONGEST);
+  const { success, message, results = [], asks = [] } = await ask("/scenes/apply", { name: scene.id, ...more }, LONGEST);
+  if (asks.length) {
+    agree(`${say("undo {name}", { name: scene.name })}: ${asks.map((one) => `${spoken(one.key)} (${one.value})`).join(", ")}`, () => apply(scene, { undo: true, agreed: true }));
+    return;
+  }
   missing.value = results.find((one) => one.result.policy === "rights")?.result.reason ?? "";
   tell(`${scene.name}: ${message || say(more.undo ? "undone" : "done")}`, success);
   load();
@@ -54,7 +58,7 @@ export function Scenes({ room }) {
     <div class="scenes" role="group" aria-label=${say("scenes")}>
       ${shown.map((one) => html`<span key=${one.id} class="scene">
         <button type="button" disabled=${!may("act")} onClick=${() => start(one)}><${Sign} path=${sceneSign(one.name)} size=${22} /> <bdi>${one.name}</bdi></button>
-        ${one.can_undo && may("act") && html`<button type="button" aria-label=${say("undo {name}", { name: one.name })} onClick=${() => apply(one, { undo: true })}><${Sign} path=${SIGNS.undo} size=${20} /></button>`}
+        ${one.can_undo && may("act") && html`<button type="button" aria-label=${say("undo {name}", { name: one.name })} onClick=${() => apply(one, { undo: true, unless_asks: true })}><${Sign} path=${SIGNS.undo} size=${20} /></button>`}
         <button type="button" aria-expanded=${one.id === opened} aria-label=${say("more of {name}", { name: one.name })} onClick=${open(one.id)}><${Sign} path=${SIGNS.more} size=${20} /></button>
       </span>`)}
       ${may("manage") && html`<button type="button" class="new" aria-expanded=${opened === "new"} onClick=${open("new")}><${Sign} path=${SIGNS.plus} size=${20} /> ${capital(say("new scene"))}</button>`}

@@ -58,7 +58,7 @@ export function Home() {
     <${Chips} />
     ${isEditing.value && html`<${Edit} ids=${ids} onDone=${() => (isEditing.value = false)} />`}
     ${!isEditing.value && ids.length > 0 && html`<section class="favorites" aria-labelledby="favorites">
-      <div class="head"><h2 id="favorites">${say(isSought ? "Search" : "Favorites")}</h2>${count.value > MANY && html`<label class="search"><${Sign} path=${SIGNS.search} /><span class="hidden">${say("Search")}</span><input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label>`}
+      <div class="head"><h2 id="favorites">${say(isSought ? "Search" : "Favorites")}</h2>${count.value > MANY && html`<label class="search"><${Sign} path=${SIGNS.search} /><span class="hidden">${say("Search")}</span><input type="search" placeholder=${say("Search")} value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label>`}
         ${may("act") && !isSought && html`<button type="button" class="edit" onClick=${() => (isEditing.value = true)}><${Sign} path=${SIGNS.pencil} size=${20} /> ${capital(say("edit"))}</button>`}</div>
       ${isSought ? html`<${Found} />` : html`<${Tiles} ids=${ids} />`}</section>`}
     ${!isSought && !isEditing.value &&
