@@ -110,6 +110,9 @@ MAX_MOVE: Final = 300.0
 REMEMBERED: Final = 900.0
 """The facts of a part are stored for this long, plus one older change for the presence guard."""
 
+COUNTED: Final = 3600.0
+"""The sendings to a part are stored for this long, which is the longest time of a rate limit."""
+
 FIRST_REPORTS: Final = 600.0
 """A device has reported each of its values this long after it began to report."""
 

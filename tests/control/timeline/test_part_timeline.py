@@ -20,6 +20,19 @@ def test_a_part_that_never_reports_keeps_only_its_last_commands(seconds: float, 
     assert len(timeline.active) <= MAX_REPORTS + 1
 
 
+def test_a_part_keeps_no_more_facts_after_days_than_after_an_hour() -> None:
+    timeline = PartTimeline(DeviceProfile(), first=10.0, settle=10.0)
+    kept = []
+    for number in range(3 * 24 * 60):
+        command(timeline, f"c-{number}", 60.0 * number, Confirmed(0.1, Evidence.REPORTED))
+        timeline.report(60.0 * number + 30.0, 60.0 * number, "on_off", value=number % 2 == 0)
+        timeline.advance(60.0 * number + 30.0)
+        kept.append((len(timeline.sent), len(timeline.commands), len(timeline.reports)))
+    assert [max(column) for column in zip(*kept[100:], strict=True)] == [
+        max(column) for column in zip(*kept[:100], strict=True)
+    ]
+
+
 def command(timeline: PartTimeline, name: str, at: float, outcome: Outcome) -> None:
     """Give the command to turn it on, with its outcome a tenth of a second later."""
     timeline.command(Order(name, LAMP_OF_INFRARED, {}), at)

@@ -7,6 +7,7 @@ from typing import Final
 
 from pydantic import Field
 
+from homebot.control import durations
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.control.timeline.facts import Sent
@@ -38,7 +39,7 @@ class RateLimitSettings(PolicyTable):
     """
 
     changes: int = Field(default=30, ge=1, le=1000)
-    seconds: Seconds = 10.0
+    seconds: Seconds = Field(default=10.0, le=durations.COUNTED)
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Refuse a command that turns a value more often than allowed."""

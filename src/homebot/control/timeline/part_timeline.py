@@ -30,7 +30,7 @@ from homebot.devices.value_comparison import changes, fits, related
 
 MAX_REPORTS: Final = 128
 _MAX_SENT: Final = 2000
-"""As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
+"""As many as a rate limit needs, which counts up to 1,000 changes within an hour, and repetitions."""
 
 _MAX_CLOCK_ERROR_S: Final = 0.001
 """Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
@@ -71,7 +71,7 @@ class PartTimeline:
         reports: The reports, oldest first.
         commands: The commands, including older ones that may still have an effect, oldest first.
         active: Those of them that may have caused a report now; all that have no outcome are.
-        sent: The newest 2,000 sendings of commands, oldest first.
+        sent: The newest 2,000 sendings of commands in an hour, oldest first.
         place: The part.
         nearby: The commands to this part and those near it.
         unsure_since: The end of the last failed command for each capability, if none is confirmed since, in seconds.
@@ -129,6 +129,8 @@ class PartTimeline:
             older.supersede(order, at)
             if older.superseded_by == order.id:
                 self.on_news(older, None)
+        while self.sent and self.sent[0].at < at - durations.COUNTED:
+            self.sent.popleft()
         progress = CommandProgress(order, at, known, last, self.profile, answers=answers, is_raw=is_raw)
         self.commands.append(progress)
         self.nearby.device.append(progress)
