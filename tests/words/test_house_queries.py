@@ -16,7 +16,7 @@ from homebot.devices.query.terms import NameIs, Query
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.search.postings import Postings
-from homebot.discovery.search.unknown_words import note_on
+from homebot.discovery.search.unknown_words import explain_result
 from homebot.messages.builtin_interfaces import Time
 from homebot.places import HousePlan
 from homebot.support.folding import fold
@@ -258,7 +258,7 @@ def test_a_question_is_answered_by_devices_or_by_the_reason_for_none(text: str, 
     postings = directory(QUESTIONS)
     query = parse_query(text, lambda query: bool(postings.find(query)))
     assert postings.find(query) == ids
-    assert note_on(query, postings.find(query), postings, HousePlan("villa")) == note
+    assert explain_result(query, postings.find(query), postings, HousePlan("villa")) == note
 
 
 @pytest.mark.parametrize("named", ["Lamp", "Socket"])

@@ -147,7 +147,7 @@ class DirectoryServices:
                 if request.is_spelled:
                     matches = {match for match in matches if is_spelled(query, index.postings.facets(match).words)}
                 ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
-                note = self._note(query, matches)
+                note = self._explain_result(query, matches)
                 answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
             else:
                 found = await (await self._nearness()).find(near, rest, limit or 0)
@@ -184,7 +184,7 @@ class DirectoryServices:
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
-            message=self._note(read_terms(request.query, self._parse), found),
+            message=self._explain_result(read_terms(request.query, self._parse), found),
             devices=tuple(
                 list_device(device, rights, needs_approval=self._index.postings.needs_approval) for device in devices
             ),
@@ -207,11 +207,11 @@ class DirectoryServices:
         index = self._index
         check_words(query, index.postings, index.owner.plan, index.devices)
 
-    def _note(self, query: Query, found: Collection[str]) -> str:
-        """Return what is to be known about the devices *found*, as :func:`note_on` does."""
-        from homebot.discovery.search.unknown_words import note_on  # noqa: PLC0415 - for searches alone
+    def _explain_result(self, query: Query, found: Collection[str]) -> str:
+        """Return what is to be known about the devices *found*, as :func:`explain_result` does."""
+        from homebot.discovery.search.unknown_words import explain_result  # noqa: PLC0415 - for searches alone
 
-        return note_on(query, found, self._index.postings, self._index.owner.plan)
+        return explain_result(query, found, self._index.postings, self._index.owner.plan)
 
     def _get_changes(self, request: messages.GetChangesRequest) -> messages.GetChangesResponse:
         self._publish_all()

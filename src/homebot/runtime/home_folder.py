@@ -142,8 +142,8 @@ def adopt_folder(config: Config, file: Path, wanted: str) -> Path:
     return path
 
 
-def take_folder(path: Path, name: str, file: Path) -> None:
-    """Note that the data in *path* belong to the home *name* of *file*, as after a restore."""
+def claim_folder(path: Path, name: str, file: Path) -> None:
+    """Record that the data in *path* belong to the home *name* of *file*, as after a restore."""
     _claim(path, _HomeFacts(name=name, config=str(file.resolve())))
 
 

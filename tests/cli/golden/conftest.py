@@ -75,7 +75,7 @@ from homebot.devices.services import (
 )
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.search.postings import Postings
-from homebot.discovery.search.unknown_words import note_on
+from homebot.discovery.search.unknown_words import explain_result
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.journal.store import JournalNote, JournalStore
@@ -330,7 +330,7 @@ class StillHouse:
         for one in self._devices():
             postings.put(facets_of(one), ())
         near = HasText("lihgt") if self.is_near else query
-        note = note_on(near, [one.id for one in found], postings, HousePlan("villa"))
+        note = explain_result(near, [one.id for one in found], postings, HousePlan("villa"))
         results = tuple(
             Found(device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}"))
             for number, one in enumerate(found)

@@ -21,7 +21,7 @@ from homebot.config import load_config, load_tables
 from homebot.devices.names import COPY_FILES
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.log import configure_logging
-from homebot.runtime.home_folder import index_place, take_folder
+from homebot.runtime.home_folder import claim_folder, index_place
 from homebot.runtime.saved_files import KEPT_FILES, check_unused, copy_kept_files
 from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import why_not_readable
@@ -218,7 +218,7 @@ def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list
     folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     (staged / "data").rename(folder)
     names = [one.removeprefix("config/") for one in manifest.files if one.startswith("config/")]
-    take_folder(folder, manifest.home, into / next((name for name in names if name.endswith(".toml")), DEFAULT_CONFIG))
+    claim_folder(folder, manifest.home, into / next((name for name in names if name.endswith(".toml")), DEFAULT_CONFIG))
     if os.name == "posix" and os.geteuid() == 0:  # the service's user must be able to write them
         owner = data_directory().stat()
         for path in (folder.parent, folder, *folder.iterdir()):

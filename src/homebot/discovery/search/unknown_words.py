@@ -110,7 +110,7 @@ def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     return f"no device is in {area!r}, and [places] has no such room; {hint}"
 
 
-def note_on(query: Query, found: Collection[str], postings: Postings, plan: HousePlan) -> str:
+def explain_result(query: Query, found: Collection[str], postings: Postings, plan: HousePlan) -> str:
     """Return why nothing matches *query*, or the words that the devices *found* only have with a typo; else empty."""
     if not found:
         return _explain_none(query, postings, plan)

@@ -107,7 +107,7 @@ def read_alerts(config: Config) -> dict[AlertKey, float]:
     return parse_settings(_AlertTimes, {"alerts": config.features["alerts"]}, config.source, "", config.folder).alerts
 
 
-async def tell_people(house: FeatureContext) -> None:
+async def notify_people(house: FeatureContext) -> None:
     """Tell people of alerts until cancelled."""
     settings = AlertsSettings(told_after=house.table("alerts") or {}, language=house.home.language)
     await house.run_app(FEATURE.name, Alerts, settings)

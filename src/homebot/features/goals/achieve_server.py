@@ -138,7 +138,7 @@ class AchieveServer:
         async def show(feedback: AchieveFeedback) -> None:
             on_plan(feedback)
             if achievement in self._under_way:
-                await self._keep(run, achievement, request.issuer)
+                await self._save_run(run, achievement, request.issuer)
 
         achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, show, self._record)
         try:
@@ -151,7 +151,7 @@ class AchieveServer:
             await self._flush()
         return answer
 
-    async def _keep(self, run: str, achievement: Achievement, issuer: str) -> None:
+    async def _save_run(self, run: str, achievement: Achievement, issuer: str) -> None:
         before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
         done = [f"after {one.text}: {one.outcome[:_MAX_CHARACTERS]}" for one in achievement.steps if one.outcome]
         self._kept[run] = {

@@ -21,7 +21,7 @@ def _is_kept(house: RunFacts) -> bool:
 FEATURE: Final = Feature(
     name="history",
     services=(READ_HISTORY, CORRECT_HISTORY, READ_ENERGY),
-    runs="homebot.features.history.history:keep_history",
+    runs="homebot.features.history.history:record_history",
     is_wanted=_is_kept,
     files={HISTORY_FILE: "homebot.features.history.history_file:HISTORY_SCHEMA"},
     tables={"history": FeatureTable("homebot.features.history.settings:read_history")},

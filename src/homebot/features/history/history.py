@@ -34,7 +34,7 @@ _MANY: Final = 20_000
 _LAST_CHANCE: Final = 5.0
 
 
-async def keep_history(house: FeatureContext) -> None:
+async def record_history(house: FeatureContext) -> None:
     """Keep the history until cancelled, in a file or, in a run without files, in memory."""
     async with Node(house.graph, FEATURE.name) as node:
         settings = house.table("history") or HistorySettings()

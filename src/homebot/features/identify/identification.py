@@ -157,7 +157,7 @@ class Identification:
     async def end(self) -> None:
         """Release all leases, and put everything back."""
         for one in self._candidates:
-            await self._let_go(one)
+            await self._release_lease(one)
         await self._kept.end(self._run_id)
 
     async def _look_at(self, code: Sequence[bool]) -> Seen:
@@ -221,7 +221,7 @@ class Identification:
             with anyio.move_on_after(_COMMAND):
                 while candidate.place in self._commands.values():
                     await self._has_ended.wait()
-            await self._kept.keep_again(self._run_id, candidate)
+            await self._kept.save_again(self._run_id, candidate)
         is_held, before = bool(candidate.lease), (candidate.wanted, candidate.set_at)
         candidate.wanted, candidate.set_at = value, self._clock.now()
         candidate.lease = candidate.lease or f"{self._run_id}-{self._candidates.index(candidate)}"
@@ -263,11 +263,11 @@ class Identification:
         return False
 
     async def _drop(self, candidate: CandidatePart, problem: str) -> None:
-        await self._let_go(candidate)
+        await self._release_lease(candidate)
         is_changed = await self._kept.leave_changed(self._run_id, candidate)
         candidate.problem = f"it was changed meanwhile: {problem}" if is_changed else problem
 
-    async def _let_go(self, candidate: CandidatePart) -> None:
+    async def _release_lease(self, candidate: CandidatePart) -> None:
         if candidate.lease:
             await self._release.call(self._holder(candidate))
             candidate.lease = ""

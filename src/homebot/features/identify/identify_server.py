@@ -25,7 +25,7 @@ from homebot.features.identify.messages import (
     IdentifyDeviceGoal,
     IdentifyDeviceResult,
 )
-from homebot.features.identify.seen_places import check_robot, keep_seen
+from homebot.features.identify.seen_places import check_robot, save_seen_place
 from homebot.features.identify.sight import open_sight
 from homebot.graph.actions import ActionServer, Preemption, ServerGoal
 from homebot.support.folding import fold
@@ -129,7 +129,7 @@ class IdentifyServer:
                         await identification.end()
         at, problem = "", ""
         if found is not None and request.robot and request.distance:
-            at, problem = await keep_seen(self._node, request, found.device.id)
+            at, problem = await save_seen_place(self._node, request, found.device.id)
         return _result(identification, found, left_out, is_sure=is_sure, at=at, problem=problem)
 
     async def _announce(self, by: str, request: IdentifyDeviceGoal, candidates: list[CandidatePart]) -> None:

@@ -94,7 +94,7 @@ class KeptValues:
             del self._store[run]
             raise LinkError(f"nothing was changed, as the values to put back cannot be kept: {problem}")
 
-    async def keep_again(self, run: str, candidate: CandidatePart) -> None:
+    async def save_again(self, run: str, candidate: CandidatePart) -> None:
         """Keep the value that a person gave *candidate* before its first change."""
         known = (await known_states(self._node, await self._lookup.devices())).get(
             (*candidate.place, candidate.capability)

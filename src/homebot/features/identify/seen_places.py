@@ -26,7 +26,7 @@ async def check_robot(node: Node, robot: str) -> None:
             raise UsageError(found.message)
 
 
-async def keep_seen(node: Node, goal: IdentifyDeviceGoal, device: str) -> tuple[str, str]:
+async def save_seen_place(node: Node, goal: IdentifyDeviceGoal, device: str) -> tuple[str, str]:
     """Keep the position of *device*, seen in the direction and distance of *goal*; return it, and the problem if any.
 
     It counts only if neither the owner nor the device states one.

@@ -46,7 +46,7 @@ class SceneReader:
 
     def look_at(self, node: MatterNode) -> None:
         """Give the endpoints of *node* the scenes that are known, and have those with other ones asked."""
-        self._give(node)
+        self._assign_scenes(node)
         if node.is_available and any(self._is_due(node, endpoint) for endpoint in node.endpoints.values()):
             if not self._due:
                 self._gateway.node.create_task(self._run)
@@ -56,7 +56,7 @@ class SceneReader:
         """Forget a node."""
         self._known.pop(node_id, None)
 
-    def _give(self, node: MatterNode) -> None:
+    def _assign_scenes(self, node: MatterNode) -> None:
         known = self._known.get(node.id, {})
         for endpoint in node.endpoints.values():
             endpoint.scenes = known.get(endpoint.id, _NONE)[1]
@@ -71,7 +71,7 @@ class SceneReader:
                 await self._read(node, endpoint)
             if self._due[node.id] is node:
                 del self._due[node.id]
-                self._give(node)
+                self._assign_scenes(node)
                 self._on_scenes(node)
 
     async def _read(self, node: MatterNode, endpoint: MatterEndpoint) -> None:
