@@ -347,6 +347,19 @@ async def test_a_cancelled_job_is_called_no_longer() -> None:
     assert diary.calls == ["06-01 12:00:30", "06-01 12:01:00"]
 
 
+async def test_a_job_that_was_cancelled_and_is_there_again_after_days_was_not_missed() -> None:
+    """A routine that waits for a time warned that the last night's was skipped."""
+    async with living(lambda app: app.daily("22:00", app.note), "2026-06-01 20:00") as (diary, _):
+        await anyio.sleep(3 * HOUR)
+        diary.jobs[0].cancel()
+        await anyio.sleep(3 * DAY)
+        with capture_logs() as lines:
+            diary.daily("22:00", diary.note)
+            await anyio.sleep(DAY)
+    assert diary.calls == ["06-01 22:00:00", "06-05 22:00:00"]
+    assert [line["event"] for line in lines if line["event"] == "app.job_skipped"] == []
+
+
 async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() -> None:
     """In India in May: the sunrise of the 17th was left out."""
     async with living(lambda app: app.at("sunrise", app.note), "2026-05-15 12:00", "Asia/Kolkata") as (diary, _):

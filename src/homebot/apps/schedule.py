@@ -234,8 +234,7 @@ class Schedule:
     def _forget(self, job: Job) -> None:
         if self._jobs.get(job.name) is job:
             del self._jobs[job.name]
-            if _is_timer(job):
-                self._store(_TIMERS, job.name, None)
+            self._store(_TIMERS if _is_timer(job) else _DAYS, job.name, None)
             self._changed.set()
 
     async def _work(self) -> None:
