@@ -6,7 +6,6 @@ from homebot.words.tokens import Phrase
 
 # States of devices, as triggers, conditions and steps that wait for one.
 LASTING: Final = Phrase("{state} for {length:length}")
-NO: Final = Phrase("no {state}", "none of {state}")
 NOT: Final = Phrase("no|not {state}", "none of {state}")
 ALL: Final = Phrase("all|every|each {state}")
 MOTION: Final = Phrase("motion|presence|occupancy [{rest}]")

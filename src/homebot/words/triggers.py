@@ -25,8 +25,8 @@ from homebot.words.phrases import (
     LASTING,
     LIMIT,
     MOTION,
-    NO,
     NOBODY,
+    NOT,
     PLACED_LIMIT,
     PRESS,
     STARTS,
@@ -328,7 +328,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:
         return Becomes(text, person.query, length)
-    if (none := NO.match(state)) is not None:
+    if (none := NOT.match(state)) is not None:
         state, is_none = none["state"], True
     what, _, placed = state.partition(" in ")
     if (limit := PLACED_LIMIT.match(placed)) is not None:  # a query has its room last
