@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import add_verb, add_verbs, set_client_command
+from homebot.cli.arguments import add_verb, add_verbs, set_client_command, set_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -37,12 +37,19 @@ _EXAMPLES = """\
   homebot routine edit 'Hall light' --act 'lock in hall'    let it command that as well; `act` in its text says all
   homebot routine remove 'Hall light'
   homebot routine export 'Hall light'      write it as an app in Python, hall_light.py, and its test
+  homebot routine gallery                  ready-made routines: motion light, laundry, window and heating …
   homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
   homebot routine try new.toml --on last-week       what the routines of a file would have done, by the history
   homebot routine try new.toml --on day.jsonl.gz    the same on a recorded day, also with the ways of robots
 
 Routines are the tables [[routines]] of homebot.toml, which you change there (`homebot app reload hall_light` reads one
 again), and those that `new` adds, which homebot keeps. All but `list`, `show` and `try` need the right `manage`.
+"""
+
+_GALLERY_EXAMPLES = """\
+  homebot routine gallery
+  homebot routine gallery night_light
+  homebot routine gallery night_light motion='hall motion' lamp='hall lamp' | homebot routine new -
 """
 
 _TEMPLATE = """\
@@ -90,6 +97,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command.add_argument("name", metavar="NAME", help="its name")
     command.add_argument("file", metavar="FILE", nargs="?", help="its new text; - for the standard input")
     _add_act(command)
+    command = add_verb(verbs, "gallery", "list ready-made routines, or print one with your devices")
+    set_command(command, _gallery, _GALLERY_EXAMPLES)
+    command.add_argument("name", metavar="NAME", nargs="?", help="ready-made routine; alone, its inputs are listed")
+    command.add_argument("inputs", metavar="INPUT=VALUE", nargs="*", help="your devices and values")
     command = add_verb(verbs, "import", "print the automations of another program as routines")
     set_door_command(command, _import, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="its automations, such as automations.yaml; - for standard input")
@@ -202,6 +213,29 @@ def _write(door: DoorClient, request: dict[str, object], file: str | None, text:
 def _print_hints(routine: RoutineInfo) -> None:
     for hint in filter(None, (routine.problem, *routine.hints)):
         print_line(f"{printable(routine.name)}: {printable(hint, 500)}", "yellow")
+
+
+def _gallery(options: argparse.Namespace) -> int:
+    from homebot.features.routines.gallery import gallery, ready_made  # noqa: PLC0415 - reads its files
+
+    if not options.name:
+        print_table(("ROUTINE", "ABOUT"), [(name, one.about) for name, one in gallery().items()])
+        return 0
+    routine = ready_made(options.name)
+    if options.inputs or not routine.inputs:
+        print(routine.filled(dict(map(_input, options.inputs))), end="")
+        return 0
+    print_line(routine.about)
+    rows = [(key, one.default or f"homebot find {shlex.quote(one.find)}") for key, one in routine.inputs.items()]
+    print_table(("INPUT", "BY DEFAULT, OR WHAT FITS"), rows)
+    return 0
+
+
+def _input(text: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise UsageError(f"{text!r} is no input; write it like lamp='hall lamp'")
+    return key, value
 
 
 def _import(door: DoorClient, options: argparse.Namespace) -> int:
