@@ -185,7 +185,7 @@ def lived() -> Mapping[str, tuple[int, int]]:
 
     async def live() -> None:
         async with virtual_house_of(
-            world=world(), config=config, start=f"{THURSDAY:%Y-%m-%d}", record_into=sink
+            world=world(), config=config, start=f"{THURSDAY:%Y-%m-%d}", observers=sink.observers()
         ) as house:
             for name, announced in ANNOUNCED.items():
                 topic = name.partition("/")[2]
