@@ -40,10 +40,15 @@ def read_message(text: str) -> tuple[str | MessageValue, ...]:
         UsageError: A value in braces is none.
     """
     pieces = _PLACE.split(text)
-    return tuple(_value(piece) if place % 2 else piece for place, piece in enumerate(pieces) if len(pieces) > 1)
+    return tuple(read_value(piece) if place % 2 else piece for place, piece in enumerate(pieces) if len(pieces) > 1)
 
 
-def _value(text: str) -> MessageValue:
+def read_value(text: str) -> MessageValue:
+    """Return the value *text*, such as ``temperature of office``.
+
+    Raises:
+        UsageError: It is none.
+    """
     plain = " ".join(text.split())
     match plain.casefold():
         case ("name" | "room" | "routine" | "time") as kind:

@@ -33,6 +33,10 @@ CROSSES: Final = Phrase("{what} rises|climbs above|over {limit}", "{what} falls|
 INTERVAL: Final = Phrase("every {length:length}")
 STARTED_BY: Final = Phrase("started by {what}")
 TIMED_OUT: Final = Phrase("[the] [last] wait timed out")
+TWO_VALUES: Final = Phrase(
+    "{first} [is] sign~above|below|over|under {second} change~plus|minus {offset:number}",
+    "{first} [is] sign~above|below|over|under {second}",
+)
 LAST_RUN: Final = Phrase(
     "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"
 )

@@ -27,6 +27,9 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("hom
         ("every 10m", "not sun elevation below 9.5° or before 8:15", "09:45", 7),
         ("hall motion changes", "", "10:00", 4),
         ("hall motion occupancy changes", "", "10:00", 4),
+        ("every 10m", "number of size below number of limit", "09:05", 6),
+        ("every 10m", "number of size above number of limit minus 99", "09:05", 6),
+        ("every 10m", "not number of size below number of limit or after 9:00", "09:05", 1),
         ("every 10m", "hall motion clear for 25m", "08:59", 3),
         ("every 10m", "no motion in hall for 25m", "08:59", 3),
     ],
@@ -35,9 +38,8 @@ async def test_a_routine_runs_as_often_as_its_text_says(when: str, condition: st
     """Somebody is in the hall from 8:01 to 8:02, and from 9:10 to 9:11."""
     world = hall(("08:01", "hall"), ("08:02", "outside"), ("09:10", "hall"), ("09:11", "outside"))
     routine = {"name": "Often", "when": [when], "if": [condition] if condition else [], "do": ["wait 1s"]}
-    async with virtual_house_of(
-        world=world, config=config(routine) | {"home": PLACE}, start="2026-01-01 08:00"
-    ) as house:
+    given = config(routine) | {"home": PLACE, "helpers": {"limit": 60, "size": 50}}
+    async with virtual_house_of(world=world, config=given, start="2026-01-01 08:00") as house:
         await house.run_until(until)
         async with Node(house.runtime.graph, "owner") as owner:
             listing = owner.create_client(ListRoutines, LIST_ROUTINES)

@@ -21,7 +21,7 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
-from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace
+from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace, value_of
 from homebot.features.routines.watches import (
     ArrivalWatch,
     OnStart,
@@ -34,7 +34,7 @@ from homebot.features.routines.watches import (
 )
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
+from homebot.words.conditions import AnyOf, Comparison, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
 from homebot.words.triggers import (
     Becomes,
@@ -239,11 +239,10 @@ class RoutineBase(App[SettingsT_co]):
                 return bool(answer.results) is not condition.is_none
             case Press():
                 return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
-            case StartedBy():
-                is_that = bool(facts.started_by) and read_trigger(facts.started_by) == condition.trigger
-                return is_that is not condition.is_other
-            case TimedOut():
-                return facts.has_timed_out is condition.is_so
+            case StartedBy() | TimedOut():
+                return _is_of_run(condition, facts)
+            case Comparison():
+                return await self._compares(condition)
             case AnyOf():
                 for one in condition.conditions:
                     if await self._holds(one, facts):
@@ -251,6 +250,14 @@ class RoutineBase(App[SettingsT_co]):
                 return False
             case _:
                 assert_never(condition)
+
+    async def _compares(self, condition: Comparison) -> bool:
+        devices = await self.devices.find()
+        first, second = (value_of(value, devices) for value in (condition.first, condition.second))
+        if not isinstance(first, float) or not isinstance(second, float):
+            return condition.is_denied
+        limit = second + condition.offset
+        return (first > limit if condition.is_above else first < limit) is not condition.is_denied
 
     def _sun_time(self, moment: SunMoment) -> time | None:
         """Return the time of *moment* today, or the nearest if it is on another day; None if there is none."""
@@ -262,6 +269,13 @@ class RoutineBase(App[SettingsT_co]):
             return None
         found = datetime.fromtimestamp(at, home.zone)
         return found.time() if found.date() == today else time.max if found.date() > today else time(microsecond=1)
+
+
+def _is_of_run(condition: StartedBy | TimedOut, facts: RoutineRunFacts) -> bool:
+    if isinstance(condition, TimedOut):
+        return facts.has_timed_out is condition.is_so
+    is_that = bool(facts.started_by) and read_trigger(facts.started_by) == condition.trigger
+    return is_that is not condition.is_other
 
 
 def _cancel(jobs: Iterable[Job]) -> None:

@@ -23,11 +23,12 @@ from homebot.devices.command_messages import (
     PerformCommand,
 )
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import DeviceChange, StateChange, target_of
+from homebot.devices.device import Device, DeviceChange, StateChange, target_of
 from homebot.devices.names import CHANGE_ROUTINE, PERFORM_COMMAND
 from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
+from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
 from homebot.errors import HomebotError, ServiceError
 from homebot.features.routines.program import Back, Branch, Line, Skip
@@ -37,6 +38,7 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
 from homebot.words.house_queries import WordsQuery
+from homebot.words.message_values import MessageValue
 from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Stop, SwitchRoutine, Undo, Wait, WaitFor, WaitUntil
 from homebot.words.triggers import Trigger
 
@@ -278,10 +280,7 @@ class RoutineRun:
             elif piece.kind == "time":
                 texts.append(f"{self._owner.now():%H:%M}")
             else:
-                query = WordsQuery(piece.words, devices).query
-                states = [one for device in devices if fits(query, facets_of(device)) for one in device.states]
-                values = [one.value.plain() for one in states if one.capability == piece.capability and one.live]
-                texts.append(value_text(piece.capability, values[0] if values else None))
+                texts.append(value_text(piece.capability, value_of(piece, devices)))
         return "".join(texts)
 
     def _left(self, seconds: float, until: float) -> float:
@@ -307,6 +306,13 @@ class RoutineRun:
         for place, outcome in zip(due, outcomes, strict=True):
             if not outcome.succeeded:
                 self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
+
+
+def value_of(value: MessageValue, devices: Sequence[Device]) -> PlainValue:
+    """Return *value* of the first of *devices* that it means; None while it is unknown."""
+    query = WordsQuery(value.words, devices).query
+    states = [state for device in devices if fits(query, facets_of(device)) for state in device.states]
+    return next((state.value.plain() for state in states if state.capability == value.capability and state.live), None)
 
 
 async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:

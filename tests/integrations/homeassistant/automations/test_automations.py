@@ -109,7 +109,7 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
     )
 
 
-@pytest.fixture(scope="module", params=["automations", "forum", "asked"])
+@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen"])
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

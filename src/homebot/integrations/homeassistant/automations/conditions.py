@@ -80,7 +80,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
             node = fields.take("value_template")
             if node is None or node.tag or not isinstance(node.value, str | bool):
                 raise NotCarriedError("condition template: `value_template` is missing")
-            return templates_of(automation).conditions(str(node.value))
+            return templates_of(automation).conditions(node.value if isinstance(node.value, str) else str(node.value))
         case kind if kind in STATES:
             return _states(automation, kind, fields)
         case "":
@@ -100,8 +100,10 @@ def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Con
     lasting = fields.duration("for")
     length = f" for {lasting}" if lasting else ""
     conditions = [_any_of([[(bracketed(f"{state}{length}"),)] for state in states]) for states in states_of_entities]
-    if length and any(text in _OPPOSITES for condition in conditions for texts in condition for text in texts):
-        raise NotCarriedError("condition state: `for` of the sun")
+    if length and any(
+        text in _OPPOSITES or " of name=" in text for condition in conditions for texts in condition for text in texts
+    ):
+        raise NotCarriedError("condition: `for` of the sun, or of two values")
     return _any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
 
 

@@ -29,7 +29,7 @@ from homebot.integrations.homeassistant.automations.entities import (
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
 from homebot.integrations.homeassistant.automations.files import from_blueprint, with_files
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.templates import NEVER, Condition, random_ends
+from homebot.integrations.homeassistant.automations.templates import NEVER, Condition, random_ends, round_limit
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
 from homebot.integrations.homeassistant.automations.variables import plain, resolved
 from homebot.support.located import Located
@@ -113,9 +113,7 @@ class Actions:
         kind = fields.first_of(_KINDS)
         match kind:
             case "service" | "action" | "scene" | "device_id":
-                steps = self._script(fields, kind) or steps_of_service(self._automation, fields, kind)
-                self._automation.expressions.clear()  # they were true before this step
-                return steps
+                return self._service(fields, kind)
             case "delay":
                 return self._delay(fields)
             case "wait_template" | "wait_for_trigger":
@@ -144,6 +142,23 @@ class Actions:
             case "":
                 fields.end()
         raise NotCarriedError(f"action: `{kind}` has no counterpart in routines")
+
+    def _service(self, fields: UnreadFields, kind: str) -> Sequence[Step]:
+        """Read the call of a service; for each value that a template chooses it is one branch of a choice."""
+        call = Located(dict(fields.left), 0)
+        ways = templates_of(self._automation).ways(call)
+        if not ways:
+            steps = self._script(fields, kind) or steps_of_service(self._automation, fields, kind)
+            self._automation.expressions.clear()  # they were true before this step
+            return steps
+        fields.left.clear()
+        choice: Sequence[Step] = []
+        for conditions, node in reversed(ways):
+            way = UnreadFields(node, "action")
+            steps = self._service(way, kind)
+            way.end()
+            choice = _choice(conditions, steps, choice)
+        return choice
 
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:
         known = dict(self._automation.constants)
@@ -250,6 +265,18 @@ class Actions:
     def _repeated(self, fields: UnreadFields) -> list[Step]:
         """Read repeated actions: a loop, or each round as it is written if that differs by its number or value."""
         nodes, kind = fields.items("sequence"), fields.first_of(("count", "while", "until", "for_each"))
+        if kind in {"while", "until"} and (limit := round_limit(fields.left[kind], is_until=kind == "until")):
+            fields.take(kind)
+            fields.end()
+            most, condition = limit
+            held = conditions_of(self._automation, [condition])
+            steps = self._branch(nodes)
+            if most > MAX_ROUNDS:
+                raise NotCarriedError(f"action repeat: {most} rounds; {MAX_ROUNDS} is the limit")
+            if kind == "while":  # the rounds after its end take no time
+                return [{"repeat": most, "do": _choice(held, steps, [])}]
+            again = [{"repeat": most - 1, "do": _choice(denied(held), steps, [])}] if most > 1 else []
+            return [*steps, *again]
         if kind in {"while", "until"}:
             conditions = texts_of(conditions_of(self._automation, fields.items(kind)))
             fields.end()

@@ -123,7 +123,7 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
     entities = automation.entities
     name = _service_name(fields, key)
-    domain, data = name.partition(".")[0], fields.inner("data", "service_data")
+    domain, data = name.partition(".")[0], fields.inner("data", "data_template", "service_data")
     if key == "device_id":
         data = UnreadFields(
             Located({field: fields.take(field) for field in [*fields.left] if field in _DEVICE_DATA}, 0), "data"

@@ -16,6 +16,7 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.folding import fold
+from homebot.words.conditions import read_comparison
 from homebot.words.people import read_move, read_person
 from homebot.words.queries import parse_query
 from homebot.words.triggers import read_state
@@ -24,6 +25,7 @@ from homebot.words.vocabulary import ADJECTIVES
 _Meaning: TypeAlias = tuple[str, Operator, PlainValue]
 
 _FLAGS: Final = {"on": True, "off": False}
+_WITH_NUMBERS: Final = frozenset({"counter", "input_number", "number", "sensor"})
 _TIMER: Final = {"active": True, "idle": False}
 _COVERS: Final[dict[str, _Meaning]] = {"open": ("position", ">", 0.0), "closed": ("position", "=", 0.0)}
 _ALARM: Final = (
@@ -105,6 +107,23 @@ def value_name(entities: Entities, entity_id: str, attribute: str) -> tuple[str,
     return f"name={text_value(entity.name)}", capability
 
 
+def values_text(
+    entities: Entities, first: tuple[str, str], sign: str, second: tuple[str, str], offset: float = 0.0
+) -> str:
+    """Return the condition that the value of one entity, or its attribute, is above or below that of another."""
+    texts: list[str] = []
+    for entity_id, attribute in (first, second):
+        entity, capability, factor = number_of(entities, entity_id, attribute)
+        if CAPABILITIES.get(capability, OWN).kind != "number" or factor != 1.0 or entity.unit:
+            raise NotCarriedError(f"{entity_id} has no number in the unit of homebot that can be compared with another")
+        texts.append(f"{capability} of name={text_value(entity.name)}")
+    more = f" {'plus' if offset > 0 else 'minus'} {abs(offset):.12g}" if offset else ""
+    text = f"{texts[0]} {'above' if sign == '>' else 'below'} {texts[1]}{more}"
+    if read_comparison(text) is None:
+        raise NotCarriedError(f"{text!r} cannot be written as a condition")
+    return text
+
+
 def attribute_of(entities: Entities, entity_id: str, attribute: str, value: object) -> str:
     """Return the condition that an attribute of an entity has a value."""
     entity, capability, factor = number_of(entities, entity_id, attribute)
@@ -146,8 +165,17 @@ def _person_text(entity: KnownEntity, state: str, key: str) -> str:
     return text
 
 
-def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
+def _of_limits(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
     given: tuple[tuple[Operator, str], ...] = ((">", "above"), ("<", "below"))
+    others = [(sign, fields.text(side)) for sign, side in given if _is_entity(fields, side)]
+    if others:
+        if key == "to":
+            raise NotCarriedError(f"numeric_state against {others[0][1]}; ask for it in a condition")
+        return [
+            [values_text(entities, (entity_id, ""), sign, (other, ""))]
+            for entity_id in _ids(fields)
+            for sign, other in others
+        ]
     limits = [(operator, number) for operator, key in given for number in fields.numbers(key)]
     attribute, template = fields.text("attribute", ""), fields.take("value_template")
     if not limits:
@@ -158,6 +186,11 @@ def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list
             raise NotCarriedError("value_template: it calculates; routines compare a value itself with a limit")
         attribute = found["attribute"] or ""
     return [[_limit_of(entities, entity_id, attribute, limits)] for entity_id in _ids(fields)]
+
+
+def _is_entity(fields: UnreadFields, key: str) -> bool:
+    node = fields.left.get(key)
+    return node is not None and isinstance(node.value, str) and node.value.partition(".")[0] in _WITH_NUMBERS
 
 
 def _limit_of(entities: Entities, entity_id: str, attribute: str, limits: Sequence[tuple[Operator, float]]) -> str:

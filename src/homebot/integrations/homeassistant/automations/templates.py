@@ -5,8 +5,8 @@ Source: Home Assistant core 2026.11, ``helpers/template``; of a number ``float(0
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
-from typing import Final, NamedTuple, TypeAlias, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Final, NamedTuple, Self, TypeAlias, TypeVar
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.query.terms import Operator
@@ -19,6 +19,7 @@ from homebot.integrations.homeassistant.automations.states import (
     number_of,
     state_texts,
     value_name,
+    values_text,
 )
 from homebot.integrations.homeassistant.automations.variables import is_constant
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes, parse, tree_of
@@ -110,6 +111,40 @@ class Templates:
                     pieces.append(value)
         return "".join(pieces)
 
+    def ways(self, call: Located) -> list[tuple[list[Condition], Located]]:
+        """Return the calls that *call* becomes by the first choice in its templates, each with its conditions.
+
+        The last one has none, or that of the last trigger; empty if nothing is to be chosen.
+        """
+        for path, text in _texts_in(call):
+            try:
+                parts = [node for part in _output_of(text) for node in part.nodes]
+            except NotCarriedError:
+                continue
+            for place, node in enumerate(parts):
+                given = [other.data if isinstance(other, nodes.TemplateData) else "" for other in parts]
+                if any(not isinstance(other, nodes.TemplateData) for other in parts[:place] + parts[place + 1 :]):
+                    continue
+                if isinstance(node, nodes.CondExpr) and node.expr2 is not None:
+                    if not isinstance(node.expr1, nodes.Const) or not isinstance(node.expr2, nodes.Const):
+                        raise _refused(text, "it chooses between more than two values; write it as `choose`")
+                    values = [(self._read(node.test), node.expr1.value), ([], node.expr2.value)]
+                elif _path_of(node) == ("trigger", "to_state", "state") and path[-1] not in {"message", "title"}:
+                    states = dict.fromkeys(trigger.state for trigger in self._automation.triggers)
+                    if "" in states:
+                        raise _refused(text, "not each trigger names a state")
+                    values = [
+                        (self.started_by([one for one in self._automation.triggers if one.state == state]), state)
+                        for state in states
+                    ]
+                else:
+                    continue
+                return [
+                    (held, _with_text(call, path, "".join((*given[:place], str(value), *given[place + 1 :]))))
+                    for held, value in values
+                ]
+        return []
+
     def _value(self, node: nodes.Expr) -> tuple[str, str]:
         """Return a value for a message, and its unit, which homebot writes itself."""
         if isinstance(node, nodes.Const):
@@ -191,14 +226,32 @@ class Templates:
             return states if sign == "in" else self._denied(states)
         if isinstance(left, nodes.Const) and not isinstance(right, nodes.Const):
             left, right, sign = right, left, _SWAPPED[sign]
-        if isinstance(left, nodes.Compare | nodes.And) or not isinstance(right, nodes.Const | nodes.Neg):
-            raise _refused(_text_of(left), "it compares two values; routines compare a value with a number or a text")
+        if not isinstance(right, nodes.Const | nodes.Neg):
+            return [(self._of_two_values(left, sign, right),)]
         (value,) = _values_of(right)
         if sign == "eq":
             return self._equal(left, value)
         if sign == "ne":
             return self._denied(self._equal(left, value))
         return self._limited(left, _SIGNS[sign], value)
+
+    def _of_two_values(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> str:
+        """Return the condition that one value is above or below another."""
+        if sign not in {"gt", "lt"}:
+            raise _refused(_text_of(left), "two values are compared by < and >")
+        numbers = _number_of(left), _number_of(right)
+        if any(number.factor != 1.0 or number.is_whole for number in numbers):
+            raise _refused(_text_of(left), "it calculates with two values")
+        if any(number.default is not None for number in numbers):
+            self._automation.notes.append("a comparison does not hold while one of its values is unknown")
+        first, second = numbers
+        return values_text(
+            self._automation.entities,
+            (first.entity, first.attribute),
+            _SIGNS[sign],
+            (second.entity, second.attribute),
+            second.offset - first.offset,
+        )
 
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
         path = _path_of(left)
@@ -295,6 +348,8 @@ class Templates:
 
 def expression_of(text: str) -> nodes.Expr:
     """Return the only expression of the template *text*."""
+    if isinstance(text, _Expression):
+        return text.tree
     parts = [node for part in _output_of(text) for node in part.nodes]
     parts = [node for node in parts if not (isinstance(node, nodes.TemplateData) and not node.data.strip())]
     if len(parts) == 1 and not isinstance(parts[0], nodes.TemplateData):
@@ -307,7 +362,7 @@ def expression_of(text: str) -> nodes.Expr:
 
 def bracketed(text: str) -> str:
     """Return a state in brackets if it is a query, which others may be joined to."""
-    return f"({text})" if "name=" in text else text
+    return f"({text})" if "name=" in text and " of name=" not in text else text
 
 
 def _output_of(text: str) -> list[nodes.Output]:
@@ -565,3 +620,61 @@ def random_ends(node: Located) -> tuple[Located, Located] | None:
 
 
 _RANDOM: Final = re.compile(r"\brange\( *(?:(?P<least>\d+) *, *)?(?P<most>\d+) *\) *\| *random\b")
+
+
+def _texts_in(node: Located, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    """Yield the templates in *node*, with their places."""
+    if isinstance(node.value, str) and "{" in node.value and not node.tag:
+        yield path, node.value
+    items = enumerate(node.value) if isinstance(node.value, list) else ()
+    for key, value in node.value.items() if isinstance(node.value, dict) else items:
+        yield from _texts_in(value, (*path, key))
+
+
+def _with_text(node: Located, path: tuple[str | int, ...], text: str) -> Located:
+    """Return *node* with another text in the place *path*."""
+    if not path:
+        return node._replace(value=text)
+    key, *rest = path
+    if isinstance(node.value, dict):
+        return node._replace(value={**node.value, key: _with_text(node.value[key], tuple(rest), text)})
+    assert isinstance(node.value, list)  # noqa: S101 - for the type checker: the path is that of the text
+    values = list(node.value)
+    values[int(key)] = _with_text(values[int(key)], tuple(rest), text)
+    return node._replace(value=values)
+
+
+def round_limit(node: Located, *, is_until: bool) -> tuple[int, Located] | None:
+    """Return the greatest number of rounds in the condition of a loop, and the other condition; None for no number.
+
+    That is ``… or repeat.index >= 5`` of a loop *is_until*, and ``… and repeat.index <= 5`` of another.
+    """
+    inner = node.value[0] if isinstance(node.value, list) and len(node.value) == 1 else node
+    if not isinstance(inner.value, str) or "repeat.index" not in inner.value:
+        return None
+    joined = expression_of(inner.value)
+    if not isinstance(joined, nodes.Or if is_until else nodes.And):
+        return None
+    for count, other in ((joined.right, joined.left), (joined.left, joined.right)):
+        match count:
+            case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]) if _path_of(
+                left
+            ) == ("repeat", "index"):
+                if (is_until, sign) in {(True, "gteq"), (True, "eq"), (False, "lteq")}:
+                    return most, Located(_Expression(inner.value, other), inner.line)
+                if (is_until, sign) in {(True, "gt"), (False, "lt")}:
+                    return most + (1 if is_until else -1), Located(_Expression(inner.value, other), inner.line)
+    return None
+
+
+class _Expression(str):
+    """A part of a template, with its tree."""
+
+    tree: nodes.Expr
+    __slots__ = ("tree",)
+
+    def __new__(cls, text: str, tree: nodes.Expr) -> Self:
+        """Return the part *tree* of the template *text*."""
+        self = super().__new__(cls, text)
+        self.tree = tree
+        return self

@@ -204,8 +204,14 @@ def _state(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
         goes = before == ["home"] and states in ([], ["not_home"])
         comes = before == ["not_home"] and states == ["home"]
         is_other = before and not (are_two and [_OPPOSITES.get(state, "") for state in states] == before)
-        if is_other and not (is_person and (goes or comes)):
+        is_leave = before == ["home"] and not states
+        if is_other and not (is_person and (goes or comes)) and not is_leave:
             raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
+        is_tracker = entity is not None and entity.part.part.service_type == "x_tracker"
+        if is_tracker and before == ["home"] and not states:
+            home = state_texts(automation.entities, entity_id, ["home"], "to")[0]
+            triggers.append(StartTrigger(_moved(home, lasting, is_leave=True), entity=entity_id))
+            continue
         wanted = ["not_home"] if is_person and goes else states
         if entity is not None and entity.has("press") and not lasting and not before:
             triggers += [
