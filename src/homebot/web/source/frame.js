@@ -10,11 +10,11 @@ import { say } from "./language.js";
 import { later } from "./later.js";
 import { Agreement, Questions } from "./questions.js";
 import { wall } from "./screen.js";
-import { Sheet } from "./sheet.js";
 import { openOf } from "./summaries.js";
 import { sheet } from "./tile.js";
 import { timeText } from "./words.js";
 
+const Sheet = later(async () => (await import("./sheet.js")).Sheet);
 const Wall = later(async () => (await import("./wall.js")).Wall);
 
 /** Whether the form for a token is open. */
@@ -49,7 +49,7 @@ export function Frame({ above, children }) {
         <main id="content" tabindex="-1" class=${state === "open" ? "" : "old"}>${children}</main>
       </div>
     </div>
-    <${Sheet} />
+    ${sheet.value && html`<${Sheet} />`}
     ${wall.value && html`<${Wall} />`}
     <div class="told"><${Agreement} />
       <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>

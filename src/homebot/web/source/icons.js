@@ -1,5 +1,6 @@
 // The icons of @mdi/js, Apache-2.0: the build keeps only those named here.
 import * as mdi from "@mdi/js";
+import { signal } from "@preact/signals";
 import { html } from "./html.js";
 import { iconOf, roomKey } from "./layout.js";
 
@@ -58,8 +59,8 @@ export const SIGNS = {
   show: mdi.mdiEye,
 };
 
-/** Icons of things, first where they are on, open or moved, then where they are not. */
-export const THINGS = {
+/** Icons of the most usual things, first where they are on, open or moved, then where they are not. */
+const USUAL = {
   light: [mdi.mdiLightbulb, mdi.mdiLightbulbOutline],
   ceiling: [mdi.mdiCeilingLight, mdi.mdiCeilingLightOutline],
   floor: [mdi.mdiFloorLamp, mdi.mdiFloorLampOutline],
@@ -67,60 +68,40 @@ export const THINGS = {
   strip: [mdi.mdiLightbulbFluorescentTube, mdi.mdiLightbulbFluorescentTubeOutline],
   lamp: [mdi.mdiLamp, mdi.mdiLampOutline],
   plug: [mdi.mdiPowerPlug, mdi.mdiPowerPlugOutline],
-  dishwasher: [mdi.mdiDishwasher, mdi.mdiDishwasher],
-  washer: [mdi.mdiWashingMachine, mdi.mdiWashingMachine],
-  fridge: [mdi.mdiFridge, mdi.mdiFridge],
-  coffee: [mdi.mdiCoffeeMaker, mdi.mdiCoffeeMaker],
   switch: [mdi.mdiToggleSwitch, mdi.mdiToggleSwitchOffOutline],
-  fan: [mdi.mdiFan, mdi.mdiFanOff],
-  pump: [mdi.mdiPump, mdi.mdiPumpOff],
-  siren: [mdi.mdiBullhorn, mdi.mdiBullhornOutline],
-  x_humidifier: [mdi.mdiAirHumidifier, mdi.mdiAirHumidifierOff],
   blind: [mdi.mdiBlindsOpen, mdi.mdiBlinds],
-  shutter: [mdi.mdiWindowShutterOpen, mdi.mdiWindowShutter],
   shade: [mdi.mdiRollerShade, mdi.mdiRollerShadeClosed],
-  curtain: [mdi.mdiCurtains, mdi.mdiCurtainsClosed],
-  awning: [mdi.mdiStorefront, mdi.mdiStorefrontOutline],
   door: [mdi.mdiDoorOpen, mdi.mdiDoorClosed],
   window: [mdi.mdiWindowOpenVariant, mdi.mdiWindowClosedVariant],
-  garage_door: [mdi.mdiGarageOpenVariant, mdi.mdiGarageVariant],
-  gate: [mdi.mdiGateOpen, mdi.mdiGate],
   door_lock: [mdi.mdiLockOpenVariant, mdi.mdiLock],
-  water_valve: [mdi.mdiValveOpen, mdi.mdiValveClosed],
   thermostat: [mdi.mdiRadiator, mdi.mdiRadiatorDisabled],
-  room_air_conditioner: [mdi.mdiAirConditioner, mdi.mdiAirConditioner],
-  water_heater: [mdi.mdiWaterBoiler, mdi.mdiWaterBoilerOff],
   occupancy_sensor: [mdi.mdiMotionSensor, mdi.mdiMotionSensorOff],
   smoke_co_alarm: [mdi.mdiSmokeDetectorVariantAlert, mdi.mdiSmokeDetectorVariant],
   water_leak_detector: [mdi.mdiWaterAlert, mdi.mdiWaterOutline],
-  rain_sensor: [mdi.mdiWeatherPouring, mdi.mdiWeatherPartlyCloudy],
-  water_freeze_detector: [mdi.mdiSnowflakeAlert, mdi.mdiSnowflake],
-  x_alarm_panel: [mdi.mdiShieldLock, mdi.mdiShieldOffOutline],
-  robotic_vacuum_cleaner: [mdi.mdiRobotVacuum, mdi.mdiRobotVacuum],
-  x_lawn_mower: [mdi.mdiRobotMower, mdi.mdiRobotMowerOutline],
-  camera: [mdi.mdiCctv, mdi.mdiCctv],
-  doorbell: [mdi.mdiDoorbellVideo, mdi.mdiDoorbellVideo],
   video_player: [mdi.mdiTelevision, mdi.mdiTelevisionOff],
   speaker: [mdi.mdiSpeaker, mdi.mdiSpeaker],
   temperature_sensor: [mdi.mdiThermometer, mdi.mdiThermometer],
   humidity_sensor: [mdi.mdiWaterPercent, mdi.mdiWaterPercent],
   light_sensor: [mdi.mdiBrightness5, mdi.mdiBrightness5],
-  air_quality_sensor: [mdi.mdiMoleculeCo2, mdi.mdiMoleculeCo2],
-  soil_sensor: [mdi.mdiFlower, mdi.mdiFlower],
-  pressure_sensor: [mdi.mdiGauge, mdi.mdiGauge],
-  flow_sensor: [mdi.mdiWavesArrowRight, mdi.mdiWavesArrowRight],
   electrical_meter: [mdi.mdiMeterElectric, mdi.mdiMeterElectricOutline],
   generic_switch: [mdi.mdiGestureTapButton, mdi.mdiGestureTapButton],
-  x_scene: [mdi.mdiPalette, mdi.mdiPalette],
   x_robot: [mdi.mdiRobot, mdi.mdiRobot],
-  x_person: [mdi.mdiAccount, mdi.mdiAccountOutline],
-  x_household: [mdi.mdiAccountGroup, mdi.mdiAccountGroupOutline],
-  x_tracker: [mdi.mdiAccount, mdi.mdiAccountOutline],
-  x_battery: [mdi.mdiBattery, mdi.mdiBattery],
-  x_setting: [mdi.mdiTune, mdi.mdiTune],
-  x_update: [mdi.mdiPackageUp, mdi.mdiPackage],
   x_unknown: [mdi.mdiDevices, mdi.mdiDevices],
 };
+/** Things whose icons are loaded when the first is shown. */
+const RARE = new Set("dishwasher washer fridge coffee fan pump siren x_humidifier shutter curtain awning garage_door gate water_valve room_air_conditioner water_heater rain_sensor water_freeze_detector x_alarm_panel robotic_vacuum_cleaner x_lawn_mower camera doorbell air_quality_sensor soil_sensor pressure_sensor flow_sensor x_scene x_person x_household x_tracker x_battery x_setting x_update".split(" "));
+const rare = signal(null);
+let isAsked = false;
+
+export const isThing = (name) => name in USUAL || RARE.has(name);
+
+/** The two icons of a thing. */
+export function thingSigns(name) {
+  if (!RARE.has(name)) return USUAL[name];
+  if (!isAsked) import("./rare_icons.js").then((loaded) => (rare.value = loaded.RARE_THINGS), () => (isAsked = false));
+  isAsked = true;
+  return rare.value?.[name] ?? USUAL.x_unknown;
+}
 
 /** Words of names, in the languages of the page, with what they mean. */
 const LAMPS = [
@@ -187,7 +168,7 @@ export function thingOf(device) {
   if (device.type === "camera" && /bell|klingel|sonnette|timbre|bel|campanello/i.test(device.name)) return "doorbell";
   if (device.type === "thermostat" && device.settable.includes("cooling_setpoint")) return "room_air_conditioner";
   if (device.type === "door_lock") return device.type;
-  return THINGS[device.kind] ? device.kind : { contact_sensor: "door", closure: "door", window_covering: "shade" }[device.type] ?? (THINGS[device.type] ? device.type : "x_unknown");
+  return isThing(device.kind) ? device.kind : { contact_sensor: "door", closure: "door", window_covering: "shade" }[device.type] ?? (isThing(device.type) ? device.type : "x_unknown");
 }
 
 /** What else the icon of a device may show, by the choice of the owner. */

@@ -8,7 +8,7 @@ import { media } from "./kinds/media.js";
 import { mower, vacuum } from "./kinds/robot.js";
 import { hazard, motion, plain } from "./kinds/sensor.js";
 import { switched } from "./kinds/switch.js";
-import { THINGS, thingOf } from "./icons.js";
+import { isThing, thingOf, thingSigns } from "./icons.js";
 import { readingOf } from "./house.js";
 import { say } from "./language.js";
 import { iconOf } from "./layout.js";
@@ -34,7 +34,7 @@ export const silenceOf = (device) => (!device.is_reachable ? say("unreachable") 
 /** What its color says. */
 export const toneOf = (device) => (silenceOf(device) ? "silent" : kindOf(device).tone(device));
 
-export const signOf = (device) => (THINGS[iconOf(device.id)] ?? THINGS[thingOf(device)])[kindOf(device).isActive(device) ? 0 : 1];
+export const signOf = (device) => thingSigns(isThing(iconOf(device.id)) ? iconOf(device.id) : thingOf(device))[kindOf(device).isActive(device) ? 0 : 1];
 
 /** The state of a device in words, since when it is open where that is known. */
 export function stateOf(device) {

@@ -12,19 +12,17 @@ import { later } from "./later.js";
 import "./offline.js";
 import { startOf, wall } from "./screen.js";
 import { sheet } from "./tile.js";
-import { Climate } from "./views/climate.js";
 import { Home } from "./views/home.js";
 import { Lights } from "./views/lights.js";
 import { More } from "./views/more.js";
 import { Room } from "./views/room.js";
-import { Security } from "./views/security.js";
 import { loadVocabulary, titled } from "./words.js";
 
 /** Each view: its title, its component, the view of the rail that is `above` it, and whether it has a heading of its own; without a title, it is of one thing that the address names. */
 const VIEWS = {
   home: { title: "Home", View: Home, hasHead: true },
-  security: { title: "Security", View: Security, hasHead: true },
-  climate: { title: "Climate", View: Climate, hasHead: true },
+  security: { title: "Security", View: later(async () => (await import("./views/security.js")).Security), hasHead: true },
+  climate: { title: "Climate", View: later(async () => (await import("./views/climate.js")).Climate), hasHead: true },
   lights: { title: "Lights", View: Lights, above: "home", hasHead: true },
   plan: { title: "Plan", View: later(async () => (await import("./views/plan.js")).Plan) },
   journal: { title: "Journal", View: later(async () => (await import("./views/journal.js")).Journal) },

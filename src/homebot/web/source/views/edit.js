@@ -2,7 +2,7 @@
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { deviceOf, isHidden, rooms } from "../house.js";
 import { html } from "../html.js";
-import { PLACES, SIGNS, Sign, THINGS, choicesOf, roomSign } from "../icons.js";
+import { PLACES, SIGNS, Sign, choicesOf, roomSign, thingSigns } from "../icons.js";
 import { signOf } from "../kinds.js";
 import { say } from "../language.js";
 import { changeLayout, iconOf, isKept, keep, layout, roomKey } from "../layout.js";
@@ -44,7 +44,7 @@ export function Edit({ ids, onDone }) {
       ${ids.map((id) => {
         const { name: text, room } = deviceOf(id).value;
         const isOwn = own.includes(id);
-        return Row({ name: id, text, room, mark: id, path: signOf(deviceOf(id).value), choices: choicesOf(deviceOf(id).value), icons: (one) => THINGS[one][0], list: "favorites", all: own, children: html`
+        return Row({ name: id, text, room, mark: id, path: signOf(deviceOf(id).value), choices: choicesOf(deviceOf(id).value), icons: (one) => thingSigns(one)[0], list: "favorites", all: own, children: html`
           <button type="button" aria-pressed=${isOwn} aria-label=${`${text}: ${say("favorite")}`} onClick=${() => keep("favorites", id, !isOwn)}><${Sign} path=${isOwn ? SIGNS.star : SIGNS.starOff} /></button>
           ${!isOwn && html`<button type="button" aria-label=${`${text}: ${say("not here")}`} onClick=${() => keep("not_here", id, true)}><${Sign} path=${SIGNS.close} /></button>`}` });
       })}

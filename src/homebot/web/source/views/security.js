@@ -6,7 +6,7 @@ import { call, connection } from "../door.js";
 import { Entry } from "../entry.js";
 import { shown } from "../house.js";
 import { html } from "../html.js";
-import { SIGNS, Sign, THINGS, thingOf } from "../icons.js";
+import { SIGNS, Sign, thingOf, thingSigns } from "../icons.js";
 import { kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
 import { isOpen, placeName } from "../summaries.js";
@@ -44,7 +44,7 @@ export function Security() {
   const order = [...open, ...doors.filter((one) => !isDoorOpen(one))];
   const hazards = devices.filter((one) => HAZARDS.has(one.type)).sort((a, b) => (toneOf(b) === "alarm") - (toneOf(a) === "alarm"));
   const panels = devices.filter((one) => one.type === "x_alarm_panel");
-  const cameras = [...devices.filter(hasPicture).map((device) => ({ name: device.name, of: device.id, sign: signOf(device) })), ...named.value.filter((name) => !isOfDevice(devices, name)).map((name) => ({ name, of: name, sign: THINGS.camera[0] }))];
+  const cameras = [...devices.filter(hasPicture).map((device) => ({ name: device.name, of: device.id, sign: signOf(device) })), ...named.value.filter((name) => !isOfDevice(devices, name)).map((name) => ({ name, of: name, sign: thingSigns("camera")[0] }))];
   return html`
     <h1 class="hidden">${say("Security")}</h1>
     <${Added} at="top" />
