@@ -2,7 +2,7 @@
 
 import ssl
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Any
 
 import anyio
@@ -42,14 +42,13 @@ async def phone(browser: Any) -> AsyncIterator[Page]:
             port = runtime.door.port
 
             async def forward(client: ByteStream) -> None:
-                async with (
-                    client,
-                    await anyio.connect_tcp("127.0.0.1", port) as server,
-                    anyio.create_task_group() as both,
-                ):
-                    both.start_soon(copy, client, server)
-                    await copy(server, client)
-                    both.cancel_scope.cancel()
+                async with client:
+                    with suppress(OSError):  # the page's worker still loads files when homebot has ended
+                        server = await anyio.connect_tcp("127.0.0.1", port)
+                        async with server, anyio.create_task_group() as both:
+                            both.start_soon(copy, client, server)
+                            await copy(server, client)
+                            both.cancel_scope.cancel()
 
             tasks.start_soon(TLSListener(listener, tls, standard_compatible=False).serve, forward)
             own = Page(browser, runtime.door)

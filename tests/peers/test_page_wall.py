@@ -49,7 +49,7 @@ SCENES = [
 ]
 READING = {
     "#/room/living_room": ("Guests", "more of Film", "more of Guests"),
-    "#/device/lamp": ("Why", "1 h", "24 h", "7 d", "30 d", "1 y"),
+    "#/device/lamp": ("30 d", "1 h", "24 h", "7 d", "30 d", "1 y"),
     "#/routines": ("Evening", "look for habits"),
     "#/security": ("Front lock",),
 }
