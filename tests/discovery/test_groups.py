@@ -80,6 +80,12 @@ async def test_a_query_finds_the_members_of_a_group_by_its_name(query: str, ids:
         assert await find(found, query) == ids
 
 
+@pytest.mark.parametrize("members", ["porsh or plug", "porc or plug", "plug"])
+async def test_a_device_with_similar_words_is_no_member(members: str) -> None:
+    async with house({"Own": members}) as found:
+        assert await find(found, "group=Own") == ["kettle"]
+
+
 async def test_a_group_of_some_parts_has_no_other_part_of_the_device() -> None:
     wall = lamp("wall", "Hall", "light", "left", "right")
     async with house({"Left": 'name="left" in hall'}, wall) as found:

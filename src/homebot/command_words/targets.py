@@ -195,7 +195,7 @@ class CommandTargets:
         answer = await self._ask(phrase.text, _MAX_NEAR)
         rest = split_near(read_terms(answer.query))[1]
         refused = [f"{one.key}: {one.value}" for one in answer.left_out]
-        for device in [one.device for one in answer.results if is_spelled(rest, facets_of(one.device).words)]:
+        for device in [one.device for one in answer.results if is_spelled(rest, facets_of(one.device))]:
             target = device, _parts(device, rest)
             if not (problem := self._refusal(phrase.request, target)):
                 return _Matches([target])

@@ -145,7 +145,7 @@ class DirectoryServices:
             if near is None:
                 matches = index.find(query)
                 if request.is_spelled:
-                    matches = {match for match in matches if is_spelled(query, index.postings.facets(match).words)}
+                    matches = {match for match in matches if is_spelled(query, index.postings.facets(match))}
                 ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
                 note = self._explain_result(query, matches)
                 answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
@@ -174,7 +174,7 @@ class DirectoryServices:
             found = self._matching(wanted, await self._near_robot(wanted))
             if request.is_spelled:
                 query = read_terms(request.query, self._parse)
-                found = [one for one in found if is_spelled(query, self._index.postings.facets(one).words)]
+                found = [one for one in found if is_spelled(query, self._index.postings.facets(one))]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         from homebot.discovery.listing import list_device, rights_in  # noqa: PLC0415 - screens and agents ask, after the start

@@ -179,18 +179,18 @@ def fits(query: Query, device: Facets | PartFacets) -> bool:
     return _TESTS[type(query)](query, device)
 
 
-def is_spelled(query: Query, words: Collection[str]) -> bool:
-    """Return whether a match of *query* with these *words* has its words in full and without a typo.
+def is_spelled(query: Query, device: Facets | PartFacets) -> bool:
+    """Return whether *device*, which fits *query*, or a part of it has the words in full and without a typo.
 
     A search may guess, a command or an answer about one device may not.
     """
     match query:
         case And(terms):
-            return all(is_spelled(term, words) for term in terms)
+            return all(is_spelled(term, device) for term in terms)
         case Or(terms):
-            return any(is_spelled(term, words) for term in terms)
+            return any(is_spelled(term, device) for term in terms if fits(term, device))
         case HasText(word):
-            return word in words
+            return word in device.words
         case _:
             return True
 
