@@ -1,7 +1,7 @@
 """Matching of a query against a device or one of its parts. Pure."""
 
 import operator
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final
 
