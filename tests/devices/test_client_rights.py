@@ -139,11 +139,11 @@ def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(name: str) -> 
 
 OPENING_NAMES = """
 en: Unlock, Alarm off, Oven on, Start sauna, Command UnlockDoor, Open gate, Remote start, Open trunk, Release strike
-de: Tür entriegeln, Entsperren, Tor öffnen, Alarm unscharf, Alarm deaktivieren, Kofferraum öffnen, Türsummer
+de: Tür entriegeln, Entsperren, Tor öffnen, Alarm unscharf, Alarm deaktivieren, Kofferraum öffnen, Tür Summer
 fr: Déverrouiller la porte, Ouvrir le portail, Désarmer, Désactiver l'alarme, Ouvrir le coffre, Ouverture gâche
 it: Sblocca porta, Apri cancello, Disarma, Disattiva allarme, Apri bagagliaio, Apri serratura
 es: Desbloquear puertas, Abrir portón, Desarmar, Desactivar alarma, Abrir maletero, Abrir cerradura
-nl: Ontgrendel deur, Open poort, Alarm uitschakelen, Kofferbak openen, Deur van slot
+nl: Ontgrendel deur, Open poort, Alarm uitschakelen, Kofferbak openen, Deur van slot, Deur opener
 pl: Odblokuj drzwi, Otwórz bramę, Rozbrój, Wyłącz alarm, Otwórz bagażnik, Otwórz zamek
 pt: Destrancar porta, Desbloquear, Abrir portão, Desarmar, Desativar alarme, Abrir mala, Abrir fechadura
 sv: Lås upp, Öppna grind, Avlarma, Frånkoppla larm, Öppna bakluckan, Öppna låset
