@@ -101,7 +101,7 @@ def test_a_query_that_nothing_matches_yet_is_said(door: str) -> None:
     watch = _watch(door, "nosuch")
     assert watch.stderr is not None
     assert (
-        watch.stderr.readline() == "homebot: so far no device has the word 'nosuch'; without a query all are listed\n"
+        watch.stderr.readline() == "homebot: so far no device has the word 'nosuch'\n"
     )
     watch.send_signal(signal.SIGINT)
     watch.communicate(timeout=60)

@@ -135,7 +135,7 @@ async def test_a_question_that_nothing_fits_has_the_reason(tmp_path: Path) -> No
     async with running_api(tmp_path) as api:
         for question, note in (
             ("Which%20lights%20are%20on%3F", f"none now; in another state there would be {lamps}"),
-            ("kettle", "no device has the word 'kettle'; without a query all are listed"),
+            ("kettle", "no device has the word 'kettle'"),
             ("fan", "nothing matches; without a query all are listed"),
         ):
             assert (await api.get(f"/api/devices?q={question}")).values == {"devices": [], "note": note}

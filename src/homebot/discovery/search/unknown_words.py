@@ -156,7 +156,7 @@ def _missing(term: Query, postings: Postings) -> str:
     """Return that no device has the word, name or tag in *term*, with the most similar; empty for other terms."""
     match term:
         case HasText(word):
-            return f"no device has the word {word!r}; without a query all are listed"
+            return f"no device has the word {word!r}"
         case NameIs(name) | FactIs("name", name):
             problem, key, known = f"nothing is called {name!r}", "names", postings.values_of("fact name")
         case FactIs("tag", name):
