@@ -100,9 +100,7 @@ def test_a_query_that_is_not_understood_is_refused(door: str) -> None:
 def test_a_query_that_nothing_matches_yet_is_said(door: str) -> None:
     watch = _watch(door, "nosuch")
     assert watch.stderr is not None
-    assert (
-        watch.stderr.readline() == "homebot: so far no device has the word 'nosuch'\n"
-    )
+    assert watch.stderr.readline() == "homebot: so far no device has the word 'nosuch'\n"
     watch.send_signal(signal.SIGINT)
     watch.communicate(timeout=60)
 
