@@ -382,7 +382,9 @@ class PartTimeline:
             fact.attribution = judge(fact, roles)
         self._record_change(fact, roles)
         if fact.timed >= ENOUGH and fact.attribution.role is ReportRole.UNDONE:
-            self._end_repetitions(fact, roles)
+            for command, _ in roles:  # a timer ended it, unless a bridge may have told it too early
+                if command.motion.moved_at > -math.inf or fact.at - fact.since > durations.TAKEN_BACK:
+                    command.will_at = fact.at
 
     def _record_change(self, fact: Reported, roles: Roles) -> None:
         """Keep the newest changes, and stop the repetitions of commands against what may be a person's will."""
@@ -397,12 +399,6 @@ class PartTimeline:
         is_will = (is_change or fact.is_news) and (may_be_person or fact.attribution.cause is Cause.PROGRAM)
         for command, _ in roles if is_will or (fact.is_first and may_be_person) else ():
             if is_will or command.last.get(fact.capability, fact.value) != fact.value:
-                command.will_at = fact.at
-
-    def _end_repetitions(self, fact: Reported, roles: Roles) -> None:
-        """Stop the repetitions of commands whose value a timer ended, unless a bridge may have told it too early."""
-        for command, _ in roles:
-            if command.motion.moved_at > -math.inf or fact.at - fact.since > durations.TAKEN_BACK:
                 command.will_at = fact.at
 
     def _record_brought(self, fact: Reported, roles: Roles) -> None:

@@ -297,8 +297,17 @@ class CommandProgress:
             return self._side_role(fact)
         if self.is_confirmed:
             return self._confirmed_role(wanted, fact)
-        is_met = wanted.fits(value) and wanted.is_told(value)
-        return self._met_role(wanted, fact) if is_met else self._departure(wanted, fact)
+        if not (wanted.fits(value) and wanted.is_told(value)):
+            return self._departure(wanted, fact)
+        if self.transmission.group.echoed and self._is_of_group(fact) and not self.members:
+            wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
+            return ReportRole.ECHO
+        if not (self.has_echo and self._is_echo(wanted, fact)):
+            wanted.meet(fact, self.transmission.sent_at)
+            return ReportRole.EFFECT
+        if not wanted.is_answered and wanted.met_at is None:
+            wanted.seen = NOTHING  # it was reported before the bridge had the command
+        return ReportRole.ECHO
 
     def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
         self.outcome, self.is_open = outcome, False
@@ -316,18 +325,6 @@ class CommandProgress:
             is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
             is_sent = self.transmission.count > 0
             self.until = now + (durations.ASLEEP if is_silent else durations.LATE) if is_sent else -math.inf
-
-    def _met_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
-        """Return the role of the wanted value before the outcome: the device's own report, or a bridge's echo."""
-        if self.transmission.group.echoed and self._is_of_group(fact) and not self.members:
-            wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
-            return ReportRole.ECHO
-        if not (self.has_echo and self._is_echo(wanted, fact)):
-            wanted.meet(fact, self.transmission.sent_at)
-            return ReportRole.EFFECT
-        if not wanted.is_answered and wanted.met_at is None:
-            wanted.seen = NOTHING  # it was reported before the bridge had the command
-        return ReportRole.ECHO
 
     def _late_role(self, wanted: WantedValue | None, fact: Reported, *, is_exact: bool) -> ReportRole:
         """Return the role of a report after a newer command, or long after the last sending: only the first effect."""
