@@ -29,6 +29,7 @@ KINDS: Final = (
     ("none in view", Rooms(is_in_view=False), UNSURE, 65.0),
     ("the light jumps by ten times the effect", Rooms(jump=10.0), 0.95, 35.0),
     ("3 lamps", Rooms(count=3), SURE, 24.0),
+    ("32 lamps", Rooms(count=32), UNSURE, 65.0),
     ("one lamp, in view", Rooms(count=1), SURE, 24.0),
     ("one lamp, not in view", Rooms(count=1, is_in_view=False), 0.9, 24.0),
     ("two alike", Rooms(twin=1.0), UNSURE, 65.0),

@@ -94,6 +94,11 @@ def test_nothing_is_wrong_where_lamps_report_at_once_and_fade_for_long(noise: fl
     assert not any(identify(kind, seed).is_wrong for seed in range(ROOMS // 2))
 
 
+def test_none_is_not_sure_while_a_candidate_may_have_the_stated_effect() -> None:
+    """Of 32 lamps with weak reflections, "none" was certain in 5 of 12 rooms where one was in view."""
+    assert not any(identify(Rooms(count=32), seed).is_wrong for seed in (0, 1, 5))
+
+
 def seen(*levels: float, value: float) -> Seen:
     return Seen(levels, value, 0.01, 2.0)
 

@@ -136,7 +136,7 @@ class Inquiry:
         jumps = max(len(belief.jumps), sum(starmap(self._has_jumped, pairwise(self._looks))))
         due = _LOOKS + log2(self._count) + _LOOKS_OF_A_JUMP * jumps
         if found is None:
-            is_clear = bool(self._least) or belief.largest() <= self._excluded
+            is_clear = belief.largest() <= self._excluded
         else:
             is_in_view = belief.least(found) >= self._least_in_view
             is_clear = is_in_view and not belief.alike(found) and not belief.tied(found)
