@@ -109,11 +109,16 @@ LAMPS: Final = (
 )
 
 
+PRESSED: Final = '{"event_type": "single"}'
+DOCKED: Final = '{"state": "docked"}'
+
+
 def day_of(day: int) -> Iterator[tuple[str, str, str]]:
     """Yield what happens in a day, by time and topic."""
     yield from (("08:00", "lux", "400"), ("16:00", "lux", "10"), ("00:10", "tv", "4"), ("19:00", "tv", "90"))
     yield from (("06:00", "plant", str(25 - 6 * day % 24)), ("03:00", "freezer", "-19"), ("03:00", "outside", "3"))
-    yield from (("03:00", topic, "OFF") for topic in ("door", "window", "garage", "leak"))
+    yield from (("03:00", topic, "OFF") for topic in ("door", "window", "garage", "leak", "fan", "plug"))
+    yield "03:00", "vacuum", DOCKED
     if not HOME[day]:
         yield "12:00", "kim", "not_home"
     else:
@@ -127,7 +132,6 @@ def day_of(day: int) -> Iterator[tuple[str, str, str]]:
         yield from (("17:06", "door", "ON"), ("17:07", "door", "OFF"))
 
 
-PRESSED: Final = '{"event_type": "single"}'
 ONCE: Final = (
     (0, "18:00", "garage", "ON"),
     (0, "20:30", "garage", "OFF"),
@@ -161,7 +165,7 @@ FIRST: Final = {
     "inside": "20",
     "bath": "50",
     "plant": "40",
-    "vacuum": '{"state": "docked"}',
+    "vacuum": DOCKED,
 }
 
 
@@ -230,14 +234,14 @@ def test_each_does_its_work_in_four_weeks_and_no_more(lived: Mapping[str, tuple[
         "heating_window": (2 * home, 0),
         "heating_times": (2 * weekdays, 0),
         "heating_night": (DAYS, 0),
-        "heating_away": (2 * out + journeys, 0),
+        "heating_away": (2 * out + 2 * journeys - 1, 0),
         "window_forgotten": (0, home),
         "garage_left_open": (0, 3),
         "door_opened_away": (0, 1),
         "doorbell": (2, 1),
         "laundry_done": (0, 1),
         "freezer_warm": (0, 1),
-        "plant_dry": (0, 1),
+        "plant_dry": (0, DAYS // 4),
         "power_high": (0, 1),
         "standby_off": (DAYS, 0),
         "bath_fan": (2 * home, 0),
