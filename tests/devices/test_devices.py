@@ -385,6 +385,7 @@ MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
     "follow(DoorLock, area=''): nothing in the house is of this type.": (
         lambda node: anext(Devices(node).messages(DoorLock, area=""))
     ),
+    "haul lamp on: no device has the word 'haul'": lambda node: anext(begun(node, read_state("haul lamp on"))),
     "lights on in hal for 5m: no device is in 'hal'; did you mean hall?": (
         lambda node: anext(begun(node, read_state("lights on in hal for 5m")))
     ),

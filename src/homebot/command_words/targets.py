@@ -12,7 +12,7 @@ from homebot.devices.device_names import ask_which, is_called, names_of
 from homebot.devices.names import GROUP
 from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
-from homebot.devices.query.matching import PartFacets, fits, is_spelled
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.term_messages import query_words, read_terms
 from homebot.devices.query.terms import And, CanDo, FactIs, HasText, Query, StateIs, TypeIs, leaves, split_near
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -195,7 +195,7 @@ class CommandTargets:
         answer = await self._ask(phrase.text, _MAX_NEAR)
         rest = split_near(read_terms(answer.query))[1]
         refused = [f"{one.key}: {one.value}" for one in answer.left_out]
-        for device in [one.device for one in answer.results if is_spelled(rest, facets_of(one.device))]:
+        for device in [one.device for one in answer.results if fits(rest, facets_of(one.device))]:
             target = device, _parts(device, rest)
             if not (problem := self._refusal(phrase.request, target)):
                 return _Matches([target])

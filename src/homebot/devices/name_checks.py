@@ -110,7 +110,7 @@ class NameChecks:
         return False, ""
 
     async def _ask(self, query: Query) -> QueryDevicesResponse:
-        return await self._client.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+        return await self._client.call(QueryDevicesRequest(query=query_terms(query), limit=1, is_spelled=True))
 
 
 def _required(query: Query) -> Iterator[Query]:

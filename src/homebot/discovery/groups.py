@@ -12,7 +12,7 @@ from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import references
 from homebot.devices.names import GROUP, OWNER
 from homebot.devices.query.facets import facets_of
-from homebot.devices.query.matching import PartFacets, fits, is_spelled
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import (
     And,
     FactIs,
@@ -201,11 +201,8 @@ def group_name(device: Device, part: DevicePart) -> str:
 
 def _source(device: Device, query: Query) -> str:
     """Return the key of the fact that *device* is a member; empty if neither it nor one of its parts fits *query*."""
-    facets = facets_of(device)
-    if not is_spelled(query, facets):
-        return ""
     named = [part.id for part in device.parts if is_commanded(part.part) and fits(query, PartFacets(device, part))]
-    return _key(_SOURCE, device, named) if named or fits(query, facets) else ""
+    return _key(_SOURCE, device, named) if named or fits(query, facets_of(device)) else ""
 
 
 def _key(source: str, device: Device, named: Sequence[str]) -> str:

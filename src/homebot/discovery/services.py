@@ -13,7 +13,7 @@ import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, names
 from homebot.devices import services as messages
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.query.matching import is_spelled
+from homebot.devices.query.matching import fits
 from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
 from homebot.discovery.index import DeviceIndex
@@ -145,7 +145,7 @@ class DirectoryServices:
             if near is None:
                 matches = index.find(query)
                 if request.is_spelled:
-                    matches = {match for match in matches if is_spelled(query, index.postings.facets(match))}
+                    matches = {match for match in matches if fits(query, index.postings.facets(match))}
                 ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
                 note = self._explain_result(query, matches)
                 answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
@@ -174,7 +174,7 @@ class DirectoryServices:
             found = self._matching(wanted, await self._near_robot(wanted))
             if request.is_spelled:
                 query = read_terms(request.query, self._parse)
-                found = [one for one in found if is_spelled(query, self._index.postings.facets(one))]
+                found = [one for one in found if fits(query, self._index.postings.facets(one))]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         from homebot.discovery.listing import list_device, rights_in  # noqa: PLC0415 - screens and agents ask, after the start

@@ -33,7 +33,7 @@ from homebot.devices.query.terms import (
     TypeIs,
 )
 from homebot.devices.value import PlainValue
-from homebot.support.folding import fold, is_typo
+from homebot.support.folding import fold
 
 
 def groups_of(device: Device, part_id: str) -> list[str]:
@@ -175,24 +175,8 @@ class PartFacets:
 
 
 def fits(query: Query, device: Facets | PartFacets) -> bool:
-    """Return whether *device*, or one part of it, matches *query*."""
+    """Return whether *device*, or one part of it, matches *query* in full words: a search alone may guess."""
     return _TESTS[type(query)](query, device)
-
-
-def is_spelled(query: Query, device: Facets | PartFacets) -> bool:
-    """Return whether *device*, which fits *query*, or a part of it has the words in full and without a typo.
-
-    A search may guess, a command or an answer about one device may not.
-    """
-    match query:
-        case And(terms):
-            return all(is_spelled(term, device) for term in terms)
-        case Or(terms):
-            return any(is_spelled(term, device) for term in terms if fits(term, device))
-        case HasText(word):
-            return word in device.words
-        case _:
-            return True
 
 
 def compares(term: StateIs, value: PlainValue) -> bool:
@@ -251,10 +235,6 @@ def _is_in(query: InArea, device: Facets | PartFacets) -> bool:
     return query.text in areas or any(_begins(area, query.text) for area in areas)
 
 
-def _has_text(query: HasText, device: Facets | PartFacets) -> bool:
-    return any(word.startswith(query.text) or is_typo(query.text, word) for word in device.words)
-
-
 def _fits_fact(query: FactIs, device: Facets | PartFacets) -> bool:
     match query.name:
         case "id":
@@ -288,7 +268,7 @@ _TESTS: Final[Mapping[type[Query], Callable[[Any, Facets | PartFacets], bool]]] 
     InArea: _is_in,
     NameIs: lambda query, device: query.text in device.names,
     PartIs: lambda query, device: query.text in device.named_parts,
-    HasText: _has_text,
+    HasText: lambda query, device: query.text in device.words,
     FreshnessIs: lambda query, device: device.freshness == query.text,
     ReachableIs: lambda query, device: device.reachable == query.text,
     GatewayIs: lambda query, device: query.text in device.gateways,

@@ -98,7 +98,7 @@ class PartIs(TextTerm):
 
 
 class HasText(TextTerm):
-    """A device with this word, folded, or with a word that begins with it or is a typo away."""
+    """A device with this word, folded; a search also finds words that begin with it or are a typo away."""
 
     __slots__ = ()
 

@@ -67,7 +67,7 @@ def _unfitness(query: Query, facets: Facets) -> list[tuple[float, str]]:
         case And(terms):
             return [one for term in terms for one in _unfitness(term, facets)]
         case Or(terms):
-            each = [_unfitness(term, facets) for term in terms if fits(term, facets)]
+            each = [_unfitness(term, facets) for term in terms if isinstance(term, HasText) or fits(term, facets)]
             return min(each, key=lambda one: sum(points for points, _ in one), default=[])
         case _:
             score, why = _weigh(query, facets)
