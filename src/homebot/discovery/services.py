@@ -147,7 +147,7 @@ class DirectoryServices:
                 if request.is_spelled:
                     matches = {match for match in matches if fits(query, index.postings.facets(match))}
                 ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
-                note = self._explain_result(query, matches)
+                note = self._explain_result(query, matches, is_spelled=request.is_spelled)
                 answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
             else:
                 found = await (await self._nearness()).find(near, rest, limit or 0)
@@ -184,7 +184,7 @@ class DirectoryServices:
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
-            message=self._explain_result(read_terms(request.query, self._parse), found),
+            message=self._explain_result(read_terms(request.query, self._parse), found, is_spelled=request.is_spelled),
             devices=tuple(
                 list_device(device, rights, needs_approval=self._index.postings.needs_approval) for device in devices
             ),
@@ -207,11 +207,11 @@ class DirectoryServices:
         index = self._index
         check_words(query, index.postings, index.owner.plan, index.devices)
 
-    def _explain_result(self, query: Query, found: Collection[str]) -> str:
+    def _explain_result(self, query: Query, found: Collection[str], *, is_spelled: bool) -> str:
         """Return what is to be known about the devices *found*, as :func:`explain_result` does."""
         from homebot.discovery.search.unknown_words import explain_result  # noqa: PLC0415 - for searches alone
 
-        return explain_result(query, found, self._index.postings, self._index.owner.plan)
+        return explain_result(query, found, self._index.postings, self._index.owner.plan, is_spelled=is_spelled)
 
     def _get_changes(self, request: messages.GetChangesRequest) -> messages.GetChangesResponse:
         self._publish_all()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable
 
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -110,12 +111,23 @@ def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     return f"no device is in {area!r}, and [places] has no such room; {hint}"
 
 
-def explain_result(query: Query, found: Collection[str], postings: Postings, plan: HousePlan) -> str:
-    """Return why nothing matches *query*, or the words that the devices *found* only have with a typo; else empty."""
+def explain_result(
+    query: Query, found: Collection[str], postings: Postings, plan: HousePlan, *, is_spelled: bool = False
+) -> str:
+    """Return why nothing matches *query*, or the words that the devices *found* only have with a typo; else empty.
+
+    Args:
+        is_spelled: Whether a typo or a beginning matched nothing.
+    """
+    words = (one for one in leaves(query) if isinstance(one, HasText))
+    for term in words if is_spelled and not found else ():
+        guessed = postings.find(term)
+        if guessed and not any(fits(term, postings.facets(one)) for one in guessed):
+            return f"no device has the word {term.text!r}; similar: {_names(guessed, postings)}"
     if not found:
         return _explain_none(query, postings, plan)
-    words = {one.text for one in leaves(query) if isinstance(one, HasText) and may_be_typo(one.text)}
-    near = sorted(word for word in words if not any(_begins(word, postings.facets(one).words) for one in found))
+    long = {one.text for one in leaves(query) if isinstance(one, HasText) and may_be_typo(one.text)}
+    near = sorted(word for word in long if not any(_begins(word, postings.facets(one).words) for one in found))
     named = f"no device found has the word {' or '.join(map(repr, near))}; these have similar ones"
     return named if near else ""
 
