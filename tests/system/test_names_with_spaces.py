@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 from tests.shell import Homebot, homebot_in
 
+from homebot.devices.query.terms import leaves
 from homebot.words.triggers import PersonMoves, read_trigger
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("thesis")]
@@ -88,7 +89,8 @@ def test_a_person_in_quotation_marks_is_the_person() -> None:
     quoted, plain = read_trigger('"Anna Maria" arrives'), read_trigger("Anna Maria arrives")
     assert isinstance(quoted, PersonMoves)
     assert isinstance(plain, PersonMoves)
-    assert replace(quoted, text=plain.text) == plain
+    assert replace(quoted, text=plain.text, query=plain.query) == plain
+    assert {*leaves(plain.query)} < {*leaves(quoted.query)}  # or of somebody whose name has the marks
 
 
 @pytest.mark.parametrize("house", ["family", "thesis"])

@@ -621,7 +621,7 @@ from homebot.house import SimulatedLamp
 @pytest.mark.house("light_service", world=lambda: World.of(SimulatedLamp("hall")))
 async def test_it(house):
     for number in range(30):
-        await house.run_for(f"{10 + number}m")
+        await house.run_for(f"{10 + number}m7s")  # not a timer
         await house.press("hall", "on")
     await house.becomes("hall", on=True, within="5m")
 """
