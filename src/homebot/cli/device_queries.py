@@ -51,13 +51,16 @@ def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: 
     return [found[one] for one in sorted(found)]
 
 
-def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesResponse:
+def find_devices(door: DoorClient, query: str, limit: int = 0, *, is_spelled: bool = False) -> QueryDevicesResponse:
     """Return the matches of *query*, best first, up to *limit*.
+
+    Args:
+        is_spelled: Whether a typo or a beginning matches nothing.
 
     Raises:
         PeerError: The query is not understood; the message names the part that is not.
     """
-    return _begin_query(door, query, limit, 0)()
+    return _begin_query(door, query, limit, 0, is_spelled=is_spelled)()
 
 
 def matching_devices(door: DoorClient, query: str) -> list[Device]:
@@ -189,8 +192,11 @@ def _add_all(door: DoorClient, convert: Callable[[Device], T], found: dict[str, 
     return total
 
 
-def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Callable[[], QueryDevicesResponse]:
-    response = door.begin_call(QUERY_DEVICES, {"query": query, "offset": offset, "limit": limit})
+def _begin_query(
+    door: DoorClient, query: str, limit: int, offset: int, *, is_spelled: bool = False
+) -> Callable[[], QueryDevicesResponse]:
+    asked = {"query": query, "offset": offset, "limit": limit, "is_spelled": is_spelled}
+    response = door.begin_call(QUERY_DEVICES, asked)
 
     def page() -> QueryDevicesResponse:
         answer = cast("QueryDevicesResponse", JsonMessage(response()))

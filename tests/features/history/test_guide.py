@@ -40,6 +40,14 @@ def test_a_young_history_has_more_than_one_row(door: str) -> None:
     assert "VALUE" in done.stdout
 
 
+@WHOLE_HOUSE
+def test_a_history_is_never_that_of_a_similar_device(door: str) -> None:
+    """The beginning of its name was enough."""
+    done = run("homebot history 'desk mete'", door=door)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "no device has the word 'mete'; similar: " in done.stderr
+
+
 def test_a_plot_shows_the_largest_value_on_top_and_a_pause_blank() -> None:
     lines = plot_lines([0.0, 10.0, 90.0], [1.0, 5.0, 1.0], 0.0, 100.0, 31, 4)
     assert lines[0] == "        5 │  █"

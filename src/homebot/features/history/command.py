@@ -169,7 +169,7 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
     device = device_or_similar(door, text)
     if not isinstance(device, list):
         return {"device": device.id}
-    found = find_devices(door, text, _MATCHES)
+    found = find_devices(door, text, _MATCHES, is_spelled=True)
     if not found.results:
         raise PeerError(why_none(found, text))
     print_note(found)
