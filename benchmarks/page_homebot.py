@@ -51,8 +51,8 @@ async def main(port: int) -> None:
     }
     loop = Loop()
     async with Runtime(parse_config(tables, "page_homebot")) as runtime:
-        assert runtime.door is not None
-        print(json.dumps({"port": runtime.door.port}), flush=True)
+        assert runtime.rosbridge is not None
+        print(json.dumps({"port": runtime.rosbridge.port}), flush=True)
         watching = asyncio.ensure_future(loop.watch())
         while await asyncio.to_thread(sys.stdin.readline):
             print(loop.report(), flush=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 import zenoh
 from pydantic import SecretStr
 
-from homebot.bridges.rosbridge import ClientToken, DoorSettings
+from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings
 from homebot.bridges.zenoh.rights import WireRights
 from homebot.messages.interfaces.settings import RosSettings
 
@@ -17,9 +17,9 @@ def secret_of(robot: str) -> str:
     return f"a secret of {robot}"
 
 
-def door_of(*robots: str, scope: tuple[str, ...] = ("read", "act: harmless")) -> DoorSettings:
+def door_of(*robots: str, scope: tuple[str, ...] = ("read", "act: harmless")) -> RosbridgeSettings:
     tokens = {one: ClientToken(token=SecretStr(secret_of(one)), scope=(*scope, f"robot: {one}")) for one in robots}
-    return DoorSettings(tokens=tokens)
+    return RosbridgeSettings(tokens=tokens)
 
 
 def house_rights(settings: RosSettings, *machines: str) -> WireRights:

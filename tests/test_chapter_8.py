@@ -182,7 +182,7 @@ async def test_the_example_prints_the_numbers_of_the_thesis_beside_the_same(
 
 async def listed_topics(runtime: Runtime) -> set[str]:
     """What ``homebot topic list`` prints, as a process of its own."""
-    assert runtime.door is not None
-    command = [sys.executable, "-m", "homebot", "topic", "list", "--door", f"127.0.0.1:{runtime.door.port}"]
+    assert runtime.rosbridge is not None
+    command = [sys.executable, "-m", "homebot", "topic", "list", "--door", f"127.0.0.1:{runtime.rosbridge.port}"]
     done = await anyio.run_process(command)
     return set(done.stdout.decode().split())

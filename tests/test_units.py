@@ -18,7 +18,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.robots.settings import RobotSettings
-from homebot.runtime.door_table import DoorTable
+from homebot.runtime.rosbridge_table import RosbridgeTable
 from homebot.units import DURATION, MAX_WAIT, Seconds, parse_duration
 
 
@@ -96,7 +96,7 @@ def test_what_is_no_duration_in_a_table_is_named(value: object, said: str) -> No
 def _keys_in_seconds() -> Iterator[tuple[type[BaseModel], str]]:
     """Yield the keys in the docs' tables that are in seconds, with their tables' models."""
     for model in (
-        DoorTable,
+        RosbridgeTable,
         DirectorySettings,
         ControlSettings,
         MqttGatewaySettings,

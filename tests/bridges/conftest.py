@@ -1,4 +1,4 @@
-"""A graph with an open door, and clients that come through it by a real WebSocket."""
+"""A graph with an open rosbridge server, and clients that come through it by a real WebSocket."""
 
 import json
 from collections.abc import AsyncIterator, Callable
@@ -12,13 +12,13 @@ from tests.patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 
 from homebot.bridges.rosapi import RosApi
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.clock import Clock
 from homebot.graph import Graph, Node
 
 
 class Peer:
-    """A client of the door that speaks frames."""
+    """A client of the rosbridge server that speaks frames."""
 
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
@@ -38,58 +38,58 @@ class Peer:
         return frame
 
     async def tell(self, op: str, **fields: object) -> None:
-        """Send, and return when the door has dealt with it."""
+        """Send, and return when the rosbridge server has dealt with it."""
         await self.send(op, **fields)
         await self.settle()
 
     async def settle(self) -> None:
-        """Return when the door has dealt with everything sent before."""
+        """Return when the rosbridge server has dealt with everything sent before."""
         await self.call("/rosapi/get_time")
 
 
 class House:
-    """A graph and its door."""
+    """A graph and its rosbridge server."""
 
-    def __init__(self, graph: Graph, door: Door, node: Node) -> None:
+    def __init__(self, graph: Graph, server: RosbridgeServer, node: Node) -> None:
         self.graph = graph
-        self.door = door
-        self.door_node = node
+        self.server = server
+        self.server_node = node
 
     def node(self, name: str) -> Node:
         return Node(self.graph, name)
 
     @asynccontextmanager
     async def peer(self, path: str = "/", **headers: str) -> AsyncIterator[Peer]:
-        url = f"ws://127.0.0.1:{self.door.port}{path}"
+        url = f"ws://127.0.0.1:{self.server.port}{path}"
         async with connect(url, additional_headers=headers, proxy=None, compression=None, max_size=None) as connection:
             yield Peer(connection)
 
     def entities(self) -> set[tuple[str, str]]:
-        """What the door holds on the graph."""
-        held = self.graph.get_endpoints(node=self.door_node.full_name)
+        """What the rosbridge server holds on the graph."""
+        held = self.graph.get_endpoints(node=self.server_node.full_name)
         return {(info.kind.value, info.name) for info in held if info.kind.value != "node"} - {
             ("publisher", "/parameter_events")
         }
 
 
 class OpenHouse(Protocol):
-    def __call__(self, settings: DoorSettings | None = None) -> AbstractAsyncContextManager[House]: ...
+    def __call__(self, settings: RosbridgeSettings | None = None) -> AbstractAsyncContextManager[House]: ...
 
 
 @pytest.fixture
 def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
-    """Give what opens a house with a door on a free port."""
+    """Give what opens a house with a rosbridge server on a free port."""
 
     @asynccontextmanager
     async def opened(
-        settings: DoorSettings | None = None, open_timeout: float = 10.0, clock: Clock | None = None, **parts: Any
+        settings: RosbridgeSettings | None = None, open_timeout: float = 10.0, clock: Clock | None = None, **parts: Any
     ) -> AsyncIterator[House]:
         graph = Graph(clock)
         async with Node(graph, "rosbridge_websocket") as node, anyio.create_task_group() as tasks:
-            door = Door(node, settings or DoorSettings(port=0), open_timeout=open_timeout, **parts)
+            server = RosbridgeServer(node, settings or RosbridgeSettings(port=0), open_timeout=open_timeout, **parts)
             RosApi(Node(graph, "rosapi"))
-            await tasks.start(door.run)
-            yield House(graph, door, node)
+            await tasks.start(server.run)
+            yield House(graph, server, node)
             tasks.cancel_scope.cancel()
 
     return opened
@@ -97,13 +97,13 @@ def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
 
 @pytest.fixture
 async def house(open_house: OpenHouse) -> AsyncIterator[House]:
-    """A house with a door on a free port."""
+    """A house with a rosbridge server on a free port."""
     async with in_one_task(open_house()) as house:
         yield house
 
 
 @pytest.fixture
 async def peer(house: House) -> AsyncIterator[Peer]:
-    """A client of the door."""
+    """A client of the rosbridge server."""
     async with house.peer() as peer:
         yield peer

@@ -4,13 +4,13 @@ import pytest
 from pydantic import SecretStr
 
 from homebot.bridges.admission import name_of_token, refusal, token_of
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 
-LOCAL = DoorSettings()
-NAMED = DoorSettings(host="hub.lan", token=SecretStr("t"))
-EVERYWHERE = DoorSettings(host="0.0.0.0", token=SecretStr("t"))  # noqa: S104  # the case under test
-PANEL = DoorSettings(allowed_origins=("https://panel.example.org", "null"))
-PROXY = DoorSettings(allowed_origins=("https://house.example", "null"), token=SecretStr("t"))
+LOCAL = RosbridgeSettings()
+NAMED = RosbridgeSettings(host="hub.lan", token=SecretStr("t"))
+EVERYWHERE = RosbridgeSettings(host="0.0.0.0", token=SecretStr("t"))  # noqa: S104  # the case under test
+PANEL = RosbridgeSettings(allowed_origins=("https://panel.example.org", "null"))
+PROXY = RosbridgeSettings(allowed_origins=("https://house.example", "null"), token=SecretStr("t"))
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ PROXY = DoorSettings(allowed_origins=("https://house.example", "null"), token=Se
     ],
 )
 def test_a_client_that_calls_us_by_our_name_and_a_page_of_ours_are_let_in(
-    settings: DoorSettings, host: str, origin: str
+    settings: RosbridgeSettings, host: str, origin: str
 ) -> None:
     assert refusal(settings, [host], [origin] if origin else []) is None
 
@@ -58,7 +58,7 @@ def test_a_client_that_calls_us_by_our_name_and_a_page_of_ours_are_let_in(
         (PROXY, ""),
     ],
 )
-def test_a_foreign_name_is_refused(settings: DoorSettings, host: str) -> None:
+def test_a_foreign_name_is_refused(settings: RosbridgeSettings, host: str) -> None:
     """DNS rebinding: the page's own name points to us."""
     problem = refusal(settings, [host], [])
     assert problem is not None

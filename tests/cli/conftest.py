@@ -11,7 +11,7 @@ import pytest
 from pydantic import SecretStr
 
 from homebot.bridges.rosapi import RosApi
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.cli import main
 from homebot.clock import Clock, ManualClock
 from homebot.devices import (
@@ -117,7 +117,9 @@ def _running(
             Node(graph, "listener") as listener,
             anyio.create_task_group() as tasks,
         ):
-            door = Door(door_node, DoorSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS, home="Café")
+            door = RosbridgeServer(
+                door_node, RosbridgeSettings(port=0, token=token), local_rights=SIMULATED_HOUSE_RIGHTS, home="Café"
+            )
             chatter = talker.create_publisher(String, "/chatter")
             listener.create_subscription(String, "/hello", lambda message: heard.append(message.data))
             await tasks.start(door.run)

@@ -111,9 +111,9 @@ async def lamps() -> AsyncIterator[dict[str, str]]:
         await homebot.says("x", "ON")
         for name in NAMES:
             await homebot.becomes(name, on=True)
-        assert homebot.runtime.door is not None
+        assert homebot.runtime.rosbridge is not None
         path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-        door = f"127.0.0.1:{homebot.runtime.door.port}"
+        door = f"127.0.0.1:{homebot.runtime.rosbridge.port}"
         yield os.environ | {"HOMEBOT_DOOR": door, "PATH": path, "LC_ALL": "C.UTF-8"}
 
 

@@ -13,9 +13,9 @@ from anyio.abc import SocketAttribute, SocketStream
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import DoorClient, ReceivedMessage, open_door
 from homebot.cli.main import main
+from homebot.cli.server_address import ServerAddress
 from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 
 T = TypeVar("T")
@@ -37,14 +37,14 @@ async def answering(answer: Callable[[ServerConnection, str], list[str]]) -> Asy
 
 def use(port: int, command: Callable[[DoorClient], T]) -> T:
     """Run *command* with a connection, as commands do: in a thread without an event loop."""
-    with open_door(DoorAddress("127.0.0.1", port)) as door:
+    with open_door(ServerAddress("127.0.0.1", port)) as door:
         return command(door)
 
 
 def test_an_unknown_host_is_not_taken_for_a_homebot_that_does_not_run() -> None:
     with (
         pytest.raises(LinkError, match=r"on nosuch\.invalid:9090: the host name (is unknown|cannot be looked up)"),
-        open_door(DoorAddress("nosuch.invalid", 9090)),
+        open_door(ServerAddress("nosuch.invalid", 9090)),
     ):
         pass
 

@@ -5,21 +5,21 @@ from pathlib import Path
 
 import pytest
 
-from homebot.cli.arguments import DoorHost
+from homebot.cli.arguments import ServerHost
 from homebot.cli.new_home import begin_home, print_way_in
 from homebot.config import load_config
-from homebot.runtime.door_table import read_door
+from homebot.runtime.rosbridge_table import read_rosbridge_settings
 
 
 @pytest.mark.parametrize(
-    ("door", "has_token"), [(None, False), (DoorHost("127.0.0.1", 0), False), (DoorHost("192.0.2.7", 0), True)]
+    ("door", "has_token"), [(None, False), (ServerHost("127.0.0.1", 0), False), (ServerHost("192.0.2.7", 0), True)]
 )
 def test_the_file_of_a_new_home_is_valid_and_lets_others_in_by_a_token_alone(
-    tmp_path: Path, door: DoorHost | None, has_token: object
+    tmp_path: Path, door: ServerHost | None, has_token: object
 ) -> None:
     file = tmp_path / "homebot.toml"
     begin_home(file, door, tmp_path / "owner.token")
-    settings = read_door(load_config(file))
+    settings = read_rosbridge_settings(load_config(file))
     assert (settings.token is not None) is has_token
     secret = settings.token.get_secret_value() if settings.token else ""
     assert settings.is_for_owner(secret)

@@ -18,8 +18,8 @@ FORGET = ["service", "call", "/discovery/forget", "{device: nothing}"]
 
 
 async def run(runtime: Runtime, *words: str) -> int:
-    assert runtime.door is not None
-    return await asyncio.to_thread(main, [*words, "--door", f"127.0.0.1:{runtime.door.port}"])
+    assert runtime.rosbridge is not None
+    return await asyncio.to_thread(main, [*words, "--door", f"127.0.0.1:{runtime.rosbridge.port}"])
 
 
 def real_home(folder: Path, **door: Any) -> Runtime:

@@ -10,7 +10,7 @@ from tests.control.policies.houses import make_device
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosapi import RosApi
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.control.explanations import Explanations
 from homebot.devices import Device
 from homebot.devices.gateway_messages import Command
@@ -215,7 +215,7 @@ async def test_an_unknown_device_is_named_in_the_answer(home: Home) -> None:
 async def test_a_robot_asks_over_rosbridge(open_home: OpenHome) -> None:
     async with open_home() as home:
         RosApi(Node(home.graph, "rosapi"))
-        door = Door(Node(home.graph, "rosbridge_websocket"), DoorSettings(port=0))
+        door = RosbridgeServer(Node(home.graph, "rosbridge_websocket"), RosbridgeSettings(port=0))
         await home.tasks.start(door.run)
         lamp = await home.lamp("on_off")
         assert (await lamp.turn_on()).succeeded

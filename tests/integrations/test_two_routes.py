@@ -121,8 +121,8 @@ async def two_way_lights(node: Node) -> list[Light]:
 
 
 async def said(runtime: Runtime, capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    assert runtime.door is not None
-    assert await asyncio.to_thread(main, [*words, "--door", f"127.0.0.1:{runtime.door.port}"]) == 0
+    assert runtime.rosbridge is not None
+    assert await asyncio.to_thread(main, [*words, "--door", f"127.0.0.1:{runtime.rosbridge.port}"]) == 0
     return capsys.readouterr().out
 
 

@@ -12,7 +12,7 @@ from tests.patience import PATIENCE
 from tests.peers.network import missing_programs
 from tests.peers.node_package import node_folder
 
-from homebot.bridges.rosbridge import Door
+from homebot.bridges.rosbridge import RosbridgeServer
 from homebot.config import parse_config
 from homebot.house import World, thesis_world
 from homebot.mqtt.clients import HostedBroker
@@ -82,7 +82,7 @@ def axe_program() -> str:
 class Page:
     """The page of one running homebot. The browser is asked from a thread, in which homebot goes on."""
 
-    def __init__(self, browser: Any, door: Door) -> None:
+    def __init__(self, browser: Any, door: RosbridgeServer) -> None:
         self.browser = browser
         self.door = door
         self.url = f"http://127.0.0.1:{door.port}/"
@@ -274,9 +274,9 @@ async def opened_page(
     home = {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}
     config = await to_thread.run_sync(parse_config, home, "test")
     async with Runtime(config, house=world or thesis_world(), robot="robot", services=services) as runtime:
-        assert runtime.door is not None
+        assert runtime.rosbridge is not None
         try:
-            yield Page(browser, runtime.door)
+            yield Page(browser, runtime.rosbridge)
         finally:
             browser.execute_script("sessionStorage.clear()")
             browser.get("about:blank")

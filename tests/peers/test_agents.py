@@ -17,7 +17,7 @@ from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 
 from homebot.bridges.home_api.routes import openapi_text
-from homebot.cli.door_address import DoorAddress
+from homebot.cli.server_address import ServerAddress
 
 FOUR_LAMPS = 440  # bytes
 
@@ -87,7 +87,7 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
         heard.append(message or "")
 
     async def called(token: str, **given: object) -> Any:
-        address = DoorAddress("127.0.0.1", api.port, TOKENS[token][0])
+        address = ServerAddress("127.0.0.1", api.port, TOKENS[token][0])
         client = await anyio.to_thread.run_sync(
             importlib.import_module("homebot.cli.mcp_server").ApiClient, address
         )  # it reads files
@@ -321,7 +321,7 @@ async def test_a_mistake_names_the_tools_own_argument_and_commands_are_read_as_o
     words = ("on, 40 %", "+10 %", "60 %, over 3s", "off, over 2s", "40%", "brighter")
     async with running_api(tmp_path) as api:
         await api.save("Film", {"lamp1": "20 %"})
-        address = DoorAddress("127.0.0.1", api.port, TOKENS["keys"][0])
+        address = ServerAddress("127.0.0.1", api.port, TOKENS["keys"][0])
         client = await anyio.to_thread.run_sync(importlib.import_module("homebot.cli.mcp_server").ApiClient, address)
         async with mcp.Client(server.house_server(client)) as session:
             for tool, given, problem in MISTAKES:

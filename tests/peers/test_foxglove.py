@@ -30,7 +30,7 @@ async def test_foxglove_reads_topics(foxglove: Path, open_house: OpenHouse) -> N
     async with open_house() as house, house.node("robot") as robot:
         for topic, message in messages.items():
             robot.create_publisher(type(message), topic, qos_profile_latched).publish(message)
-        command = ["node", "player.mjs", str(house.door.port), *messages]
+        command = ["node", "player.mjs", str(house.server.port), *messages]
         with anyio.fail_after(60):
             done = await anyio.run_process(command, cwd=foxglove, check=False, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr.decode()[-2000:]

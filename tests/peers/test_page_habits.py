@@ -70,8 +70,8 @@ async def test_a_habit_is_proved_accepted_or_rejected_and_who_may_not_only_sees_
         async with runtime, MqttConnection(options, broker.make_client, status_topic=None, clock=clock) as lamps:
             await lamps.wait_connected()
             await live(lamps)
-            assert runtime.door is not None
-            page = Page(browser, runtime.door)
+            assert runtime.rosbridge is not None
+            page = Page(browser, runtime.rosbridge)
             for step in (accept, reject, look):
                 await to_thread.run_sync(step, page, axe)  # virtual time stands still while a thread works
                 await anyio.sleep(10)

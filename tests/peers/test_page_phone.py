@@ -38,8 +38,8 @@ async def phone(browser: Any) -> AsyncIterator[Page]:
         gateways = {"mqtt": {"root": "home425"}}
         config = parse_config({"home": {"name": "villa"}, "door": door, "gateways": gateways}, "test")
         async with Runtime(config, house=thesis_world(), robot="robot") as runtime:
-            assert runtime.door is not None
-            port = runtime.door.port
+            assert runtime.rosbridge is not None
+            port = runtime.rosbridge.port
 
             async def forward(client: ByteStream) -> None:
                 async with client:
@@ -51,7 +51,7 @@ async def phone(browser: Any) -> AsyncIterator[Page]:
                             both.cancel_scope.cancel()
 
             tasks.start_soon(TLSListener(listener, tls, standard_compatible=False).serve, forward)
-            own = Page(browser, runtime.door)
+            own = Page(browser, runtime.rosbridge)
             own.url = f"{origin}/"
             own.become_phone()
             try:

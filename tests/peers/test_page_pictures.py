@@ -138,9 +138,9 @@ async def test_every_view_of_a_house_that_is_lived_in_fits(browser: Any) -> None
         )
         async with runtime:
             await anyio.sleep(LIVED)
-            assert runtime.door is not None
+            assert runtime.rosbridge is not None
             # Virtual time stands still while a thread works.
-            await to_thread.run_sync(look, Page(browser, runtime.door))
+            await to_thread.run_sync(look, Page(browser, runtime.rosbridge))
 
 
 def look(page: Page) -> None:

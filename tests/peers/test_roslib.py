@@ -33,7 +33,7 @@ async def test_roslib_reads_publishes_calls_and_serves(roslib: Path, open_house:
         lamp.create_service(SetBool, "/switch", lambda asked: SetBoolResponse(success=asked.data, message="done"))
         with anyio.fail_after(60):
             done = await anyio.run_process(
-                ["node", "client.mjs", version, str(house.door.port)], cwd=roslib, check=False, stderr=subprocess.PIPE
+                ["node", "client.mjs", version, str(house.server.port)], cwd=roslib, check=False, stderr=subprocess.PIPE
             )
     assert done.returncode == 0, done.stderr.decode()[-2000:]
     told = json.loads(done.stdout.decode().strip().splitlines()[-1])
@@ -53,7 +53,7 @@ async def test_roslib_sends_goals_and_executes_them(roslib: Path, open_house: Op
     async with open_house() as house, server(house.graph):
         with anyio.fail_after(60):
             done = await anyio.run_process(
-                ["node", "actions.mjs", str(house.door.port)], cwd=roslib, check=False, stderr=subprocess.PIPE
+                ["node", "actions.mjs", str(house.server.port)], cwd=roslib, check=False, stderr=subprocess.PIPE
             )
     assert done.returncode == 0, done.stderr.decode()[-2000:]
     told = json.loads(done.stdout.decode().strip().splitlines()[-1])

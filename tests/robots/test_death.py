@@ -12,8 +12,8 @@ from tests.robots.test_tracker import HOUSE
 
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.client import OutsideClient
-from homebot.bridges.rosbridge.session import ClientSession, DoorLink
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.session import ClientSession, SessionLink
+from homebot.bridges.rosbridge.settings import RosbridgeSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.names import HOLD_PART, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
@@ -36,11 +36,11 @@ class Client:
     """The program of the robot rosie at the door, without a socket."""
 
     def __init__(self, door: Node) -> None:
-        self.shared = SharedState(door, DoorSettings(), lambda: OWNERS)
+        self.shared = SharedState(door, RosbridgeSettings(), lambda: OWNERS)
         self._frames, self._received = anyio.create_memory_object_stream[str](100)
         self._is_there = True
         self._is_cut = anyio.Event()
-        link = DoorLink(self._send, self._is_cut.set, self._ping, bool, lambda _: None)
+        link = SessionLink(self._send, self._is_cut.set, self._ping, bool, lambda _: None)
         client = OutsideClient(self.shared, ClientAccess("rosie", read_scope(SCOPE), OWNERS), "rosie")
         self._session = ClientSession(client, link, is_roslibpy=False)
 

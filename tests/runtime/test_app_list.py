@@ -132,8 +132,8 @@ async def test_apps_are_listed_with_their_jobs_by_a_service_and_by_the_command_l
         assert [(one.what, one.outcome) for one in health.failures if one.part == "hall"] == [
             ("the job odd failed", "given up")
         ]
-        assert runtime.door is not None
-        door = ["--door", f"127.0.0.1:{runtime.door.port}"]
+        assert runtime.rosbridge is not None
+        door = ["--door", f"127.0.0.1:{runtime.rosbridge.port}"]
         capsys.readouterr()
         assert await asyncio.to_thread(main, ["app", "list", *door]) == 0
         printed = capsys.readouterr().out

@@ -347,8 +347,8 @@ async def test_clients_load_and_reload_by_services_and_by_the_command_line(
         async with Node(runtime.graph, "client") as node:
             answer = await node.create_client(ReloadApp, RELOAD_APP).call(ChangeAppRequest(app="hal"), timeout=60)
             assert answer == ChangeAppResponse(success=False, message="no app 'hal' runs; did you mean hall?")
-        assert runtime.door is not None
-        door = ["--door", f"127.0.0.1:{runtime.door.port}"]
+        assert runtime.rosbridge is not None
+        door = ["--door", f"127.0.0.1:{runtime.rosbridge.port}"]
         for words, code in ((("reload", "hall"), 0), (("unload", "hall"), 0), (("unload", "hall"), 1)):
             assert await asyncio.to_thread(main, ["app", *words, *door]) == code
         said = capsys.readouterr()

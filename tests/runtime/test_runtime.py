@@ -190,7 +190,7 @@ async def test_a_start_can_be_cut_short() -> None:
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(cut)
             async with runtime:
-                assert runtime.door is None
+                assert runtime.rosbridge is None
     assert JOURNAL.lines == ["never ready"]
     assert runtime.graph.get_node_names() == ()
 
@@ -358,7 +358,7 @@ async def test_a_whole_home_runs_in_memory_and_in_virtual_time() -> None:
             ) as runtime,
             Node(runtime.graph, "witness") as witness,
         ):
-            assert (broker_url(runtime), runtime.door) == ("mqtt://memory:1883", None)
+            assert (broker_url(runtime), runtime.rosbridge) == ("mqtt://memory:1883", None)
             log = witness.create_subscription(Log, "/rosout", qos_profile=100)
             with anyio.fail_after(60):
                 while not (await log.receive()).msg.startswith("lights/roomlights405 → off, by light_service"):

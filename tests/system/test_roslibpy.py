@@ -12,7 +12,7 @@ from tests.bridges.fibonacci import server
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosapi import RosApi
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import SetBool, String
 from homebot.messages.geometry_msgs import Twist
@@ -85,8 +85,8 @@ CLIENT = textwrap.dedent(
 async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) -> None:
     graph = Graph()
     RosApi(Node(graph, "rosapi"))
-    settings = DoorSettings(port=0, scope=("read", "act: harmless", "manage"))  # it sets a parameter
-    door = Door(Node(graph, "rosbridge_websocket"), settings)
+    settings = RosbridgeSettings(port=0, scope=("read", "act: harmless", "manage"))  # it sets a parameter
+    door = RosbridgeServer(Node(graph, "rosbridge_websocket"), settings)
     heard: list[str] = []
     async with Node(graph, "lamp") as lamp, anyio.create_task_group() as tasks:
         _furnish(lamp, heard)
@@ -152,7 +152,7 @@ async def test_roslibpy_sends_goals_and_cancels_them() -> None:
     graph = Graph()
     RosApi(Node(graph, "rosapi"))
     async with Node(graph, "rosbridge_websocket") as node, server(graph), anyio.create_task_group() as tasks:
-        door = Door(node, DoorSettings(port=0))
+        door = RosbridgeServer(node, RosbridgeSettings(port=0))
         await tasks.start(door.run)
         with anyio.fail_after(PATIENCE):
             done = await anyio.run_process(

@@ -57,7 +57,7 @@ class TestInAClass:
 @pytest.mark.homebot("light_service")
 async def test_a_real_homebot(homebot):
     assert loop() != "VirtualTimeLoop"
-    assert homebot.runtime.door.port and homebot.broker_url
+    assert homebot.runtime.rosbridge.port and homebot.broker_url
     await homebot.says("home425/lights/desk/out", "on")
     assert await homebot.hears("home425/lights/desk/in") == "off"
 

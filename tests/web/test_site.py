@@ -117,8 +117,8 @@ def test_the_vocabulary_has_the_units_of_the_capabilities_and_the_failures() -> 
 async def test_a_running_homebot_serves_the_page_at_the_port_of_its_door() -> None:
     tables = {"door": {"port": 0, "token": "hunter2"}}
     async with Runtime(parse_config(tables, "test")) as runtime:
-        assert runtime.door is not None
-        async with await anyio.connect_tcp("127.0.0.1", runtime.door.port) as stream:
+        assert runtime.rosbridge is not None
+        async with await anyio.connect_tcp("127.0.0.1", runtime.rosbridge.port) as stream:
             await stream.send(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
             with anyio.fail_after(PATIENCE):
                 head = (await stream.receive()).decode()

@@ -17,10 +17,10 @@ DEFAULT_CONFIG = Path("homebot.toml")
 """The configuration in the working directory, of `homebot run` and of client commands."""
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
-DEFAULT_DOOR = ("127.0.0.1", 9090)
+DEFAULT_SERVER = ("127.0.0.1", 9090)
 
 
-class DoorHost(NamedTuple):
+class ServerHost(NamedTuple):
     """The address of a rosbridge server."""
 
     host: str
@@ -63,7 +63,7 @@ def set_client_command(parser: argparse.ArgumentParser, command: Command, exampl
     """Make *parser* run *command*, which connects to a running homebot and, if it *acts*, changes something."""
     set_command(parser, command, examples, _CONNECTION)
     parser.set_defaults(acts=acts)
-    add_door_options(parser, argparse.SUPPRESS)
+    add_server_options(parser, argparse.SUPPRESS)
 
 
 def add_verbs(parser: argparse.ArgumentParser, examples: str) -> Commands:
@@ -153,24 +153,24 @@ def address(text: str, example: int = 9090) -> tuple[str, int]:
     return bare, int(port)
 
 
-def door_address(text: str) -> DoorHost:
+def server_address(text: str) -> ServerHost:
     """Return the address of a rosbridge server, given as ``PORT``, ``HOST:PORT`` or ``ws://HOST:PORT``, or ``wss:``.
 
     Raises:
         argparse.ArgumentTypeError: It is not such an address.
     """
     if text.isascii() and text.isdigit():
-        return DoorHost(*address(f"{DEFAULT_DOOR[0]}:{text}"))
+        return ServerHost(*address(f"{DEFAULT_SERVER[0]}:{text}"))
     scheme, separator, rest = text.partition("://")
     if not separator:
-        return DoorHost(*address(text))
+        return ServerHost(*address(text))
     place, _, path = rest.partition("/")
     if scheme.lower() not in {"ws", "wss"} or path:
         raise argparse.ArgumentTypeError(f"the door is HOST:PORT, ws:// or wss://HOST:PORT, got {_hidden(text)!r}")
-    return DoorHost(*address(place), has_tls=scheme.lower() == "wss")
+    return ServerHost(*address(place), has_tls=scheme.lower() == "wss")
 
 
-def door_of_environment() -> DoorHost | None:
+def server_of_environment() -> ServerHost | None:
     """Return the address in the variable ``HOMEBOT_DOOR``; None if it is not set.
 
     Raises:
@@ -178,7 +178,7 @@ def door_of_environment() -> DoorHost | None:
     """
     text = os.environ.get("HOMEBOT_DOOR")
     try:
-        return door_address(text) if text else None
+        return server_address(text) if text else None
     except argparse.ArgumentTypeError as exc:
         raise ConfigError("environment", "HOMEBOT_DOOR", str(exc)) from exc
 
@@ -238,16 +238,16 @@ def _hidden(text: str) -> str:
     return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 
-def add_door_options(parser: argparse.ArgumentParser, default: str | None = None) -> None:
+def add_server_options(parser: argparse.ArgumentParser, default: str | None = None) -> None:
     """Add the options that select the homebot to connect to; they may come before or after a command."""
     door = parser.add_argument_group("connection to a running homebot")
     door.add_argument(
         "--door",
         metavar="HOST:PORT",
-        type=door_address,
+        type=server_address,
         default=default,
         help="address of its rosbridge server (default: [door] of homebot.toml in this folder, else HOMEBOT_DOOR, else "
-        f"{DEFAULT_DOOR[0]}:{DEFAULT_DOOR[1]})",
+        f"{DEFAULT_SERVER[0]}:{DEFAULT_SERVER[1]})",
     )
     door.add_argument(
         "--home", metavar="NAME", default=default, help="a home of homes.toml in your configuration folder, not --door"

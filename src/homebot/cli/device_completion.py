@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any, Final, cast
 
-from homebot.cli.arguments import add_door_options
-from homebot.cli.door_address import door_of
+from homebot.cli.arguments import add_server_options
 from homebot.cli.door_client import open_door
+from homebot.cli.server_address import server_of
 from homebot.devices.names import LIST_DEVICES
 
 COMPLETE_DEVICES: Final = "--complete-devices"
@@ -64,8 +64,8 @@ def print_devices(words: Sequence[str]) -> int:
 
 def _names(words: Sequence[str]) -> list[str]:
     parser = argparse.ArgumentParser(add_help=False, exit_on_error=False)
-    add_door_options(parser)
-    address = door_of(parser.parse_known_args(words[:-1])[0])
+    add_server_options(parser)
+    address = server_of(parser.parse_known_args(words[:-1])[0])
     begin = _unquoted(words[-1])
     devices: list[dict[str, Any]] = []  # as they arrive
     with open_door(address) as door:

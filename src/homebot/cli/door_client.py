@@ -24,7 +24,7 @@ from websockets.protocol import State
 from websockets.uri import parse_uri
 
 from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
-from homebot.cli.door_address import DoorAddress, door_of
+from homebot.cli.server_address import ServerAddress, server_of
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, UsageError, WireError
@@ -34,7 +34,7 @@ from homebot.support.data_folder import data_directory
 from homebot.support.owner_token import OWNER_FILE, OWNER_HEADER, owner_proof
 from homebot.support.printable import printable
 
-DoorCommand: TypeAlias = "Callable[[DoorClient, argparse.Namespace], int]"
+ClientCommand: TypeAlias = "Callable[[DoorClient, argparse.Namespace], int]"
 
 _MAX_WAITING: Final = 10_000  # topic messages that arrive while something else is awaited
 _MAX_FRAME: Final = 64 * 1024 * 1024
@@ -60,19 +60,19 @@ class ReceivedMessage(NamedTuple):
 
 
 def set_door_command(
-    parser: argparse.ArgumentParser, command: DoorCommand, examples: str, *, acts: bool = False
+    parser: argparse.ArgumentParser, command: ClientCommand, examples: str, *, acts: bool = False
 ) -> None:
     """Make *parser* run *command*, as :func:`set_client_command` does, and connect before that."""
     set_client_command(parser, lambda options: with_client(options, command), examples, acts=acts)
 
 
-def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
+def with_client(options: argparse.Namespace, command: ClientCommand) -> int:
     """Run *command* with a connection to the homebot in *options*, and return its exit code.
 
     Raises:
         HomebotError: There was no answer, the server refused the connection, or the command failed.
     """
-    address = door_of(options)
+    address = server_of(options)
     with open_door(address) as door:
         _check_home(door, address)
         if options.acts and door.home and sys.stderr.isatty():
@@ -83,7 +83,7 @@ def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
             raise WireError(f"homebot answered without the field {exc}; is it of another version?") from exc
 
 
-def _check_home(door: DoorClient, address: DoorAddress) -> None:
+def _check_home(door: DoorClient, address: ServerAddress) -> None:
     if address.home and door.home and door.home != address.home:
         problem = (
             f"{DEFAULT_CONFIG} is for the home {address.home!r}, but the homebot on {door.where} serves {door.home!r}"
@@ -92,7 +92,7 @@ def _check_home(door: DoorClient, address: DoorAddress) -> None:
 
 
 @contextmanager
-def open_door(address: DoorAddress) -> Iterator[DoorClient]:
+def open_door(address: ServerAddress) -> Iterator[DoorClient]:
     """Connect to the homebot that listens at *address*.
 
     Raises:
@@ -118,8 +118,8 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
             client.close()
 
 
-def _secured(connection: socket.socket, address: DoorAddress) -> socket.socket:
-    from homebot.cli.door_address import client_context  # noqa: PLC0415 - few doors have TLS
+def _secured(connection: socket.socket, address: ServerAddress) -> socket.socket:
+    from homebot.cli.server_address import client_context  # noqa: PLC0415 - few servers have TLS
 
     try:
         return client_context().wrap_socket(connection, server_hostname=address.host)
@@ -260,7 +260,7 @@ class DoorClient:
         """Perform the WebSocket handshake; errors as for :func:`open_door`.
 
         Args:
-            own_port: The port of a door of this computer, which is proved the owner's token; 0 for none.
+            own_port: The port of a rosbridge server of this computer, which is proved the owner's token; 0 for none.
         """
         request = self._protocol.connect()
         if token:

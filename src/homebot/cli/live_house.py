@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final, TextIO, cast, final
 import anyio
 from anyio import to_thread
 
-from homebot.cli.arguments import DEFAULT_DOOR
+from homebot.cli.arguments import DEFAULT_SERVER
 from homebot.cli.house_picture import HousePicture, Line, PlanPicture, lines_of
 from homebot.cli.story import Story
 from homebot.cli.terminal import is_terminal, rich_terminal
@@ -134,7 +134,7 @@ def _hint(world: World, page: str) -> str:
     here = str(Path(sys.executable).with_name("homebot"))
     program = "homebot" if shutil.which("homebot") else min(os.path.relpath(here), here, key=len)
     address = page.rpartition("/")[2]
-    host, port = DEFAULT_DOOR
+    host, port = DEFAULT_SERVER
     door = "" if address == f"{host}:{port}" else f" --door {address.removeprefix(f'{host}:')}"
     return f"Try in a second terminal:  {program} why {lamp}{door}    (Ctrl-C ends)"
 

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import TYPE_CHECKING, Final
 
-from homebot.cli.arguments import HelpFormatter, add_door_options, add_verb, unused_option
+from homebot.cli.arguments import HelpFormatter, add_server_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
 from homebot.errors import ConfigError, HomebotError
 from homebot.support.output import clean_output
@@ -143,7 +143,7 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
         whole_parser=make_parser,
         help='print the completion script for a shell; use it as: eval "$(homebot --print-completion bash)"',
     )
-    add_door_options(parser)
+    add_server_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     # For a known command, neither the list of all commands nor similar ones are needed.
     purposes = COMMANDS if argv and argv[0] in COMMANDS else all_commands()

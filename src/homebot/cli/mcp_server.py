@@ -14,8 +14,8 @@ import httpx2
 from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
-from homebot.bridges.home_api.agent_server import AgentMistakeError, DoorPlace, HouseApi
-from homebot.cli.door_address import DoorAddress, client_context
+from homebot.bridges.home_api.agent_server import AgentMistakeError, HouseApi, RosbridgeAddress
+from homebot.cli.server_address import ServerAddress, client_context
 from homebot.devices.names import HOME_HEADER
 from homebot.rights import OfferedService
 
@@ -31,9 +31,9 @@ _MAX_AT_ONCE: Final = 32
 class ApiClient(HouseApi):
     """Client of the homebot at an address."""
 
-    def __init__(self, address: DoorAddress) -> None:
+    def __init__(self, address: ServerAddress) -> None:
         self._address = address
-        self.door = DoorPlace(address.host, address.port, address.token, address.has_tls)
+        self.server = RosbridgeAddress(address.host, address.port, address.token, address.has_tls)
         self._tls = client_context() if address.has_tls else None
         self._headers = {"Authorization": f"Bearer {address.token}"} if address.token else {}
         scheme = "https" if address.has_tls else "http"
@@ -68,12 +68,12 @@ class ApiClient(HouseApi):
         try:
             async with connect(
                 where, ssl=self._tls, additional_headers=self._headers, proxy=None, max_size=_MAX_BYTES
-            ) as door:
-                self._check_home({} if door.response is None else door.response.headers)
-                await door.send(json.dumps({**frame, "action_type": action.ros_type}))
+            ) as connection:
+                self._check_home({} if connection.response is None else connection.response.headers)
+                await connection.send(json.dumps({**frame, "action_type": action.ros_type}))
 
                 async def received() -> Any:
-                    return json.loads(await door.recv())
+                    return json.loads(await connection.recv())
 
                 yield received
         except (OSError, WebSocketException) as exc:

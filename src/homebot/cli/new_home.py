@@ -17,13 +17,13 @@ from homebot.support.owner_token import make_owner_token
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from homebot.cli.arguments import DoorHost
+    from homebot.cli.arguments import ServerHost
 
 _HALF: Final = 4
 """Characters after which a person pauses in a code."""
 
 
-def begin_home(file: Path, door: DoorHost | None, owner_file: Path) -> None:
+def begin_home(file: Path, door: ServerHost | None, owner_file: Path) -> None:
     """Write *file* with the tables that a home needs before its page is opened, unless it is there.
 
     Args:

@@ -15,8 +15,6 @@ from homebot.messages.json import message_from_json
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.numeric_array import NumericArray
 
-__all__ = ["MutableMessage", "program_type", "serialize_message", "to_graph", "to_program"]
-
 
 class MutableMessage:
     """A message with settable fields; omitted fields have ROS's defaults: 0, False, empty."""

@@ -117,7 +117,7 @@ class RuntimeHealth:
             yield _failure("event loop", "called exit", watch.exits, now - watch.seconds_since_exit(), watch.exited)
 
     def _losses(self) -> Iterator[int]:
-        """Return the losses of the open subscriptions; those of the door's clients count their own."""
+        """Return the losses of the open subscriptions; those of the rosbridge server's clients count their own."""
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
             for one in () if node is None else node.entities:

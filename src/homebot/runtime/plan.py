@@ -14,7 +14,7 @@ import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.apps.grants import grants_of, scope_of, without_act
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.config import UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
@@ -23,7 +23,7 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
-from homebot.runtime.door_table import read_door
+from homebot.runtime.rosbridge_table import read_rosbridge_settings
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class Plan:
     apps: tuple[PlannedComponent[App], ...]
     discovery: DirectorySettings
     control: ControlSettings | None
-    door: DoorSettings
+    door: RosbridgeSettings
     interfaces: Interfaces | None = None
     link: RosSettings | None = None
     places: Places = NO_PLACES
@@ -136,7 +136,7 @@ class Plan:
         return self.door.robot_owners({name: one.frames for name, one in self.robots.items()})
 
     def greeting(self, page: str | None, *, is_dry_run: bool) -> str:
-        """Return the first line of the log, with the address of the *page*, if there is a door."""
+        """Return the first line of the log, with the address of the *page*, if there is a rosbridge server."""
         home = "homebot" if self.home == UNNAMED else self.home
         if page is None:
             return f"{home} is running"
@@ -447,7 +447,7 @@ def _notify(config: Config) -> NotifySettings | None:
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "discovery": _discovery,
     "control": _control,
-    "door": read_door,
+    "door": read_rosbridge_settings,
     "interfaces": _interfaces,
     "places": _places,
     "limits": _limits,

@@ -13,7 +13,7 @@ from anyio import to_thread
 from pydantic import SecretStr
 
 from homebot.apps.grants import ACT
-from homebot.bridges.rosbridge import Door
+from homebot.bridges.rosbridge import RosbridgeServer
 from homebot.config import Config
 from homebot.control import Control
 from homebot.control.settings import PolicySettings
@@ -60,13 +60,13 @@ class RunningParts(NamedTuple):
     """The running components to update.
 
     Attributes:
-        door: Returns the door; None before it listens.
+        server: Returns the rosbridge server; None before it listens.
         control: None before it runs.
         directory: None before it runs.
         grant_kept: Adds the rights of the apps that features keep to those of the configuration.
     """
 
-    door: Callable[[], Door | None]
+    server: Callable[[], RosbridgeServer | None]
     control: Control | None
     directory: Directory | None
     grant_kept: Callable[[], None]
@@ -81,11 +81,11 @@ def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     return (*keys, *(f"door.tokens (the robot {name})" for name in robots))
 
 
-def _robots(door: Mapping[str, Any]) -> set[str]:
+def _robots(table: Mapping[str, Any]) -> set[str]:
     """Return the names of the robots that tokens may act as, which are tracked from the start."""
     from homebot.words.rights import read_scope  # noqa: PLC0415 - few have a scope
 
-    return {name for one in door.get("tokens", {}).values() for name in read_scope(one.get("scope", ())).robots}
+    return {name for one in table.get("tokens", {}).values() for name in read_scope(one.get("scope", ())).robots}
 
 
 def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
@@ -171,7 +171,7 @@ def _cut_tokens(before: Mapping[str, SecretStr], after: Mapping[str, SecretStr])
 
 
 async def _apply(new: Plan, plan: Plan, parts: RunningParts, rooms: HouseRooms | None) -> None:
-    if (server := parts.door()) is not None:
+    if (server := parts.server()) is not None:
         server.update_tokens(new.door)
     plan.grants.clear()  # in place: other components refer to it
     plan.grants.update(new.grants)

@@ -21,7 +21,7 @@ from anyio import to_thread
 from anyio.abc import TaskStatus
 
 from homebot.apps import App
-from homebot.bridges.rosbridge import Door
+from homebot.bridges.rosbridge import RosbridgeServer
 from homebot.clock import Clock, LoopClock, home_time, read_zone
 from homebot.config import Config
 from homebot.control import Control
@@ -127,8 +127,8 @@ class Runtime:
             with a *house*. Then no device needs an approval either, unless the *house* has gateways that may find real
             ones.
         index_file: The file in which the directory keeps devices across restarts; None for none.
-        owner_file: The file with the owner's token, which is made if there is none; None for none. The door of a
-            simulated house needs none.
+        owner_file: The file with the owner's token, which is made if there is none; None for none. The rosbridge server
+            of a simulated house needs none.
         observers: Functions that observe the run from before its apps until after them, by name.
         is_dry_run: Whether nothing is sent to any device: gateways only observe, and commands are recorded instead of
             sent.
@@ -137,12 +137,12 @@ class Runtime:
         detected: Motion sensors that have detected motion before, in a replay.
         read_config: Reads the configuration again, for apps that are loaded later; by default *config* is used.
         watches_apps: Whether an app is reloaded when its file changes.
-        show_code: Shows a new owner the address of the page, and the code by which it logs in once; called if the door
-            has no token but the owner's. None for no code.
+        show_code: Shows a new owner the address of the page, and the code by which it logs in once; called if the
+            rosbridge server has no token but the owner's. None for no code.
         restart: Ends the run, and begins another; None where only a person can.
 
     Attributes:
-        door: The server for rosbridge clients; None before it listens.
+        rosbridge: The server for rosbridge clients; None before it listens.
 
     Raises:
         ConfigError: A class cannot be found, a table is wrong, or there is no gateway for the devices of *house*.
@@ -215,7 +215,7 @@ class Runtime:
             self._session_keeper = SessionKeeper(self.graph, self._session, lambda: self._plan, self._owner_token)
         self.supervisor = Supervisor(self._clock)
         self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
-        self.door: Door | None = None
+        self.rosbridge: RosbridgeServer | None = None
         self._first_code: FirstCode | None = None
         self._start_is_cut = False
         self._read = self.read_config or (lambda: self.config)
@@ -295,7 +295,7 @@ class Runtime:
         """Apply the configuration that *read* returns, called in a thread, unless it has a mistake or lacks limits."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        parts = RunningParts(lambda: self.door, self._controller, self._index, self._grant_kept)
+        parts = RunningParts(lambda: self.rosbridge, self._controller, self._index, self._grant_kept)
         async with self._reloading:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
@@ -327,7 +327,7 @@ class Runtime:
 
     async def _start(self, stack: AsyncExitStack) -> None:
         stack.callback(self._installation.close)
-        if self.with_door:  # checked first: components before the door may wait for another homebot's files
+        if self.with_door:  # checked first: components before the rosbridge server may wait for another homebot's files
             await to_thread.run_sync(self._plan.door.check_port)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
@@ -376,7 +376,7 @@ class Runtime:
         if not self._plan.as_other_machine:
             yield from self._house_components()
         if self.with_door:
-            yield running("door", self._open_door)
+            yield running("door", self._serve_rosbridge)
         if self._house is not None:
             yield running("house", partial(self._house.serve, self._context, self.graph))
 
@@ -504,12 +504,12 @@ class Runtime:
 
     def _greet(self) -> None:
         plan = self._plan
-        greeting = plan.greeting(None if self.door is None else self.door.page, is_dry_run=self.is_dry_run)
+        greeting = plan.greeting(None if self.rosbridge is None else self.rosbridge.page, is_dry_run=self.is_dry_run)
         _log.info(RUNNING, message=greeting, gateways=len(plan.gateways), apps=len(plan.apps))
         text = plan.as_other_machine or self.app_manager.running_text(self.app_manager.apps)
         _log.info(APPS, message=text, names=[app.name for app in plan.apps])
-        if self.show_code is not None and self._first_code is not None and self.door is not None:
-            self.show_code(self.door.page, self._first_code.secret.get_secret_value())
+        if self.show_code is not None and self._first_code is not None and self.rosbridge is not None:
+            self.show_code(self.rosbridge.page, self._first_code.secret.get_secret_value())
 
     async def _run_feature(self, feature: Feature, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
@@ -539,7 +539,7 @@ class Runtime:
             task_status.started()
             await anyio.sleep_forever()
 
-    async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
+    async def _serve_rosbridge(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
             announce = self._network_services.publish
             owner = None if self._local_rights is SIMULATED_HOUSE_RIGHTS else await self._owner_token()
@@ -550,7 +550,7 @@ class Runtime:
                 self._first_code = FirstCode(self._clock)
             folder = None if self.owner_file is None else self.owner_file.with_name("door")
             site = partial(_page, folder if self._plan.door.tls else None)
-            self.door = Door(
+            self.rosbridge = RosbridgeServer(
                 node,
                 self._plan.door,
                 announce,
@@ -562,9 +562,9 @@ class Runtime:
                 tls_folder=folder,
                 first_code=self._first_code,
             )
-            node.create_service(GetHealth, "~/health", self.door.health)
-            node.create_service(ListTokens, LIST_TOKENS, self.door.list_tokens)
-            await run_as(node.full_name, partial(self.door.run, task_status=task_status))
+            node.create_service(GetHealth, "~/health", self.rosbridge.health)
+            node.create_service(ListTokens, LIST_TOKENS, self.rosbridge.list_tokens)
+            await run_as(node.full_name, partial(self.rosbridge.run, task_status=task_status))
 
     async def _owner_token(self) -> OwnerToken | None:
         if self.owner_file is None:

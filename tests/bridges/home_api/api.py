@@ -123,7 +123,7 @@ async def running_api(folder: Path) -> AsyncIterator[Api]:
         Runtime(parse_config(tables, "test"), house=World.of(*lamps, SimulatedDoorLock("front_door"))) as runtime,
         aiohttp.ClientSession() as session,
     ):
-        assert runtime.door is not None
-        api = Api(session, runtime.door.port)
+        assert runtime.rosbridge is not None
+        api = Api(session, runtime.rosbridge.port)
         await api.until("/api/home", lambda found: found.get("devices") == 5)
         yield api

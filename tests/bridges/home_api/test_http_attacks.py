@@ -12,7 +12,7 @@ from structlog.testing import capture_logs
 from tests.bridges.conftest import House
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.devices.names import LIST_DEVICES
 from homebot.devices.services import ListDevices, ListDevicesRequest, ListDevicesResponse
 
@@ -24,7 +24,7 @@ JSON = "Content-Type: application/json\r\n"
 
 @asynccontextmanager
 async def sent(house: Any, text: str) -> AsyncIterator[SocketStream]:
-    async with await anyio.connect_tcp("127.0.0.1", house.door.port) as stream:
+    async with await anyio.connect_tcp("127.0.0.1", house.server.port) as stream:
         await stream.send(text.encode())
         yield stream
 
@@ -168,19 +168,19 @@ async def test_a_body_is_asked_for_where_the_client_waits_for_that(house: House)
 async def test_a_thousand_connections_are_bounded_and_an_honest_client_comes_through(house: House) -> None:
     waiting: list[SocketStream] = []
     for number in range(1000):
-        stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
+        stream = await anyio.connect_tcp("127.0.0.1", house.server.port)
         await stream.send((POST, GET, "P")[number % 3].encode())
         waiting.append(stream)
         if len(waiting) > 200:
             await waiting.pop(0).aclose()
-        assert len(list(house.door._arrivals)) <= 64
+        assert len(list(house.server._pending)) <= 64
     assert (await answer(house, f"{GET}\r\n"))[0] == 503
     for stream in waiting:
         await stream.aclose()
 
 
 async def test_requests_count_as_clients_until_they_are_answered_or_left(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_clients=2)) as house:
+    async with open_house(RosbridgeSettings(port=0, max_clients=2)) as house:
         is_open = anyio.Event()
 
         async def late(_: ListDevicesRequest) -> ListDevicesResponse:
@@ -201,7 +201,7 @@ async def test_requests_count_as_clients_until_they_are_answered_or_left(open_ho
 
 async def until_count(house: Any, count: int) -> None:
     with anyio.fail_after(PATIENCE):
-        while house.door.client_count != count:
+        while house.server.client_count != count:
             await anyio.lowlevel.checkpoint()
 
 
@@ -209,7 +209,7 @@ async def test_a_stopped_door_gives_up_its_requests(open_house: Any) -> None:
     with anyio.fail_after(PATIENCE):
         async with open_house() as house:
             house.node("directory").create_service(ListDevices, LIST_DEVICES, lambda _: anyio.sleep_forever())
-            stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
+            stream = await anyio.connect_tcp("127.0.0.1", house.server.port)
             await stream.send(f"{GET}\r\n".encode())
             await until_count(house, 1)
         await stream.aclose()

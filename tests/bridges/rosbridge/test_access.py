@@ -15,7 +15,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 from websockets.typing import Origin
 
-from homebot.bridges.rosbridge import ClientToken, DoorSettings
+from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
@@ -51,10 +51,10 @@ COMMAND = {
 }
 
 
-def settings(*scope: str, **fields: Any) -> DoorSettings:
+def settings(*scope: str, **fields: Any) -> RosbridgeSettings:
     """A door with the token ``robot-secret``, whose name is ``robot``, and what else is given."""
     robot = ClientToken(token=SecretStr("robot-secret"), scope=scope)
-    return DoorSettings(port=0, tokens={"robot": robot}, **fields)
+    return RosbridgeSettings(port=0, tokens={"robot": robot}, **fields)
 
 
 @asynccontextmanager
@@ -159,7 +159,7 @@ async def test_neither_programs_nor_pages_approve_without_a_token(
     door = settings("read", "act: harmless", "manage", allowed_origins=("http://localhost:8080",))
     async with AsyncExitStack() as stack:
         house = await stack.enter_async_context(open_house(door))
-        headers = {name: value.replace("PORT", str(house.door.port)) for name, value in headers.items()}
+        headers = {name: value.replace("PORT", str(house.server.port)) for name, value in headers.items()}
         peer = await stack.enter_async_context(house.peer(**headers))
         answer = SuccessResponse(success=True, message="")
         for name in ("/discovery/approve", "/discovery/alias", "/app/go"):
@@ -187,7 +187,7 @@ async def test_a_program_that_sends_an_origin_as_websocket_client_does_is_no_pag
         house.node("approve").create_service(
             Trigger, "/discovery/approve", lambda _: SuccessResponse(success=True, message="")
         )
-        address = f"127.0.0.1:{house.door.port}"
+        address = f"127.0.0.1:{house.server.port}"
         async with connect(
             f"ws://{address}",
             origin=Origin(f"http://{address}"),
@@ -246,7 +246,7 @@ async def test_a_client_that_may_list_services_learns_of_a_misspelt_one(
         answer = SuccessResponse(success=True, message="")
         house.node("index").create_service(Trigger, "/discovery/approve_device", lambda _: answer)
         refused = await peer.call("/discovery/aprove_device")
-        counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+        counts = {one.name: one.count for one in house.server.health(HealthRequest()).counts}
     assert refused["result"] is False
     assert refused["values"].startswith(problem)
     assert (counts["requests_refused"], counts["rights_missing"]) == (1, "read" not in scope)
@@ -345,7 +345,7 @@ async def test_a_command_of_the_http_api_is_a_programs_also_with_the_owners_toke
 
     async with open_house(settings(token=SecretStr("owner-secret"))) as house:
         house.node("scenes").create_service(ApplyScene, APPLY_SCENE, apply)
-        url, headers = f"http://127.0.0.1:{house.door.port}/api/scene", {"Authorization": "Bearer owner-secret"}
+        url, headers = f"http://127.0.0.1:{house.server.port}/api/scene", {"Authorization": "Bearer owner-secret"}
         async with (
             aiohttp.ClientSession() as session,
             session.post(url, json={"scene": "x"}, headers=headers) as answer,
@@ -361,7 +361,7 @@ async def test_each_refusal_is_counted_and_logged_and_told_on_the_graph(open_hou
             await refusal(peer, "publish", topic=OUT, msg=RAW_COMMAND)
             with anyio.fail_after(PATIENCE):
                 told = await refusals.receive()
-            counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+            counts = {one.name: one.count for one in house.server.health(HealthRequest()).counts}
     assert (told.issuer, told.operation, told.target, told.right) == ("client:robot", "publish", OUT, "raw")
     assert told.address.startswith("127.0.0.1:")
     assert told.reason.startswith("the right raw is missing; ")
@@ -377,7 +377,7 @@ async def test_messages_on_a_refused_topic_are_refused_before_they_are_parsed(op
         first = await refusal(peer, "publish", topic=OUT, msg=RAW_COMMAND)
         await peer.connection.send(f'{{"op": "publish", "id": "again", "topic": "{OUT}", "msg": [nothing')
         again = await peer.receive()
-        counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+        counts = {one.name: one.count for one in house.server.health(HealthRequest()).counts}
     assert (again["id"], again["msg"]) == ("again", first)
     assert counts["rights_missing"] == 2
 
@@ -388,7 +388,7 @@ async def test_a_flood_of_refusals_is_counted_in_full_and_told_in_part(open_hous
             refusals = house.node("journal").create_subscription(AccessRefused, ACCESS_REFUSALS, qos_profile=1000)
             for _ in range(200):
                 await refusal(peer, "publish", topic=OUT, msg=RAW_COMMAND)
-            counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+            counts = {one.name: one.count for one in house.server.health(HealthRequest()).counts}
             told = sum(1 for _ in iter(refusals.take, None))
     assert counts["rights_missing"] == 200
     assert told == sum(line["event"] == "door.right_missing" for line in lines) < 100
@@ -414,7 +414,7 @@ async def test_where_there_is_a_token_without_a_name_every_client_needs_one(open
 
 
 async def test_the_token_without_a_name_has_every_right(open_house: Any) -> None:
-    door = DoorSettings(port=0, token=SecretStr("owner-secret"))
+    door = RosbridgeSettings(port=0, token=SecretStr("owner-secret"))
     async with open_house(door) as house, house.peer(Authorization="Bearer owner-secret") as peer:
         commands = house.node("mqtt").create_subscription(RawCommand, OUT)
         await peer.send("publish", topic=OUT, msg=RAW_COMMAND)
@@ -423,7 +423,7 @@ async def test_the_token_without_a_name_has_every_right(open_house: Any) -> None
 
 
 async def test_the_scope_of_the_door_holds_for_clients_without_a_token(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, scope=("read",))) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, scope=("read",))) as house, house.peer() as peer:
         await peer.settle()
         told = await refusal(peer, "publish", topic="/chatter", msg={})
     assert told.startswith("the right act is missing; a client without a token has: read. ")
@@ -437,13 +437,13 @@ def test_where_others_can_connect_a_client_without_a_token_has_no_rights() -> No
 @pytest.mark.parametrize("name", ["local", "owner", "", "a b", "a" * 65, "a/b"])
 def test_a_token_has_a_name_of_its_own(name: str) -> None:
     with pytest.raises(ValidationError, match="a token cannot be called"):
-        DoorSettings(tokens={name: ClientToken(token=SecretStr("s"), scope=("read",))})
+        RosbridgeSettings(tokens={name: ClientToken(token=SecretStr("s"), scope=("read",))})
 
 
 def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
     one = ClientToken(token=SecretStr("hunter2"), scope=("read",))
     with pytest.raises(ValidationError, match="the tokens owner and robot are the same") as caught:
-        DoorSettings(token=SecretStr("hunter2"), tokens={"robot": one})
+        RosbridgeSettings(token=SecretStr("hunter2"), tokens={"robot": one})
     assert "hunter2" not in str(caught.value)
 
 

@@ -99,7 +99,7 @@ async def test_the_goals_of_a_client_that_vanishes_end(house: House) -> None:
             one.connection.transport.pause_reading()
         await the_end(fib)
         assert 0.4 < anyio.current_time() - began < 5
-        assert house.door.client_count == 1
+        assert house.server.client_count == 1
         peer.connection.transport.abort()
         idle.connection.transport.resume_reading()
         await idle.settle()

@@ -8,7 +8,7 @@ from typing import ClassVar
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog, FeedQueue
+from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue, TotalBacklog
 from homebot.graph.subscription import key_of
 from homebot.messages import String
 from homebot.messages.message import Message
@@ -44,7 +44,7 @@ def names(waiting: FeedQueue) -> list[str]:
 
 
 def test_a_topic_that_brings_too_much_loses_its_own_oldest_and_no_other_does() -> None:
-    backlog = Backlog(10 * KIB, DoorBacklog(100 * KIB))
+    backlog = Backlog(10 * KIB, TotalBacklog(100 * KIB))
     quiet, flood = queue(backlog), queue(backlog)
     quiet.append(text("state"))
     for number in range(50):
@@ -57,7 +57,7 @@ def test_a_topic_that_brings_too_much_loses_its_own_oldest_and_no_other_does() -
 
 
 def test_the_oldest_of_all_goes_where_each_topic_has_only_one() -> None:
-    backlog = Backlog(10 * KIB, DoorBacklog(100 * KIB))
+    backlog = Backlog(10 * KIB, TotalBacklog(100 * KIB))
     queues = [queue(backlog) for _ in range(20)]
     for number, one in enumerate(queues):
         one.append(text(f"{number}"))
@@ -67,7 +67,7 @@ def test_the_oldest_of_all_goes_where_each_topic_has_only_one() -> None:
 
 
 def test_one_message_of_any_size_may_wait() -> None:
-    backlog = Backlog(10, DoorBacklog(10))
+    backlog = Backlog(10, TotalBacklog(10))
     big = queue(backlog)
     big.append(text("first"))
     big.append(text("second"))
@@ -75,7 +75,7 @@ def test_one_message_of_any_size_may_wait() -> None:
 
 
 def test_a_topic_keeps_its_depth_and_a_keyed_one_that_of_each_key() -> None:
-    backlog = Backlog(1000 * KIB, DoorBacklog(1000 * KIB))
+    backlog = Backlog(1000 * KIB, TotalBacklog(1000 * KIB))
     plain, keyed = queue(backlog, 3), queue(backlog, 1, State)
     for number in range(10):
         plain.append(text(f"{number}"))
@@ -87,7 +87,7 @@ def test_a_topic_keeps_its_depth_and_a_keyed_one_that_of_each_key() -> None:
 
 
 def test_whoever_has_most_waiting_gives_up_where_too_much_waits_for_all() -> None:
-    everybody = DoorBacklog(40 * KIB)
+    everybody = TotalBacklog(40 * KIB)
     modest = queue(Backlog(30 * KIB, everybody))
     modest.append(text("state"))
     greedy = [queue(Backlog(30 * KIB, everybody)) for _ in range(4)]
@@ -109,7 +109,7 @@ def test_whoever_has_most_waiting_gives_up_where_too_much_waits_for_all() -> Non
 )
 def test_the_count_is_that_of_the_waiting_bytes_and_within_the_limit(steps: list[tuple[str, int, int, int]]) -> None:
     """In whatever order messages of two clients with two topics each come, are taken and are given up."""
-    everybody = DoorBacklog(8 * KIB)
+    everybody = TotalBacklog(8 * KIB)
     backlogs = [Backlog(6 * KIB, everybody) for _ in range(2)]
     queues = [queue(backlogs[number // 2], 5, State if number % 2 else String) for number in range(4)]
     put = taken = 0
@@ -148,7 +148,7 @@ def test_waiting_messages_are_freed_with_their_client_or_topic() -> None:
     try:
         for close in _closings():
             for message_type in (String, State):
-                everybody = DoorBacklog(1000 * KIB)
+                everybody = TotalBacklog(1000 * KIB)
                 backlog = Backlog(1000 * KIB, everybody)
                 waiting = queue(backlog, message_type=message_type)
                 messages = [

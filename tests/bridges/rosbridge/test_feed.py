@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 import anyio
 import pytest
 
-from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog
+from homebot.bridges.rosbridge.backlog import Backlog, TotalBacklog
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import SubscribeOperation
 from homebot.bridges.rosbridge.subscriptions import Feed
@@ -44,7 +44,7 @@ class Client:
 async def feeding(client: Client, *requests: SubscribeOperation) -> AsyncIterator[Publisher[Int32]]:
     graph = Graph()
     outbox = Outbox(client.send, lambda: None, ServerTurns(), 1000)
-    feed = Feed(Node(graph, "door"), "/n", Int32, 10, Backlog(10_000, DoorBacklog(10_000)), outbox)
+    feed = Feed(Node(graph, "door"), "/n", Int32, 10, Backlog(10_000, TotalBacklog(10_000)), outbox)
     for request in requests:
         feed.add(request)
     publisher = Node(graph, "talker").create_publisher(Int32, "/n")

@@ -2,7 +2,7 @@
 
 from tests.bridges.conftest import OpenHouse, Peer
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.devices.health import HealthRequest
 
 
@@ -23,19 +23,19 @@ async def latch(peer: Peer, topic: str, size: int) -> None:
 
 
 async def test_the_client_with_the_most_loses_its_oldest_latched_message(open_house: OpenHouse) -> None:
-    settings = DoorSettings(port=0, max_kept_bytes_of_all=100_000)
+    settings = RosbridgeSettings(port=0, max_kept_bytes_of_all=100_000)
     async with open_house(settings) as house, house.peer() as robot, house.peer() as flood, house.peer() as late:
         await latch(robot, "/map", 30_000)
         for number in range(4):
             await latch(flood, f"/flood{number}", 20_000)
         assert await kept(late, "/map", "/flood0", "/flood1") == {"/map": 30_000, "/flood1": 20_000}
-        counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+        counts = {one.name: one.count for one in house.server.health(HealthRequest()).counts}
         assert counts["latched_displaced"] == 1
 
 
 async def test_what_a_client_kept_is_released_with_its_topics_and_with_itself(open_house: OpenHouse) -> None:
     async with open_house() as house:
-        account = house.door._shared.kept
+        account = house.server._shared.kept
         async with house.peer() as robot:
             for topic in ("/a", "/b"):
                 await latch(robot, topic, 1000)

@@ -13,7 +13,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Origin
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.bridges.rosbridge.first_code import FirstCode
 from homebot.bridges.rosbridge.handshake import LOG_IN, token_in
 from homebot.bridges.rosbridge.settings import ClientToken
@@ -24,7 +24,7 @@ from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.support.owner_token import make_owner_token
 
-NEEDS_A_TOKEN = DoorSettings(port=0, token=SecretStr("hunter2"))
+NEEDS_A_TOKEN = RosbridgeSettings(port=0, token=SecretStr("hunter2"))
 
 
 def page(port: int, origin: str | None = None) -> connect:
@@ -39,11 +39,11 @@ async def call(connection: ClientConnection, service: str, **args: object) -> di
     return answer
 
 
-@pytest.mark.parametrize(("settings", "token"), [(NEEDS_A_TOKEN, "hunter2"), (DoorSettings(port=0), "")])
+@pytest.mark.parametrize(("settings", "token"), [(NEEDS_A_TOKEN, "hunter2"), (RosbridgeSettings(port=0), "")])
 async def test_the_page_reads_with_the_token_that_it_shows_or_without_where_none_is_needed(
-    open_house: Any, settings: DoorSettings, token: str
+    open_house: Any, settings: RosbridgeSettings, token: str
 ) -> None:
-    async with open_house(settings) as house, page(house.door.port) as connection:
+    async with open_house(settings) as house, page(house.server.port) as connection:
         await connection.send(json.dumps({"op": "auth", "token": token}))
         assert (await call(connection, "/rosapi/nodes"))["result"] is True
 
@@ -51,10 +51,10 @@ async def test_the_page_reads_with_the_token_that_it_shows_or_without_where_none
 async def test_a_token_raises_the_rights_of_the_page(open_house: Any) -> None:
     """What anybody at this computer may do is less."""
     owner = ClientToken(token=SecretStr("s3cret"), scope=("read", "manage"))
-    async with open_house(DoorSettings(port=0, tokens={"page": owner})) as house:
+    async with open_house(RosbridgeSettings(port=0, tokens={"page": owner})) as house:
         results = []
         for token in ("", "s3cret"):
-            async with page(house.door.port) as connection:
+            async with page(house.server.port) as connection:
                 await connection.send(json.dumps({"op": "auth", "token": token}))
                 results.append(await call(connection, "/rosapi/delete_param"))
     assert "the right manage is missing" in results[0]["values"]
@@ -70,9 +70,9 @@ async def test_a_command_of_the_page_is_a_persons_whatever_its_token(open_house:
         return CommandDevicesResponse(success=True)
 
     tablet = ClientToken(token=SecretStr("s3cret"), scope=("read", "act: all"))
-    async with open_house(DoorSettings(port=0, tokens={"tablet": tablet})) as house:
+    async with open_house(RosbridgeSettings(port=0, tokens={"tablet": tablet})) as house:
         house.node("scenes").create_service(ApplyScene, APPLY_SCENE, apply)
-        async with page(house.door.port) as connection:
+        async with page(house.server.port) as connection:
             await connection.send(json.dumps({"op": "auth", "token": token}))
             assert (await call(connection, APPLY_SCENE, name="x"))["result"] is True
     assert seen == [""]
@@ -88,7 +88,7 @@ async def test_a_command_of_the_page_is_a_persons_whatever_its_token(open_house:
     ],
 )
 async def test_a_page_without_a_valid_token_is_closed_with_the_reason(open_house: Any, frame: str, reason: str) -> None:
-    async with open_house(NEEDS_A_TOKEN) as house, page(house.door.port) as connection:
+    async with open_house(NEEDS_A_TOKEN) as house, page(house.server.port) as connection:
         await connection.send(frame)
         with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed) as caught:
             await connection.recv()
@@ -101,7 +101,7 @@ async def test_a_page_of_another_origin_or_port_is_turned_away(open_house: Any, 
     """Any program of this computer may serve a page: it neither reads nor commands."""
     async with open_house() as house:
         with pytest.raises(InvalidStatus) as caught:
-            async with page(house.door.port, origin):
+            async with page(house.server.port, origin):
                 pytest.fail("let in")
     assert caught.value.response.status_code == 403
 
@@ -127,10 +127,10 @@ async def test_a_code_lets_the_first_page_in_once_and_nothing_else(
     open_house: Any, tmp_path: Path, why_not: str
 ) -> None:
     """A new home has no token that its owner could type in."""
-    clock, settings = ManualClock(), DoorSettings(port=0)
+    clock, settings = ManualClock(), RosbridgeSettings(port=0)
     code, owner = FirstCode(clock), await to_thread.run_sync(make_owner_token, tmp_path / "owner.token")
     async with open_house(settings, owner=owner, first_code=code) as house:
-        port, secret = house.door.port, code.secret.get_secret_value()
+        port, secret = house.server.port, code.secret.get_secret_value()
         if why_not == "used":
             assert await log_in(port, secret) == "owner"
         elif why_not == "late":
@@ -140,10 +140,10 @@ async def test_a_code_lets_the_first_page_in_once_and_nothing_else(
                 code.count_wrong()
         elif why_not == "another token":
             new = ClientToken(token=SecretStr("s3cret"), scope=("read",))
-            house.door.update_tokens(settings.model_copy(update={"tokens": {"screen": new}}))
+            house.server.update_tokens(settings.model_copy(update={"tokens": {"screen": new}}))
         elif why_not == "not a page":
             with pytest.raises(InvalidStatus, match="401"):
                 await connect(f"ws://127.0.0.1:{port}/?token={secret}", proxy=None)
             assert code.use()
         assert await log_in(port, secret) == ("a valid token is needed" if why_not else "owner")
-        assert [one.name for one in house.door.list_tokens(ListTokensRequest()).tokens if "code" in one.name] == []
+        assert [one.name for one in house.server.list_tokens(ListTokensRequest()).tokens if "code" in one.name] == []

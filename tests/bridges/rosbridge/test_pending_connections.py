@@ -11,10 +11,10 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.bridges.rosbridge.handshake import LOG_IN
 
-SETTINGS = DoorSettings(port=0, max_arriving_bytes_of_all=100_000)
+SETTINGS = RosbridgeSettings(port=0, max_arriving_bytes_of_all=100_000)
 
 
 def begin(peer: Peer, size: int, opcode: Opcode = Opcode.TEXT, *, is_end: bool = False) -> None:
@@ -31,7 +31,7 @@ async def test_the_client_with_the_most_bytes_is_cut_off(open_house: OpenHouse) 
             assert (await honest.receive())["id"] == "1"
             with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed, match="too many bytes"):
                 await large.connection.recv()
-            assert house.door.client_count == 2
+            assert house.server.client_count == 2
 
 
 async def test_fragments_count_as_well(open_house: OpenHouse) -> None:
@@ -48,17 +48,17 @@ async def test_what_was_handled_no_longer_counts(open_house: OpenHouse) -> None:
         for _ in range(4):
             await peer.tell("set_level", level="none", text="x" * 60_000)
             begin(peer, 100, Opcode.PING, is_end=True)
-        account = house.door._arrivals._account
+        account = house.server._pending._account
         assert account.used == 0
     assert account.used == 0
 
 
 async def test_a_page_that_has_not_logged_in_may_send_little(open_house: OpenHouse) -> None:
     async with (
-        open_house(DoorSettings(port=0, token=SecretStr("hunter2"))) as house,
+        open_house(RosbridgeSettings(port=0, token=SecretStr("hunter2"))) as house,
         connect(
-            f"ws://127.0.0.1:{house.door.port}",
-            origin=f"http://127.0.0.1:{house.door.port}",  # type: ignore[arg-type]
+            f"ws://127.0.0.1:{house.server.port}",
+            origin=f"http://127.0.0.1:{house.server.port}",  # type: ignore[arg-type]
             subprotocols=[LOG_IN],
             proxy=None,
         ) as page,

@@ -10,7 +10,7 @@ from pydantic import SecretStr
 from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import ClientToken, DoorSettings
+from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings
 from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseState
 from homebot.devices.names import HOLD_PART
 from homebot.errors import RefusedError, ServiceFailedError, ServiceGoneError, ServiceTimeoutError
@@ -149,7 +149,7 @@ async def test_a_call_counts_until_its_handler_has_ended(open_house: Any) -> Non
         return SuccessResponse(success=True, message="at last")
 
     async with (
-        open_house(DoorSettings(port=0, max_calls=1)) as house,
+        open_house(RosbridgeSettings(port=0, max_calls=1)) as house,
         house.node("lamp") as lamp,
         house.peer() as peer,
     ):
@@ -166,7 +166,7 @@ async def test_a_call_counts_until_its_handler_has_ended(open_house: Any) -> Non
 
 
 async def test_a_client_that_never_answers_owes_nothing_for_callers_that_gave_up(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_calls=1)) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, max_calls=1)) as house, house.peer() as peer:
         await peer.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
         node = house.node("app")
         client = node.create_client(Trigger, "/mine")
@@ -230,7 +230,7 @@ async def test_ids_of_two_clients_do_not_mix(house: House) -> None:
 
 
 async def test_a_client_that_owes_too_many_answers_is_asked_no_more(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_calls=1)) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, max_calls=1)) as house, house.peer() as peer:
         await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
         await peer.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
         client = house.node("app").create_client(Trigger, "/mine")
@@ -257,7 +257,7 @@ async def test_a_client_that_comes_back_provides_its_service_again(house: House)
         await new.tell("advertise_service", service="mine", type="std_srvs/Trigger")
         assert "/mine is provided by a newer connection of the client local now" in (await old.receive())["msg"]
         await old.connection.close()
-        while house.door.client_count > 1:
+        while house.server.client_count > 1:
             await new.settle()
         client = house.node("app").create_client(Trigger, "/mine")
         call = asyncio.create_task(client.call(TriggerRequest(), timeout=PATIENCE))
@@ -271,7 +271,7 @@ async def test_a_client_that_comes_back_provides_its_service_again(house: House)
 async def test_the_service_of_another_client_is_not_taken_over(open_house: Any) -> None:
     tokens = {name: ClientToken(token=SecretStr(name), scope=("read", "act: harmless")) for name in ("one", "two")}
     async with (
-        open_house(DoorSettings(port=0, tokens=tokens)) as house,
+        open_house(RosbridgeSettings(port=0, tokens=tokens)) as house,
         house.peer(Authorization="Bearer one") as one,
         house.peer(Authorization="Bearer two") as two,
     ):

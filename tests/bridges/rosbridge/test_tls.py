@@ -12,10 +12,10 @@ from anyio import to_thread
 from pydantic import ValidationError
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.rosbridge.tls import DoorTls
-from homebot.cli.door_address import DoorAddress
+from homebot.bridges.rosbridge import RosbridgeSettings
+from homebot.bridges.rosbridge.tls import ServerTls
 from homebot.cli.door_client import open_door
+from homebot.cli.server_address import ServerAddress
 from homebot.clock import ManualClock
 from homebot.config import parse_config
 from homebot.errors import LinkError, UsageError
@@ -27,9 +27,9 @@ async def running(folder: Path, **door: object) -> AsyncIterator[int]:
     """Run homebot with its data in *folder*; give the port of its door."""
     config = parse_config({"door": {"port": 0, **door}}, "test")
     async with Runtime(config, owner_file=folder / "owner.token") as runtime:
-        assert runtime.door is not None
-        assert runtime.door.page.startswith("https://")
-        yield runtime.door.port
+        assert runtime.rosbridge is not None
+        assert runtime.rosbridge.page.startswith("https://")
+        yield runtime.rosbridge.port
 
 
 async def page_of(port: int, context: ssl.SSLContext, path: str = "/") -> bytes:
@@ -58,7 +58,7 @@ async def test_the_page_and_the_command_line_trust_the_authority_that_homebot_ma
             await page_of(port, ssl.create_default_context())
 
         def ask(*, has_tls: bool) -> object:
-            with open_door(DoorAddress("127.0.0.1", port, has_tls=has_tls)) as door:
+            with open_door(ServerAddress("127.0.0.1", port, has_tls=has_tls)) as door:
                 return door.call("/discovery/list", {})["total"]
 
         assert await to_thread.run_sync(lambda: ask(has_tls=True)) == 0
@@ -86,7 +86,7 @@ async def test_a_certificate_of_the_owner_is_used(tmp_path: Path) -> None:
 def test_a_certificate_that_was_renewed_is_read_again(tmp_path: Path) -> None:
     authority = trustme.CA()
     file, key = write_certificate(authority, tmp_path)
-    tls = DoorTls(DoorSettings(certificate=file, key=key), None, ManualClock())
+    tls = ServerTls(RosbridgeSettings(certificate=file, key=key), None, ManualClock())
     write_certificate(authority, tmp_path)
     tls.refresh()
     file.write_text("nothing")
@@ -96,8 +96,8 @@ def test_a_certificate_that_was_renewed_is_read_again(tmp_path: Path) -> None:
 
 def test_what_cannot_be_used_is_said(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="this run keeps none"):
-        DoorTls(DoorSettings(tls=True), None, ManualClock())
+        ServerTls(RosbridgeSettings(tls=True), None, ManualClock())
     with pytest.raises(UsageError, match="No such file"):
-        DoorTls(DoorSettings(certificate=tmp_path / "absent.crt"), None, ManualClock())
+        ServerTls(RosbridgeSettings(certificate=tmp_path / "absent.crt"), None, ManualClock())
     with pytest.raises(ValidationError, match="state certificate too"):
-        DoorSettings(key=tmp_path / "house.key")
+        RosbridgeSettings(key=tmp_path / "house.key")

@@ -9,7 +9,7 @@ from pydantic import SecretStr
 from tests.patience import PATIENCE
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.bridges.rosbridge.settings import ClientToken
 from homebot.clock import ManualClock
 from homebot.devices.access_messages import ListedToken, ListTokensRequest
@@ -17,10 +17,10 @@ from homebot.devices.access_messages import ListedToken, ListTokensRequest
 NOW = 1_800_000_000.0
 
 
-def settings(until: float, *more: str) -> DoorSettings:
+def settings(until: float, *more: str) -> RosbridgeSettings:
     guest = ClientToken(token=SecretStr("guest-secret"), scope=("read",), until=until)
     others = {name: ClientToken(token=SecretStr(name), scope=("read",)) for name in more}
-    return DoorSettings(port=0, token=SecretStr("hunter2"), tokens={"guest": guest, **others})
+    return RosbridgeSettings(port=0, token=SecretStr("hunter2"), tokens={"guest": guest, **others})
 
 
 async def test_a_token_counts_until_its_end_and_then_the_answer_says_so(open_house: Any) -> None:
@@ -44,7 +44,7 @@ async def test_a_token_counts_until_its_end_and_then_the_answer_says_so(open_hou
 async def test_a_client_is_connected_no_longer_than_its_token_lasts(open_house: Any) -> None:
     async with open_house(settings(0.0)) as house:
         now = house.graph.clock.now()
-        house.door.update_tokens(settings(now + 3600))
+        house.server.update_tokens(settings(now + 3600))
         async with house.peer(Authorization="Bearer guest-secret") as guest:
             with anyio.fail_after(3600 + PATIENCE), pytest.raises(ConnectionClosed) as caught:
                 await guest.connection.recv()
@@ -56,7 +56,7 @@ async def test_a_client_is_connected_no_longer_than_its_token_lasts(open_house: 
 async def test_an_earlier_end_disconnects_who_is_there(open_house: Any) -> None:
     async with open_house(settings(NOW * 2)) as house, house.peer(Authorization="Bearer guest-secret") as guest:
         await guest.settle()
-        house.door.update_tokens(settings(NOW * 1.5))
+        house.server.update_tokens(settings(NOW * 1.5))
         with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed):
             await guest.connection.recv()
 
@@ -69,9 +69,9 @@ async def test_the_door_knows_when_each_token_was_last_shown_and_no_secret(open_
         clock.advance(5)
         async with house.peer(Authorization="Bearer hunter2") as owner:
             await owner.settle()
-            listed = house.door.list_tokens(ListTokensRequest())
-        house.door.update_tokens(settings(NOW + 60))
-        rest = house.door.list_tokens(ListTokensRequest()).tokens
+            listed = house.server.list_tokens(ListTokensRequest())
+        house.server.update_tokens(settings(NOW + 60))
+        rest = house.server.list_tokens(ListTokensRequest()).tokens
     told: dict[str, ListedToken] = {one.name: one for one in listed.tokens}
     assert {name: one.used_at.sec for name, one in told.items()} == {"owner": NOW + 5, "guest": NOW, "panel": 0}
     assert {name: one.is_connected for name, one in told.items()} == {"owner": True, "guest": False, "panel": False}

@@ -10,7 +10,7 @@ from structlog.testing import capture_logs
 from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
 
-from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.bridges.rosbridge.settings import ClientToken
 from homebot.devices import RawMessage
 from homebot.devices.health import HealthRequest
@@ -50,7 +50,7 @@ async def test_missing_fields_are_zero_or_empty_with_a_warning(house: House, pee
 
 async def test_a_message_on_a_topic_of_homebot_must_be_whole(open_house: Any) -> None:
     """Nothing is sent to a device that nobody wrote."""
-    async with open_house(DoorSettings(port=0, scope=("raw",))) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, scope=("raw",))) as house, house.peer() as peer:
         house.node("gateway").create_subscription(String, "/gateway/g/out")
         await peer.send("publish", topic="/gateway/g/out", msg={})
         assert "field 'data' is missing" in (await peer.receive())["msg"]
@@ -210,7 +210,7 @@ async def test_late_subscribers_receive_as_many_messages_as_both_sides_say(peer:
 async def test_late_subscribers_receive_every_static_transform(open_house: Any) -> None:
     """Rclpy's broadcaster repeats all of its own in each message; clients in other languages send one at a time."""
     tokens = {name: ClientToken(token=SecretStr(name), scope=("read", f"robot: {name}")) for name in "ab"}
-    async with open_house(DoorSettings(port=0, tokens=tokens)) as house, AsyncExitStack() as stack:
+    async with open_house(RosbridgeSettings(port=0, tokens=tokens)) as house, AsyncExitStack() as stack:
         for name in tokens:
             robot = await stack.enter_async_context(house.peer(Authorization=f"Bearer {name}"))
             await robot.send("advertise", topic="/tf_static", type="tf2_msgs/TFMessage", latch=True)
@@ -229,7 +229,11 @@ async def test_a_quality_of_service_that_is_none_is_refused(peer: Peer) -> None:
 
 
 async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, queue_depth=5)) as house, house.peer() as slow, house.peer() as quick:
+    async with (
+        open_house(RosbridgeSettings(port=0, queue_depth=5)) as house,
+        house.peer() as slow,
+        house.peer() as quick,
+    ):
         publisher = house.node("camera").create_publisher(String, "/image")
         for peer in (slow, quick):
             await peer.tell("subscribe", topic="/image")
@@ -250,7 +254,7 @@ KEEPING = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def _refused(house: House) -> int:
-    return {one.name: one.count for one in house.door.health(HealthRequest()).counts}["requests_refused"]
+    return {one.name: one.count for one in house.server.health(HealthRequest()).counts}["requests_refused"]
 
 
 async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(house: House) -> None:

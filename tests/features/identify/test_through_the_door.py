@@ -15,7 +15,7 @@ from tests.features.identify.conftest import Room, served
 from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.graph import Node
 
@@ -69,7 +69,7 @@ async def camera_on(home: Home) -> AsyncIterator[tuple[Room, str]]:
     for key in room.effects:
         home.behaviours[key] = obey_after(0.2)
     async with served(room), Node(home.graph, "door") as node, anyio.create_task_group() as tasks:
-        door = Door(node, DoorSettings(port=0))
+        door = RosbridgeServer(node, RosbridgeSettings(port=0))
         await tasks.start(door.run)
         address = f"ws://127.0.0.1:{door.port}"
         async with connect(address, proxy=None) as camera:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from homebot.bridges.rosbridge import ClientToken, DoorSettings
+from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings
 from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import ConfigError, PeerError, UsageError
 from homebot.features.ros2.robots import RobotsOnWire
@@ -13,9 +13,9 @@ from homebot.messages.interfaces.settings import RosSettings, read_interfaces
 OWNERS = RobotOwners({"rosie": (), "bob": ()})
 
 
-def door(*robots: str) -> DoorSettings:
+def door(*robots: str) -> RosbridgeSettings:
     tokens = {f"{one}_brain": ClientToken(token=f"secret of {one}", scope=("read", f"robot: {one}")) for one in robots}
-    return DoorSettings(tokens=tokens)
+    return RosbridgeSettings(tokens=tokens)
 
 
 def test_what_comes_from_a_robot_has_the_rights_of_its_token() -> None:
@@ -36,7 +36,7 @@ def test_the_rights_end_with_the_token() -> None:
     token = ClientToken(token="secret", scope=("read", "robot: rosie"), until=100.0)
     times = [99.0]
     robots = RobotsOnWire.of(
-        {"rosie": ("/rosie/**",)}, DoorSettings(tokens={"rosie": token}), OWNERS, lambda: times[-1]
+        {"rosie": ("/rosie/**",)}, RosbridgeSettings(tokens={"rosie": token}), OWNERS, lambda: times[-1]
     )
     assert robots.source_of("/rosie/pose") is robots.caller("/rosie/nav") is not None
     times.append(100.0)

@@ -54,8 +54,8 @@ async def test_the_light_service_turns_the_lamp_off(homebot: TestHouse, tmp_path
 
 async def printed(homebot: TestHouse, *command: str, until: str) -> str:
     """Return what the command line prints, once that holds *until*."""
-    assert homebot.runtime.door is not None
-    door = {"HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
+    assert homebot.runtime.rosbridge is not None
+    door = {"HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.rosbridge.port}"}
     with anyio.fail_after(60):
         while True:
             program = [sys.executable, "-m", "homebot", *command]

@@ -1,4 +1,4 @@
-"""The tools of agents, over ``homebot mcp`` and at the door: the HTTP API, and actions.
+"""The tools of agents, over ``homebot mcp`` and at the rosbridge server: the HTTP API, and actions.
 
 Only this file and the tools of features import the MCP SDK.
 
@@ -47,13 +47,13 @@ ACTS: Final = ToolAnnotations(read_only_hint=False, destructive_hint=True, open_
 _UNCONFIRMED: Final = "this device always asks, and no person confirmed the command"
 
 _ASKS_IN_ANSWERS: Final = "2026-07-28"
-"""The version of MCP from which a server asks in the answer to a call; at the door answers are no streams."""
+"""The version of MCP from which a server asks in the answer to a call; over HTTP, answers are no streams."""
 
 _NO_RIGHT: Final = "the right "
 """The beginning of a refusal of a goal because of a missing right."""
 
 _MAX_SESSIONS: Final = 16
-"""Sessions of one token at the door; one that asks nothing for half an hour ends."""
+"""Sessions of one token at the rosbridge server; one that asks nothing for half an hour ends."""
 
 Words: TypeAlias = Annotated[str, Field(max_length=500)]
 """An argument; as part of an address, homebot takes up to 8 KiB."""
@@ -63,8 +63,8 @@ Several: TypeAlias = Annotated[list[Words], Field(min_length=1, max_length=MAX_C
 Device: TypeAlias = Annotated[Words, Field(description="id or exact name")]
 
 
-class DoorPlace(NamedTuple):
-    """The address of a door, with the token of a client; empty for none."""
+class RosbridgeAddress(NamedTuple):
+    """The address of a rosbridge server, with the token of a client; empty for none."""
 
     host: str
     port: int
@@ -95,11 +95,11 @@ class HouseApi(ABC):
     """The HTTP API and the actions of a house, with the rights of one client.
 
     Attributes:
-        door: Its door, for programs of this computer.
+        server: Its rosbridge server, for programs of this computer.
         is_of_house: Whether it is in the process of the house.
     """
 
-    door: DoorPlace
+    server: RosbridgeAddress
     is_of_house = False
 
     @abstractmethod

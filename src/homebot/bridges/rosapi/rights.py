@@ -10,8 +10,8 @@ class GetRightsRequest(Message):
     """A question for the client's own rights.
 
     Attributes:
-        issuer: The client; set by the door.
-        rights: The first words of its rights, such as ``read`` and ``act``; set by the door.
+        issuer: The client; set by the rosbridge server.
+        rights: The first words of its rights, such as ``read`` and ``act``; set by the rosbridge server.
     """
 
     issuer: str = ""

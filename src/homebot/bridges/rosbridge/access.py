@@ -1,4 +1,4 @@
-"""The access of clients of the door: the right that each operation needs. No I/O.
+"""The access of clients of the rosbridge server: the right that each operation needs. No I/O.
 
 homebot's own topics and services are those below the namespaces of its nodes, and the inboxes to which gateways deliver
 raw messages of devices. Reading them is harmless, and so are services that only answer; with the others a client could

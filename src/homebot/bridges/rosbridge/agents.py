@@ -1,4 +1,4 @@
-"""MCP over HTTP at the door: a server for each token, begun with its first request; sessions outlive connections.
+"""MCP over HTTP at the rosbridge server: a session outlives its connection, and each token has a server of its own.
 
 A request is checked as one to the HTTP API is, and a tool has the rights that its token has there.
 """
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.bridges.home_api.agent_server import AgentMistakeError, DoorPlace, HouseApi, agent_app
+from homebot.bridges.home_api.agent_server import AgentMistakeError, HouseApi, RosbridgeAddress, agent_app
 from homebot.bridges.home_api.routes import ApiRequest, answer
 from homebot.bridges.rosbridge.access import MissingRightError
 from homebot.bridges.rosbridge.goals import SentGoals
@@ -46,8 +46,10 @@ class HouseOfAgent(HouseApi):
 
     is_of_house = True
 
-    def __init__(self, client: OutsideClient, calls_of: Callable[[OutsideClient], HomeCalls], door: DoorPlace) -> None:
-        self.client, self.door = client, door
+    def __init__(
+        self, client: OutsideClient, calls_of: Callable[[OutsideClient], HomeCalls], server: RosbridgeAddress
+    ) -> None:
+        self.client, self.server = client, server
         self._calls_of = calls_of
 
     async def ask(self, method: str, target: str, body: bytes = b"") -> tuple[int, str]:
@@ -108,7 +110,7 @@ class AgentServers:
 
     Args:
         calls_of: Returns the services of the house for a request.
-        tasks: Those of the door, with which all servers end.
+        tasks: Those of the rosbridge server, with which all servers end.
     """
 
     def __init__(self, calls_of: Callable[[OutsideClient], HomeCalls], tasks: TaskGroup) -> None:
@@ -125,8 +127,8 @@ class AgentServers:
         async with self._starting:
             if key not in self._servers:
                 host, port = exchange.local_address
-                door = DoorPlace(host, port, exchange.token, client.shared.settings.has_tls)
-                house = HouseOfAgent(client, self._calls_of, door)
+                address = RosbridgeAddress(host, port, exchange.token, client.shared.settings.has_tls)
+                house = HouseOfAgent(client, self._calls_of, address)
                 server = _AgentServer(house, await to_thread.run_sync(agent_app, house))
                 await self._tasks.start(server.run)
                 self._servers[key] = server

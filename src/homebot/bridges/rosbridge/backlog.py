@@ -1,4 +1,4 @@
-"""The frames waiting for clients of the door, bounded per topic, per client and in total. No I/O.
+"""The frames waiting for clients of the rosbridge server, bounded per topic, per client and in total. No I/O.
 
 A topic over its limit drops its own oldest message, on a keyed topic the oldest of the same key. If a client is over
 its limit, the topic with the new message drops its oldest one; if that is its only one, the client's oldest message is
@@ -28,7 +28,7 @@ _OBJECT = 64
 
 
 @final
-class DoorBacklog:
+class TotalBacklog:
     """The bytes waiting for all clients together.
 
     Args:
@@ -67,7 +67,7 @@ class Backlog:
         limit: Maximum number of bytes; one message of any size is allowed.
     """
 
-    def __init__(self, limit: int, everybody: DoorBacklog) -> None:
+    def __init__(self, limit: int, everybody: TotalBacklog) -> None:
         self.waiting = 0
         self.everybody = everybody
         self._limit = limit
@@ -162,7 +162,7 @@ class FeedQueue:
         self._record_loss(self._queue.popleft())
 
     def has_room_for(self, _item: object) -> bool:
-        """Return True: publishers never wait for a client of the door."""
+        """Return True: publishers never wait for a client of the rosbridge server."""
         return True
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""A client of the door: its rights, and the log of its mistakes."""
+"""A client of the rosbridge server: its rights, and the log of its mistakes."""
 
 from typing import Final
 

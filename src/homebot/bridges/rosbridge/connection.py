@@ -1,4 +1,4 @@
-"""A WebSocket connection of the door that reads only as fast as the door answers.
+"""A WebSocket connection of the rosbridge server that reads only as fast as that answers.
 
 The session limits floods of frames, but the library itself answers pings and invalid frames, which are slowed down
 here. A client that does not read is not read from either, as the answers to its pings would pile up.
@@ -56,7 +56,7 @@ _MAX_OF_ONE: Final = 131_072
 """Most bytes of a connection without a session: of a request to the HTTP API, and of a page that must log in."""
 
 
-class Arrival(Protocol):
+class PendingConnection(Protocol):
     """A connection."""
 
     transport: asyncio.Transport
@@ -67,7 +67,7 @@ class Arrival(Protocol):
 
 
 @final
-class Arrivals:
+class PendingConnections:
     """The connections without a session, oldest first, and the bytes of all that are not handled yet.
 
     Args:
@@ -75,25 +75,25 @@ class Arrivals:
     """
 
     def __init__(self, most: int) -> None:
-        self._without_session: dict[Arrival, None] = {}
-        self._bytes: dict[Arrival, int] = {}
+        self._without_session: dict[PendingConnection, None] = {}
+        self._bytes: dict[PendingConnection, int] = {}
         self._account = ByteAccount(most, lambda: self._bytes, lambda one: self._bytes.get(one, 0), self._cut)
 
-    def __iter__(self) -> Iterator[Arrival]:
+    def __iter__(self) -> Iterator[PendingConnection]:
         return iter(tuple(self._without_session))
 
-    def add(self, connection: Arrival) -> None:
+    def add(self, connection: PendingConnection) -> None:
         """Add a connection without a session."""
         self._bytes.setdefault(connection, 0)
         self._without_session[connection] = None
         if len(self._without_session) > _MAX_ARRIVING:
             self._cut(next(iter(self._without_session)))
 
-    def has_session(self, connection: Arrival) -> None:
+    def has_session(self, connection: PendingConnection) -> None:
         """Record that *connection* has a session, or is being answered."""
         self._without_session.pop(connection, None)
 
-    def hold(self, connection: Arrival, size: int) -> None:
+    def hold(self, connection: PendingConnection, size: int) -> None:
         """Count *size* more bytes of *connection*, or fewer if negative."""
         if connection in self._bytes:
             self._bytes[connection] += size
@@ -101,21 +101,21 @@ class Arrivals:
             if connection in self._without_session and self._bytes[connection] > _MAX_OF_ONE:
                 self._cut(connection)
 
-    def remove(self, connection: Arrival) -> None:
+    def remove(self, connection: PendingConnection) -> None:
         """Remove a connection that has ended."""
         self._without_session.pop(connection, None)
         self._account.add(-self._bytes.pop(connection, 0))
 
-    def _cut(self, connection: Arrival) -> None:
+    def _cut(self, connection: PendingConnection) -> None:
         self.remove(connection)
         connection.cut_off("too many bytes of clients are incomplete or not handled")
 
 
-class DoorConnection(ServerConnection):
+class RosbridgeConnection(ServerConnection):
     """A connection that does not hold up the event loop.
 
     Args:
-        arrivals: All connections; this one adds itself.
+        pending: All connections; this one adds itself.
         open_timeout: Seconds within which the complete request must arrive.
 
     Attributes:
@@ -125,14 +125,14 @@ class DoorConnection(ServerConnection):
     def __init__(
         self,
         turns: ServerTurns,
-        arrivals: Arrivals,
+        pending: PendingConnections,
         open_timeout: float,
         *arguments: Any,
         **settings: Any,
     ) -> None:
         super().__init__(*arguments, **settings)
         self._turns = turns
-        self._arrivals = arrivals
+        self._pending = pending
         self._sizes = deque([0])  # of messages that are not handled yet; the last one is incomplete
         self._holds: set[str] = set()
         self._is_lost = False
@@ -152,7 +152,7 @@ class DoorConnection(ServerConnection):
         self.recv_messages.pause = lambda: self._hold("queue")
         self.recv_messages.resume = lambda: self._release("queue")
         self._too_late = self.loop.call_later(self._open_timeout, self.transport.abort)
-        self._arrivals.add(self)
+        self._pending.add(self)
 
     def data_received(self, data: bytes) -> None:
         """Handle *data* now or in the next turn; until then nothing more is read."""
@@ -176,7 +176,7 @@ class DoorConnection(ServerConnection):
     def connection_lost(self, exc: Exception | None) -> None:
         """Discard unsent data."""
         self._is_lost = True
-        self._arrivals.remove(self)
+        self._pending.remove(self)
         self.has_asked()
         super().connection_lost(exc)
 
@@ -220,17 +220,17 @@ class DoorConnection(ServerConnection):
 
     def has_arrived(self) -> None:
         """Record that the connection has a session, or is being answered."""
-        self._arrivals.has_session(self)
+        self._pending.has_session(self)
         self.has_handled()
 
     def has_answer(self) -> None:
         """Record that the request has been answered, so that the connection may be closed like one without."""
         if not self._is_lost:
-            self._arrivals.add(self)
+            self._pending.add(self)
 
     def hold(self, size: int) -> None:
         """Count *size* bytes from the client that are kept, or no longer if negative."""
-        self._arrivals.hold(self, size)
+        self._pending.hold(self, size)
 
     def has_handled(self) -> None:
         """Record that the request, or the oldest message, has been handled."""
@@ -316,7 +316,7 @@ class DoorConnection(ServerConnection):
             self.transport.resume_reading()
 
 
-async def client_frames(connection: DoorConnection) -> AsyncIterator[str]:
+async def client_frames(connection: RosbridgeConnection) -> AsyncIterator[str]:
     """Yield the frames of a client until it leaves; a binary frame ends the connection, unless it contains JSON.
 
     The original server accepts those too, and websocket-sharp, which ROS# uses, can only send bytes in that way.
@@ -344,7 +344,7 @@ class HttpExchange:
         response: The answer so far.
     """
 
-    def __init__(self, connection: DoorConnection) -> None:
+    def __init__(self, connection: RosbridgeConnection) -> None:
         self._connection, self._is_read = connection, False
         self.response = Response(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops", Headers(_OF_API), b"")
         posted, headers = connection.posted, Headers() if connection.request is None else connection.request.headers

@@ -1,4 +1,4 @@
-"""The entrance of the door: refuses requests, and identifies clients by their tokens."""
+"""The handshake of the rosbridge server: refuses requests, and identifies clients by their tokens."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
 from homebot.bridges.admission import is_same_origin, refusal, token_of
-from homebot.bridges.rosbridge.connection import DoorConnection, http_response
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.connection import RosbridgeConnection, http_response
+from homebot.bridges.rosbridge.settings import RosbridgeSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.token_check import TokenCheck
 from homebot.devices.access_messages import ListedToken, ListTokensResponse
@@ -56,7 +56,7 @@ Site: TypeAlias = "Callable[[str, str, str], Awaitable[tuple[HTTPStatus, Mapping
 is no such page."""
 
 
-class Entrance:
+class Handshake:
     """Checks Host, Origin and token of each request, and serves the files of the page.
 
     Args:
@@ -71,7 +71,7 @@ class Entrance:
 
     def __init__(
         self,
-        settings: DoorSettings,
+        settings: RosbridgeSettings,
         local_rights: ClientRights,
         shared: SharedState,
         site: Site | None,
@@ -95,11 +95,11 @@ class Entrance:
         self._shared = shared
         self._site = site
         self._open_timeout = open_timeout
-        self._names: WeakKeyDictionary[DoorConnection, str] = WeakKeyDictionary()
+        self._names: WeakKeyDictionary[RosbridgeConnection, str] = WeakKeyDictionary()
         self._used: dict[str, float] = {}
         """When each token was last shown, by name; in seconds since 1970."""
 
-    def update_tokens(self, settings: DoorSettings) -> frozenset[str]:
+    def update_tokens(self, settings: RosbridgeSettings) -> frozenset[str]:
         """Use the tokens and rights of *settings*; return the names with changes."""
         before = self._clients
         self._rights = settings.rights(self._local_rights, has_owner=self._owner is not None)
@@ -127,11 +127,11 @@ class Entrance:
         ]
         return ListTokensResponse(since=Time.from_seconds(since), tokens=tuple(tokens))
 
-    def seconds_left(self, connection: DoorConnection) -> float:
+    def seconds_left(self, connection: RosbridgeConnection) -> float:
         """Return the seconds until the token of an admitted client ends; infinite without an end."""
         return self._end_of(self._names[connection]) - self._clock.now()
 
-    def access_of(self, connection: DoorConnection) -> ClientAccess:
+    def access_of(self, connection: RosbridgeConnection) -> ClientAccess:
         """Return the name and the rights of an admitted client."""
         from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first
 
@@ -147,11 +147,11 @@ class Entrance:
             name, self._rights[name], owners, is_page=is_page, is_program=not is_person, owner_file=owner_file
         )
 
-    def knows(self, connection: DoorConnection) -> bool:
+    def knows(self, connection: RosbridgeConnection) -> bool:
         """Return whether an admitted client has a name, unlike a page that sends its token later."""
         return self._names[connection] != _PAGE
 
-    async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
+    async def admit(self, connection: RosbridgeConnection, request: Request) -> Response | None:
         """Return the answer to *request*: a refusal or a file of the page; None to admit the client."""
         headers, is_api, is_web_socket = request.headers, is_for_api(request), is_for_websocket(request)
         if (problem := refusal(self._settings, headers.get_all("Host"), headers.get_all("Origin"))) is not None:
@@ -165,7 +165,7 @@ class Entrance:
         return await self._admit_client(connection, request, may_be_page=is_web_socket and not is_api)
 
     async def _admit_client(
-        self, connection: DoorConnection, request: Request, *, may_be_page: bool
+        self, connection: RosbridgeConnection, request: Request, *, may_be_page: bool
     ) -> Response | None:
         headers = request.headers
         if may_be_page and _is_of_own_page(headers):
@@ -178,7 +178,7 @@ class Entrance:
             return None
         return await self._check_token(connection, token) or self._check_page(connection, request)
 
-    async def log_in(self, connection: DoorConnection, texts: AsyncIterator[str]) -> bool:
+    async def log_in(self, connection: RosbridgeConnection, texts: AsyncIterator[str]) -> bool:
         """Return whether a client may continue; homebot's own page must first send a token, if one is required."""
         if self.knows(connection):
             return True
@@ -192,7 +192,7 @@ class Entrance:
             return False
         return True
 
-    def turn_away(self, connection: DoorConnection, status: HTTPStatus, problem: str) -> Response:
+    def turn_away(self, connection: RosbridgeConnection, status: HTTPStatus, problem: str) -> Response:
         """Count and log a refusal, and return its response."""
         client = address_of(connection)
         self._shared.counters.turned_away += 1
@@ -209,10 +209,10 @@ class Entrance:
             return http_response(*problem_body(status, problem))
         return connection.respond(status, f"{problem}\n")
 
-    def _tokens_of(self, settings: DoorSettings) -> Mapping[str, SecretStr]:
+    def _tokens_of(self, settings: RosbridgeSettings) -> Mapping[str, SecretStr]:
         return settings.all_tokens(None if self._owner is None else SecretStr(self._owner.secret))
 
-    def _token_check(self, settings: DoorSettings) -> TokenCheck:
+    def _token_check(self, settings: RosbridgeSettings) -> TokenCheck:
         code = {} if self._first_code is None else {_FIRST: self._first_code.secret}
         return TokenCheck({**self._tokens_of(settings), **code}, self._clock)
 
@@ -226,7 +226,7 @@ class Entrance:
         token = self._settings.tokens.get(name)
         return inf if token is None else token.until
 
-    def _is_owner(self, connection: DoorConnection, headers: Headers) -> bool:
+    def _is_owner(self, connection: RosbridgeConnection, headers: Headers) -> bool:
         """Return whether the client proves that it can read the owner's token."""
         if self._owner is None or not (proof := headers.get(OWNER_HEADER)):
             return False
@@ -242,7 +242,9 @@ class Entrance:
         status, headers, body = site
         return Response(status.value, status.phrase, Headers(headers), body)
 
-    async def _check_token(self, connection: DoorConnection, token: str, *, is_page: bool = False) -> Response | None:
+    async def _check_token(
+        self, connection: RosbridgeConnection, token: str, *, is_page: bool = False
+    ) -> Response | None:
         if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
             self._names[connection] = LOCAL_CLIENT
             return None
@@ -263,7 +265,7 @@ class Entrance:
         self._used[name] = self._clock.now()
         return None
 
-    def _check_page(self, connection: DoorConnection, request: Request) -> Response | None:
+    def _check_page(self, connection: RosbridgeConnection, request: Request) -> Response | None:
         """Return the refusal of a web page of another server, or None."""
         headers, problem = request.headers, ""
         if (page := self._unnamed_page(connection, request)) and not is_same_origin(headers["Host"], page):
@@ -272,7 +274,7 @@ class Entrance:
             problem = "web pages of other servers may not use the HTTP API"
         return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem) if problem else None
 
-    def _unnamed_page(self, connection: DoorConnection, request: Request | None) -> str:
+    def _unnamed_page(self, connection: RosbridgeConnection, request: Request | None) -> str:
         """Return the origin of a page without a token that the settings do not allow; empty for other clients."""
         origin = request.headers.get("Origin", "") if request is not None else ""
         is_local = self._names[connection] == LOCAL_CLIENT
@@ -294,7 +296,7 @@ def is_for_websocket(request: Request) -> bool:
     return any("websocket" in value.lower() for value in request.headers.get_all("Upgrade"))
 
 
-def address_of(connection: DoorConnection) -> str:
+def address_of(connection: RosbridgeConnection) -> str:
     """Return the host and the port of a client."""
     host, port = (connection.remote_address or ("unknown", 0))[:2]
     return f"{host}:{port}"

@@ -1,4 +1,4 @@
-"""Requests to the HTTP API: each is a short-lived client of the door with the rights of its token."""
+"""Requests to the HTTP API: each is a short-lived client of the rosbridge server with the rights of its token."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from anyio.abc import TaskGroup
 
     from homebot.bridges.rosbridge.agents import AgentServers
-    from homebot.bridges.rosbridge.connection import DoorConnection, HttpExchange
+    from homebot.bridges.rosbridge.connection import HttpExchange, RosbridgeConnection
 
 _MAX_ADDRESSES = 1000
 
@@ -44,7 +44,7 @@ class HttpRequests:
         self._shared, self._tasks = shared, tasks
         self._agents: AgentServers | None = None
         self._home = unquote(home)
-        self._asking: dict[DoorConnection, anyio.CancelScope] = {}
+        self._asking: dict[RosbridgeConnection, anyio.CancelScope] = {}
         self._rates: BoundedMap[str, RateLimit] = BoundedMap(_MAX_ADDRESSES)
 
     @property
@@ -64,7 +64,7 @@ class HttpRequests:
                 self._agents.end(name)
 
     async def answer(
-        self, connection: DoorConnection, access: ClientAccess, address: str, exchange: HttpExchange | None
+        self, connection: RosbridgeConnection, access: ClientAccess, address: str, exchange: HttpExchange | None
     ) -> ApiAnswer | None:
         """Return the answer; the request is cancelled if its client leaves.
 

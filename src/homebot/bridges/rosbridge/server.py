@@ -1,6 +1,6 @@
-"""The door itself: listens, admits clients, gives each a session, and closes them cleanly.
+"""The rosbridge server: listens, admits clients, gives each a session, and closes them cleanly.
 
-Only this file, ``connection`` and ``entrance`` import the WebSocket server.
+Only this file, ``connection`` and ``handshake`` import the WebSocket server.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from websockets.http11 import Request, Response
 
 from homebot.bridges.client_error_log import LibraryLog
 from homebot.bridges.rosbridge.connection import (
-    Arrivals,
-    DoorConnection,
     HttpExchange,
+    PendingConnections,
+    RosbridgeConnection,
     client_frames,
     http_response,
     is_roslibpy,
 )
 from homebot.bridges.rosbridge.handshake import (
     LOG_IN,
-    Entrance,
+    Handshake,
     Site,
     address_of,
     is_for_agents,
     is_for_api,
     is_for_websocket,
 )
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.settings import RosbridgeSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
 from homebot.devices.exposure import NetworkService
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge.first_code import FirstCode
     from homebot.bridges.rosbridge.http_requests import HttpRequests
     from homebot.bridges.rosbridge.session import ClientSession
-    from homebot.bridges.rosbridge.tls import DoorTls
+    from homebot.bridges.rosbridge.tls import ServerTls
     from homebot.devices.access_messages import ListTokensRequest, ListTokensResponse
     from homebot.devices.robot_owners import RobotOwners
 
@@ -89,13 +89,13 @@ _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web p
 _log = get_logger(node="/rosbridge_websocket")
 
 
-class Door:
+class RosbridgeServer:
     """Connects programs outside the process to the graph by rosbridge v2.
 
     Mistakes of clients are logged, and reported to them as :mod:`homebot.bridges.rosbridge.protocol` describes.
 
     Args:
-        node: The node that acts for the clients; it must outlive the door.
+        node: The node that acts for the clients; it must outlive the rosbridge server.
         announce: Called with it as a network service when it starts and stops listening.
         local_rights: The rights of clients without a token, unless the settings have a scope for them.
         owners: Returns the robots of the house, with their topics and frames; by default those of the tokens.
@@ -103,7 +103,7 @@ class Door:
         open_timeout: Seconds within which a client must send its request.
         owner: The owner's token in the data folder; None for none.
         tls_folder: Where the authority of ``tls`` is kept; None where homebot keeps no data.
-        first_code: As for :class:`Entrance`.
+        first_code: As for :class:`Handshake`.
 
     Raises:
         ConfigError: The host is not a loopback address and there is no token.
@@ -112,7 +112,7 @@ class Door:
     def __init__(
         self,
         node: Node,
-        settings: DoorSettings,
+        settings: RosbridgeSettings,
         announce: Callable[[NetworkService], None] = lambda _: None,
         local_rights: ClientRights = LOCAL_RIGHTS,
         owners: Callable[[], RobotOwners] | None = None,
@@ -125,9 +125,9 @@ class Door:
     ) -> None:
         self._settings, self._tls_folder = settings, tls_folder
         self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
-        self._entrance = Entrance(settings, local_rights, shared, site, open_timeout, owner, first_code)
-        self._sessions: dict[DoorConnection, ClientSession] = {}
-        self._arrivals = Arrivals(settings.max_arriving_bytes_of_all)
+        self._handshake = Handshake(settings, local_rights, shared, site, open_timeout, owner, first_code)
+        self._sessions: dict[RosbridgeConnection, ClientSession] = {}
+        self._pending = PendingConnections(settings.max_arriving_bytes_of_all)
         self._api: HttpRequests | None = None
         self._tasks: TaskGroup
         self._port = settings.port
@@ -138,7 +138,7 @@ class Door:
 
     @property
     def port(self) -> int:
-        """The TCP port; the actual one once the door listens, also for port 0."""
+        """The TCP port; the actual one once the rosbridge server listens, also for port 0."""
         return self._port
 
     @property
@@ -154,22 +154,22 @@ class Door:
     def health(self, _request: HealthRequest) -> HealthResponse:
         """Return counters and guessing addresses, for the service ``health``."""
         counts = {
-            "wrong_tokens": self._entrance.tokens.wrong,
+            "wrong_tokens": self._handshake.tokens.wrong,
             "latched_displaced": self._shared.kept.lost,
             "clients_now": self.client_count,
         }
         lost = Count(name="messages_lost", count=self._shared.backlog.lost, severity=Severity.LOSS)
         counted = (*Count.of(self._shared.counters), lost, *Count.each(counts))
-        return HealthResponse(counts=counted, troubles=self._entrance.tokens.problems())
+        return HealthResponse(counts=counted, troubles=self._handshake.tokens.problems())
 
     def list_tokens(self, _request: ListTokensRequest) -> ListTokensResponse:
         """Return the tokens, with their rights and uses."""
         connected = {session.client.access.name for session in self._sessions.values()}
-        return self._entrance.list_tokens(connected, self._since)
+        return self._handshake.list_tokens(connected, self._since)
 
-    def update_tokens(self, settings: DoorSettings) -> None:
+    def update_tokens(self, settings: RosbridgeSettings) -> None:
         """Use the tokens and rights of *settings*, and disconnect clients whose token or rights have changed."""
-        changed = self._entrance.update_tokens(settings)
+        changed = self._handshake.update_tokens(settings)
         for connection, session in self._sessions.items():
             if session.client.access.name in changed:
                 connection.transport.abort()
@@ -182,12 +182,12 @@ class Door:
         Raises:
             ConfigError: It cannot listen on the address: taken, reserved, or not of this machine.
         """
-        tls: DoorTls | None = None
+        tls: ServerTls | None = None
         if self._settings.has_tls:
-            from homebot.bridges.rosbridge.tls import DoorTls  # noqa: PLC0415 - few doors have it
+            from homebot.bridges.rosbridge.tls import ServerTls  # noqa: PLC0415 - few servers have it
 
             clock = self._shared.node.graph.clock
-            tls = await to_thread.run_sync(DoorTls, self._settings, self._tls_folder, clock)
+            tls = await to_thread.run_sync(ServerTls, self._settings, self._tls_folder, clock)
         server = await self._listen(None if tls is None else tls.context)
         self._port = next(iter(server.sockets)).getsockname()[1]
         if self._port != (wanted := self._settings.port) and wanted:
@@ -220,7 +220,7 @@ class Door:
             await server.wait_closed()
             return
         # A client that does not read, or has not sent a request, cannot be sent a close frame.
-        for connection in (*self._sessions, *self._arrivals):
+        for connection in (*self._sessions, *self._pending):
             connection.transport.abort()
         await server.wait_closed()
 
@@ -238,7 +238,7 @@ class Door:
 
     async def _listen_on(self, port: int, tls: ssl.SSLContext | None) -> Server:
         settings, shared = self._settings, self._shared
-        log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
+        log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this rosbridge server alone; it leads into our own log
         log.addHandler(LibraryLog(shared.error_log, "door", _MISTAKE, lambda line: _CRASHES.get(str(line.msg), "")))
         return await serve(
             self._serve,
@@ -255,24 +255,24 @@ class Door:
             close_timeout=_CLOSE_TIMEOUT,
             max_queue=1,  # frames, which may be large
             create_connection=cast(
-                "type[ServerConnection]", partial(DoorConnection, shared.turns, self._arrivals, self._open_timeout)
+                "type[ServerConnection]", partial(RosbridgeConnection, shared.turns, self._pending, self._open_timeout)
             ),
             logger=log,
         )
 
     def _finish(self, connection: ServerConnection, _: Request, response: Response) -> None:
         response.headers[HOME_HEADER] = self._home
-        posted = cast("DoorConnection", connection).posted
+        posted = cast("RosbridgeConnection", connection).posted
         if posted is not None and posted.method == "HEAD":
             response.body = b""
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
-        arriving = cast("DoorConnection", connection)
+        arriving = cast("RosbridgeConnection", connection)
         arriving.has_asked()
-        if (response := await self._entrance.admit(arriving, request)) is not None:
+        if (response := await self._handshake.admit(arriving, request)) is not None:
             return response
-        if self._entrance.knows(arriving) and (problem := self._lack_of_places(arriving)):
-            return self._entrance.turn_away(arriving, HTTPStatus.SERVICE_UNAVAILABLE, problem)
+        if self._handshake.knows(arriving) and (problem := self._lack_of_places(arriving)):
+            return self._handshake.turn_away(arriving, HTTPStatus.SERVICE_UNAVAILABLE, problem)
         if is_for_api(request):
             return await self._answer(arriving, HttpExchange(arriving) if is_for_agents(request) else None)
         if not is_for_websocket(request):
@@ -281,9 +281,9 @@ class Door:
             return response
         return None
 
-    def _lack_of_places(self, connection: DoorConnection) -> str:
+    def _lack_of_places(self, connection: RosbridgeConnection) -> str:
         """Return why there is no place for a client of this token and address; empty if there is one."""
-        access, host = self._entrance.access_of(connection), address_of(connection).rpartition(":")[0]
+        access, host = self._handshake.access_of(connection), address_of(connection).rpartition(":")[0]
         most, kept = self._settings.max_clients, 0 if access.rights.has(Right.MANAGE) else _KEPT
         if self.client_count >= most - min(kept, most // 8):
             return _FULL
@@ -292,29 +292,29 @@ class Door:
             return f"too many clients with the token {access.name} are connected from this address"
         return ""
 
-    async def _answer(self, connection: DoorConnection, exchange: HttpExchange | None) -> Response:
+    async def _answer(self, connection: RosbridgeConnection, exchange: HttpExchange | None) -> Response:
         from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
 
         if self._api is None:
             self._api = HttpRequests(self._shared, self._home, self._tasks)
         self._shared.counters.clients += 1
-        access = self._entrance.access_of(connection)
+        access = self._handshake.access_of(connection)
         answer = await self._api.answer(connection, access, address_of(connection), exchange)
         if answer is not None:
             return http_response(*answer)
         return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "") if exchange is None else exchange.response
 
     async def _serve(self, opened: ServerConnection) -> None:
-        connection, entrance = cast("DoorConnection", opened), self._entrance
+        connection, handshake = cast("RosbridgeConnection", opened), self._handshake
         from homebot.bridges.rosbridge.client import OutsideClient  # noqa: PLC0415 - loaded with the first
-        from homebot.bridges.rosbridge.session import ClientSession, DoorLink  # noqa: PLC0415 - likewise
+        from homebot.bridges.rosbridge.session import ClientSession, SessionLink  # noqa: PLC0415 - likewise
 
         def cut() -> None:
             self._shared.counters.clients_cut += 1
             connection.transport.abort()
 
         texts = client_frames(connection)
-        if not await entrance.log_in(connection, texts):
+        if not await handshake.log_in(connection, texts):
             return
         if problem := self._lack_of_places(connection):  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, problem)
@@ -322,13 +322,13 @@ class Door:
         self._shared.counters.clients += 1
         connection.has_arrived()
         send = partial(connection.send_in_time, self._settings.stall_timeout, cut)
-        link = DoorLink(send, cut, connection.round_trip, connection.is_excused, connection.hold)
-        access = entrance.access_of(connection)
+        link = SessionLink(send, cut, connection.round_trip, connection.is_excused, connection.hold)
+        access = handshake.access_of(connection)
         asking = OutsideClient(self._shared, access, address_of(connection))
         session = ClientSession(asking, link, is_roslibpy=is_roslibpy(connection))
         self._sessions[connection] = session
         try:
-            with anyio.move_on_after(entrance.seconds_left(connection)) as term:
+            with anyio.move_on_after(handshake.seconds_left(connection)) as term:
                 await session.run(texts)
             if term.cancelled_caught:
                 await connection.close(CloseCode.POLICY_VIOLATION, "its token has ended")

@@ -38,7 +38,7 @@ _ANSWERS = 1_048_576
 """Bytes of waiting answers from which a client is not read from."""
 
 
-class DoorLink(NamedTuple):
+class SessionLink(NamedTuple):
     """A connection to a client.
 
     Attributes:
@@ -56,14 +56,14 @@ class DoorLink(NamedTuple):
 
 
 class ClientSession:
-    """The session of one client of the door: its topics, services, actions, goals and leases.
+    """The session of one client of the rosbridge server: its topics, services, actions, goals and leases.
 
     Args:
         is_roslibpy: Whether the client is roslibpy, which gets JSON in place of PNG, and no ``status`` frames unless it
             asks for them with ``set_level``, as it raises an exception for each.
     """
 
-    def __init__(self, client: OutsideClient, link: DoorLink, *, is_roslibpy: bool) -> None:
+    def __init__(self, client: OutsideClient, link: SessionLink, *, is_roslibpy: bool) -> None:
         self.client, self._link, self._reads_png = client, link, not is_roslibpy
         self._shared = shared = client.shared
         self._node, self._turns = shared.node, shared.turns

@@ -1,4 +1,4 @@
-"""The settings of the door: address, access and limits of clients."""
+"""The settings of the rosbridge server: address, access and limits of clients."""
 
 import re
 from collections.abc import Mapping
@@ -68,8 +68,8 @@ class ClientToken(BaseModel):
     until: float = inf
 
 
-class DoorSettings(AccessSettings):
-    """The settings of the door.
+class RosbridgeSettings(AccessSettings):
+    """The settings of the rosbridge server.
 
     If there is a ``token``, or others can reach the ``host``, every client must send one of the tokens. Of 64 clients,
     one token has at most 48 from one address, and two are kept for the right ``manage``.

@@ -1,4 +1,4 @@
-"""The state shared by all clients of the door: counters, mistakes, expected topics, servers."""
+"""The state shared by all clients of the rosbridge server: counters, mistakes, expected topics, servers."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.bridges.client_error_log import ClientErrorLog
-from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.rosbridge.backlog import TotalBacklog
 from homebot.bridges.rosbridge.heartbeat import OwnedLeases
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.settings import RosbridgeSettings
 from homebot.bridges.time_slices import ServerTurns
 from homebot.graph import EntityKind, Graph, Node, Publisher
 from homebot.support.bounded_map import BoundedMap
@@ -30,8 +30,8 @@ _Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 
 
 @dataclass(slots=True)
-class DoorCounters:
-    """Counters of the door since its start.
+class RosbridgeCounters:
+    """Counters of the rosbridge server since its start.
 
     Attributes:
         clients: Admitted clients.
@@ -134,7 +134,7 @@ class Provisions:
 
 @final
 class SharedState:
-    """The state shared by all clients of a door.
+    """The state shared by all clients of a rosbridge server.
 
     Attributes:
         advertised: The types of the topics that clients advertised last, for publishing on a new connection: in the
@@ -144,15 +144,15 @@ class SharedState:
         refusals: The publisher of refusals for lack of a right; None before the first one.
     """
 
-    def __init__(self, node: Node, settings: DoorSettings, owners: Callable[[], RobotOwners]) -> None:
+    def __init__(self, node: Node, settings: RosbridgeSettings, owners: Callable[[], RobotOwners]) -> None:
         self.node = node
         self.settings = settings
         self.owners = owners
         self.turns = ServerTurns()
-        self.backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
-        self.kept = DoorBacklog(settings.max_kept_bytes_of_all)
+        self.backlog = TotalBacklog(settings.max_waiting_bytes_of_all)
+        self.kept = TotalBacklog(settings.max_kept_bytes_of_all)
         self.expected = ExpectedTopics(node.graph)
-        self.counters = DoorCounters()
+        self.counters = RosbridgeCounters()
         self.error_log = ClientErrorLog(node)
         self.advertised: BoundedMap[str, str] = BoundedMap(_MAX_ADVERTISED)
         self.providers: dict[str, Provisions] = {}

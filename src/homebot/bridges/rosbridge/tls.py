@@ -1,7 +1,7 @@
-"""TLS of the door: by a certificate of the owner's, or by one of a local authority that homebot makes once.
+"""TLS of the rosbridge server: by a certificate of the owner's, or by one of a local authority that homebot makes once.
 
-A browser trusts the page once the device knows the authority, whose certificate the page offers; then the door's own
-certificate may change as often as the computer's addresses do.
+A browser trusts the page once the device knows the authority, whose certificate the page offers; then the certificate
+of the server may change as often as the computer's addresses do.
 """
 
 import socket
@@ -12,7 +12,7 @@ from typing import Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.settings import RosbridgeSettings
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.mqtt.certificate import load_certificate
@@ -30,8 +30,8 @@ _log = get_logger(node="/rosbridge_websocket")
 
 
 @final
-class DoorTls:
-    """The certificate of the door.
+class ServerTls:
+    """The certificate of the rosbridge server.
 
     Args:
         folder: Where the authority and its certificate are kept; None where homebot keeps no data.
@@ -43,7 +43,7 @@ class DoorTls:
         UsageError: A file cannot be read or written, or homebot keeps no data.
     """
 
-    def __init__(self, settings: DoorSettings, folder: Path | None, clock: Clock) -> None:
+    def __init__(self, settings: RosbridgeSettings, folder: Path | None, clock: Clock) -> None:
         self._settings, self._clock, self._folder = settings, clock, folder
         self.context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         self._loaded: float | None = None

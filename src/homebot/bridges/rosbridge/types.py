@@ -41,11 +41,11 @@ _CORE_MODULES: Final = (
     "homebot.devices.robot_messages",
     "homebot.devices.services",
 )
-"""The modules of the core with messages and services for clients of the door."""
+"""The modules of the core with messages and services for clients of the rosbridge server."""
 
 
 def own_modules() -> tuple[str, ...]:
-    """Return the modules with messages and services for clients of the door, those of features included."""
+    """Return the modules with messages and services for clients of the rosbridge server, those of features included."""
     return (*_CORE_MODULES, *(module for feature in all_features() for module in feature.messages))
 
 

@@ -20,7 +20,7 @@ from homebot.words.rights import read_scope
 if TYPE_CHECKING:
     from pydantic import SecretStr
 
-    from homebot.bridges.rosbridge import DoorSettings
+    from homebot.bridges.rosbridge import RosbridgeSettings
     from homebot.messages.interfaces.settings import RosSettings
 
 _Words: TypeAlias = tuple[str, ...]
@@ -70,13 +70,13 @@ class WireRights:
     def of_tokens(
         cls,
         settings: RosSettings,
-        door: DoorSettings,
+        rosbridge: RosbridgeSettings,
         home: str,
         machines: Mapping[str, SecretStr],
         now: float,
         owner: SecretStr | None = None,
     ) -> Self:
-        """Return the rights at the router of *home*: of each robot those of its token in *door*, all of the owner.
+        """Return the rights at the router of *home*: of each robot those of its token in *rosbridge*, all of the owner.
 
         A robot whose token is missing, or has ended at *now*, may not log in. Other machines of the house, with their
         secrets by name, have what is below ``/HOME/MACHINE``.
@@ -84,18 +84,20 @@ class WireRights:
         Raises:
             UsageError: A machine has the name of a token.
         """
-        passwords = {name: one for name, one in door.all_tokens(owner).items() if name == OWNER_CLIENT}
+        passwords = {name: one for name, one in rosbridge.all_tokens(owner).items() if name == OWNER_CLIENT}
         rules = [WireRule(name, _FROM + _TO, _GIVE + _TAKE, _EVERYTHING) for name in passwords]
         for name, secret in machines.items():
             passwords[name] = secret
             rules.append(WireRule(name, _FROM + _TO, _GIVE + _TAKE, (*_keys(settings.domain, (_below(home, name),)),)))
         for robot in settings.imports:
-            token = token_of(robot, door)
+            token = token_of(robot, rosbridge)
             if token in machines:
                 raise UsageError(f"a machine and a token are both called {token}; give one of them another name")
-            if token is not None and now < door.tokens[token].until:
-                passwords[token] = door.tokens[token].token
-                rules += _rules_of(token, robot, settings, reads=read_scope(door.tokens[token].scope).has(Right.READ))
+            if token is not None and now < rosbridge.tokens[token].until:
+                passwords[token] = rosbridge.tokens[token].token
+                rules += _rules_of(
+                    token, robot, settings, reads=read_scope(rosbridge.tokens[token].scope).has(Right.READ)
+                )
         return cls(tuple(rules), passwords)
 
     @classmethod
@@ -177,9 +179,9 @@ def _below(*names: str) -> str:
     return f"/{'/'.join(map(escape_token, names))}/**"
 
 
-def token_of(robot: str, door: DoorSettings) -> str | None:
+def token_of(robot: str, rosbridge: RosbridgeSettings) -> str | None:
     """Return the name of the token of *robot*: the first with the right to be it; None without one."""
-    return next((name for name, one in door.tokens.items() if robot in read_scope(one.scope).robots), None)
+    return next((name for name, one in rosbridge.tokens.items() if robot in read_scope(one.scope).robots), None)
 
 
 def check_apart(settings: RosSettings) -> None:

@@ -6,7 +6,7 @@ import sys
 from contextlib import redirect_stdout
 
 from homebot.cli.arguments import set_client_command
-from homebot.cli.door_address import door_of
+from homebot.cli.server_address import server_of
 from homebot.plugins import check_extra
 
 _EXAMPLES = """\
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _serve(options: argparse.Namespace) -> int:
     check_extra("homebot mcp", "mcp", "mcp")
-    address = door_of(options)
+    address = server_of(options)
     from homebot.bridges.home_api.agent_server import house_server  # noqa: PLC0415 - not before the extra is there
     from homebot.cli.mcp_server import ApiClient  # noqa: PLC0415 - as above
 

@@ -18,11 +18,11 @@ import anyio
 
 from homebot.cli.arguments import (
     DEFAULT_CONFIG,
-    DoorHost,
+    ServerHost,
     add_log_format,
     add_time_limit,
-    door_address,
-    door_of_environment,
+    server_address,
+    server_of_environment,
     set_command,
 )
 from homebot.cli.main import gc_paused
@@ -91,7 +91,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--door",
         metavar="HOST:PORT",
-        type=door_address,
+        type=server_address,
         default=argparse.SUPPRESS,  # the option may also come before the command
         help="address to listen on for rosbridge clients (default: [door], else HOMEBOT_DOOR, else 127.0.0.1:9090)",
     )
@@ -342,14 +342,14 @@ def configuration(options: argparse.Namespace, *, may_be_cut: bool = False) -> t
     return with_environment(parse_config(tables, source, base.folder)), house
 
 
-def _listens(address: DoorHost) -> dict[str, object]:
+def _listens(address: ServerHost) -> dict[str, object]:
     return {"host": address.host, "port": address.port, **({"tls": True} if address.has_tls else {})}
 
 
 def with_environment(config: Config) -> Config:
     """Return *config*, with the door's address and token from the environment if it has none."""
     door = config.door
-    if not door.keys() & {"host", "port"} and (address := door_of_environment()):
+    if not door.keys() & {"host", "port"} and (address := server_of_environment()):
         door = {**door, **_listens(address)}
     if (token := os.environ.get(_TOKEN)) and not door.keys() & {"token", "token_file", "tokens"}:
         door = {**door, "token": token}
@@ -447,7 +447,7 @@ async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
     async with _settled(runtime):
         from homebot.cli.live_house import shown  # noqa: PLC0415 - for a terminal alone
 
-        async with shown(runtime.graph, world, "" if runtime.door is None else runtime.door.page):
+        async with shown(runtime.graph, world, "" if runtime.rosbridge is None else runtime.rosbridge.page):
             yield
 
 

@@ -80,7 +80,7 @@ class MachineWire:
             )
         if isinstance(answer, str):
             raise PeerError(answer[:500])
-        return message_from_cdr(service_type.Response, self._opened(answer, b"!", proof))
+        return message_from_cdr(service_type.Response, self._verify(answer, b"!", proof))
 
     def close(self) -> None:
         """Serve no more, and leave."""
@@ -99,7 +99,7 @@ class MachineWire:
     ) -> None:
         proof = query.payload[-_PROOF:]
         try:
-            data = self._opened(query.payload, b"?", key.encode(), query.attachment)
+            data = self._verify(query.payload, b"?", key.encode(), query.attachment)
             response = message_to_cdr(await answer(message_from_cdr(request_type, data)))
         except HomebotError as exc:
             query.refuse(str(exc))
@@ -109,7 +109,7 @@ class MachineWire:
     def _proof(self, *parts: bytes) -> bytes:
         return hmac.digest(self._secret, b"".join(parts), "sha256")
 
-    def _opened(self, sealed: bytes, *about: bytes) -> bytes:
+    def _verify(self, sealed: bytes, *about: bytes) -> bytes:
         data, proof = sealed[:-_PROOF], sealed[-_PROOF:]
         if not hmac.compare_digest(proof, self._proof(*about, data)):
             raise PeerError("the two machines do not have the same secret: see token_file and password_file")

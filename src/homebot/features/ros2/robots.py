@@ -14,7 +14,7 @@ from homebot.support.name_patterns import fits_any
 from homebot.words.rights import read_scope
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge import DoorSettings
+    from homebot.bridges.rosbridge import RosbridgeSettings
     from homebot.devices.robot_owners import RobotOwners
 
 
@@ -45,7 +45,7 @@ class RobotsOnWire:
     def of(
         cls,
         imports: Mapping[str, Iterable[str]],
-        door: DoorSettings,
+        door: RosbridgeSettings,
         owners: RobotOwners,
         now: Callable[[], float] = lambda: -inf,
         revoked: Iterable[str] = (),

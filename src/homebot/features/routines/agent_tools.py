@@ -65,13 +65,13 @@ def add_tools(server: MCPServer, api: HouseApi) -> None:
 
 async def _trial(api: HouseApi, text: str, days: float) -> list[str]:
     """Return the newest lines of a trial, by a process of its own: it computes for a while."""
-    if api.is_of_house and not api.door.token:
+    if api.is_of_house and not api.server.token:
         return ["no trial: it needs a token"]
     try:
         routines = "".join(routine.text for routine in read_routines(text, "the text"))
     except HomebotError as exc:
         return [f"no trial: {exc}"]
-    place = api.door
+    place = api.server
     where = (
         f"{'wss' if place.has_tls else 'ws'}://{f'[{place.host}]' if ':' in place.host else place.host}:{place.port}"
     )

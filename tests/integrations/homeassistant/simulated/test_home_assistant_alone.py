@@ -71,8 +71,8 @@ async def homebot(
 
 async def do(runtime: Runtime, *words: str) -> int:
     """Run ``homebot do`` as a person does in a terminal."""
-    assert runtime.door is not None
-    return await asyncio.to_thread(main, ["do", *words, "--door", f"127.0.0.1:{runtime.door.port}"])
+    assert runtime.rosbridge is not None
+    return await asyncio.to_thread(main, ["do", *words, "--door", f"127.0.0.1:{runtime.rosbridge.port}"])
 
 
 def policy_of(outcome: Outcome) -> str:

@@ -155,7 +155,7 @@ class House:
 
     def __init__(self, runtime: Runtime, node: Node, entity: KnownEntity, files: dict[str, Path]) -> None:
         self.entity = entity
-        self._door = "" if runtime.door is None else f"127.0.0.1:{runtime.door.port}"
+        self._door = "" if runtime.rosbridge is None else f"127.0.0.1:{runtime.rosbridge.port}"
         self._devices = Devices(node)
         self._files = files
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, SecretStr, ValidationError
 
 from homebot.bridges.admission import AccessSettings
-from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
+from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings, Scope
 from homebot.clock import read_zone
 from homebot.config import Config, FilePath, parse_settings
 from homebot.errors import ConfigError, UsageError
@@ -18,7 +18,7 @@ from homebot.support.addresses import is_loopback
 from homebot.support.file_access import read_secret
 
 
-class DoorTable(DoorSettings):
+class RosbridgeTable(RosbridgeSettings):
     """The keys of the table ``[door]``.
 
     Attributes:
@@ -53,8 +53,8 @@ class TokenTable(BaseModel):
     until: Annotated[str, AfterValidator(_checked_end)] = ""
 
 
-def read_door(config: Config) -> DoorSettings:
-    """Return the door's settings, with the tokens read from their files.
+def read_rosbridge_settings(config: Config) -> RosbridgeSettings:
+    """Return the rosbridge server's settings, with the tokens read from their files.
 
     Raises:
         ConfigError: The table is wrong, or a secret cannot be read.
@@ -62,9 +62,9 @@ def read_door(config: Config) -> DoorSettings:
     source = config.source
     table = {key: value for key, value in config.door.items() if key != "tokens"}
     tokens = _tokens(config.door.get("tokens", {}), config)
-    given = parse_settings(DoorTable, table, source, "door", config.folder)
+    given = parse_settings(RosbridgeTable, table, source, "door", config.folder)
     if given.scope:
-        from homebot.words.rights import read_scope  # noqa: PLC0415 - few doors have a scope
+        from homebot.words.rights import read_scope  # noqa: PLC0415 - few servers have a scope
 
         if unsafe := read_scope(given.scope).kinds & {Right.MANAGE, Right.RAW}:
             words = " and ".join(sorted(right.value for right in unsafe))
@@ -72,7 +72,7 @@ def read_door(config: Config) -> DoorSettings:
             raise ConfigError(source, "door.scope", problem)
     values = read_access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
     try:
-        return DoorTable(**{**values, "tokens": tokens})
+        return RosbridgeTable(**{**values, "tokens": tokens})
     except ValidationError as exc:  # its text would show the secrets
         raise ConfigError(source, "door.tokens", exc.errors()[0]["msg"].removeprefix("Value error, ")) from None
 

@@ -14,7 +14,7 @@ from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.devices.exposure import NetworkService
 from homebot.errors import ConfigError, UsageError
 from homebot.graph import Graph, Node
@@ -39,13 +39,13 @@ async def test_everything_a_client_holds_goes_with_it(house: House) -> None:
                 while house.entities():
                     await changes.receive()
     with anyio.fail_after(PATIENCE):
-        while house.door.client_count:
+        while house.server.client_count:
             await anyio.lowlevel.checkpoint()
 
 
 async def test_a_stopped_door_says_goodbye(open_house: Any) -> None:
     async with open_house() as house:
-        connection = await connect(f"ws://127.0.0.1:{house.door.port}", proxy=None)
+        connection = await connect(f"ws://127.0.0.1:{house.server.port}", proxy=None)
     with pytest.raises(ConnectionClosed) as caught:
         await connection.recv()
     assert caught.value.rcvd is not None
@@ -56,7 +56,7 @@ async def test_a_stopped_door_does_not_wait_for_a_client_that_hangs(open_house: 
     with anyio.fail_after(PATIENCE):
         async with open_house() as house:
             publisher = house.node("camera").create_publisher(String, "/image")
-            connection = await connect(f"ws://127.0.0.1:{house.door.port}", proxy=None)
+            connection = await connect(f"ws://127.0.0.1:{house.server.port}", proxy=None)
             await connection.send('{"op": "subscribe", "topic": "/image"}')
             while not publisher.subscription_count:
                 await anyio.lowlevel.checkpoint()
@@ -69,7 +69,7 @@ async def test_a_stopped_door_does_not_wait_for_a_client_that_hangs(open_house: 
 
 
 async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, stall_timeout=0.1)) as house, house.peer() as stalled:
+    async with open_house(RosbridgeSettings(port=0, stall_timeout=0.1)) as house, house.peer() as stalled:
         publisher = house.node("camera").create_publisher(String, "/image")
         await stalled.tell("subscribe", topic="/image")
         stalled.connection.transport.pause_reading()
@@ -84,7 +84,7 @@ async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
 async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(open_house: Any) -> None:
     with anyio.fail_after(PATIENCE):
         async with open_house(open_timeout=10 * PATIENCE) as house:
-            silent = await anyio.connect_tcp("127.0.0.1", house.door.port)
+            silent = await anyio.connect_tcp("127.0.0.1", house.server.port)
             async with house.peer() as peer:
                 await peer.settle()
     await silent.aclose()
@@ -92,7 +92,7 @@ async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(open_
 
 def test_an_empty_token_is_no_token() -> None:
     with pytest.raises(ValueError, match="at least 1"):
-        DoorSettings(token=SecretStr(""))
+        RosbridgeSettings(token=SecretStr(""))
 
 
 BAD_FRAMES = [
@@ -177,7 +177,7 @@ async def test_json_may_come_in_a_binary_frame(peer: Peer) -> None:
 async def test_a_frame_that_cannot_be_taken_ends_that_connection(
     open_house: Any, frame: str | bytes, code: int
 ) -> None:
-    settings = DoorSettings(port=0, max_frame_bytes=4096)
+    settings = RosbridgeSettings(port=0, max_frame_bytes=4096)
     async with open_house(settings) as house, house.peer() as bad, house.peer() as good:
         with capture_logs() as logs:
             await bad.connection.send(frame)
@@ -195,7 +195,7 @@ async def test_a_frame_that_cannot_be_taken_ends_that_connection(
 
 
 async def test_a_client_may_hold_only_so_much(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_entities=2)) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, max_entities=2)) as house, house.peer() as peer:
         await peer.send("set_level", level="error")
         for number in range(3):
             await peer.send("advertise", topic=f"/t{number}", type="std_msgs/String")
@@ -204,7 +204,7 @@ async def test_a_client_may_hold_only_so_much(open_house: Any) -> None:
 
 
 async def test_each_id_of_a_request_counts(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_entities=3)) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, max_entities=3)) as house, house.peer() as peer:
         house.node("talker").create_publisher(String, "/chatter")
         for number in range(4):
             await peer.send("subscribe", id=f"{number}", topic="/chatter")
@@ -220,7 +220,7 @@ async def test_each_id_of_a_request_counts(open_house: Any) -> None:
 
 async def test_all_clients_together_may_hold_only_so_much(open_house: Any) -> None:
     async with (
-        open_house(DoorSettings(port=0, max_entities_of_all=5)) as house,
+        open_house(RosbridgeSettings(port=0, max_entities_of_all=5)) as house,
         house.peer() as one,
         house.peer() as two,
     ):
@@ -232,7 +232,7 @@ async def test_all_clients_together_may_hold_only_so_much(open_house: Any) -> No
 
 
 async def test_a_client_that_sends_too_fast_is_read_more_slowly_and_loses_nothing(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_frames_per_second=100)) as house, house.peer() as peer:
+    async with open_house(RosbridgeSettings(port=0, max_frames_per_second=100)) as house, house.peer() as peer:
         reader = house.node("reader").create_subscription(String, "/chatter", qos_profile=1000)
         await peer.send("set_level", level="warning")
         started = anyio.current_time()
@@ -246,7 +246,7 @@ async def test_a_client_that_sends_too_fast_is_read_more_slowly_and_loses_nothin
 
 
 async def test_one_client_too_many_is_turned_away(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, max_clients=1)) as house, house.peer():
+    async with open_house(RosbridgeSettings(port=0, max_clients=1)) as house, house.peer():
         with pytest.raises(InvalidStatus) as caught:
             async with house.peer():
                 pytest.fail("let in")
@@ -266,7 +266,7 @@ async def test_a_client_without_the_token_or_of_a_foreign_page_is_turned_away(
     open_house: Any, path: str, headers: dict[str, str], status: int
 ) -> None:
     with capture_logs() as logs:
-        async with open_house(DoorSettings(port=0, token=SecretStr("hunter2"))) as house:
+        async with open_house(RosbridgeSettings(port=0, token=SecretStr("hunter2"))) as house:
             with pytest.raises(InvalidStatus) as caught:
                 async with house.peer(path, **headers):
                     pytest.fail("let in")
@@ -277,7 +277,7 @@ async def test_a_client_without_the_token_or_of_a_foreign_page_is_turned_away(
 
 @pytest.mark.parametrize(("path", "headers"), [("/?token=hunter2", {}), ("/", {"Authorization": "Bearer hunter2"})])
 async def test_a_client_with_the_token_is_let_in(open_house: Any, path: str, headers: dict[str, str]) -> None:
-    settings = DoorSettings(port=0, token=SecretStr("hunter2"))
+    settings = RosbridgeSettings(port=0, token=SecretStr("hunter2"))
     async with open_house(settings) as house, house.peer(path, **headers) as peer:
         await peer.settle()
 
@@ -297,28 +297,28 @@ async def get(port: int, path: str = "/", header: str = "Accept: */*") -> str:
 async def test_the_address_of_a_plain_request_has_no_token_that_counts(open_house: Any, path: str) -> None:
     """It stays in histories and logs of proxies; each client of HTTP can send a header."""
     with capture_logs() as logs:
-        async with open_house(DoorSettings(port=0, token=SecretStr("hunter2"))) as house:
-            assert (await get(house.door.port, f"{path}?token=hunter2")).startswith("HTTP/1.1 401 ")
-            authorized = await get(house.door.port, path, "Authorization: Bearer hunter2")
+        async with open_house(RosbridgeSettings(port=0, token=SecretStr("hunter2"))) as house:
+            assert (await get(house.server.port, f"{path}?token=hunter2")).startswith("HTTP/1.1 401 ")
+            authorized = await get(house.server.port, path, "Authorization: Bearer hunter2")
     assert not authorized.startswith("HTTP/1.1 401 ")
     assert "hunter2" not in repr(logs)
 
 
 async def test_a_plain_http_client_gets_a_greeting(open_house: Any) -> None:
     async with open_house() as house:
-        head, _, body = (await get(house.door.port)).partition("\r\n\r\n")
+        head, _, body = (await get(house.server.port)).partition("\r\n\r\n")
     assert head.startswith("HTTP/1.1 426 ")
     assert "\r\nUpgrade: websocket" in head
     assert body == "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
 
 async def test_a_plain_http_client_without_the_token_is_told_no_more_than_that(open_house: Any) -> None:
-    async with open_house(DoorSettings(port=0, token=SecretStr("hunter2"))) as house:
-        assert (await get(house.door.port)).startswith("HTTP/1.1 401 ")
+    async with open_house(RosbridgeSettings(port=0, token=SecretStr("hunter2"))) as house:
+        assert (await get(house.server.port)).startswith("HTTP/1.1 401 ")
 
 
 async def test_a_rebound_name_is_turned_away(house: House) -> None:
-    with socket.create_connection(("127.0.0.1", house.door.port)) as raw:
+    with socket.create_connection(("127.0.0.1", house.server.port)) as raw:
         raw.setblocking(False)
         raw.send(
             b"GET / HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -333,7 +333,7 @@ async def test_invalid_web_socket_is_logged_and_harmless(open_house: Any) -> Non
     async with open_house() as house, house.peer() as peer:
         with capture_logs() as logs:
             for _ in range(3):
-                stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
+                stream = await anyio.connect_tcp("127.0.0.1", house.server.port)
                 async with stream:
                     await stream.send(b"\x16\x03\x01 not http\r\n\r\n")
                     with anyio.fail_after(PATIENCE), pytest.raises(anyio.EndOfStream):
@@ -344,20 +344,20 @@ async def test_invalid_web_socket_is_logged_and_harmless(open_house: Any) -> Non
 
 def test_an_open_door_needs_a_token() -> None:
     async def make() -> None:
-        Door(Node(Graph(), "door"), DoorSettings(host="0.0.0.0"))  # noqa: S104  # the case under test
+        RosbridgeServer(Node(Graph(), "door"), RosbridgeSettings(host="0.0.0.0"))  # noqa: S104  # the case under test
 
     with pytest.raises(ConfigError, match=r"0\.0\.0\.0 can be reached by others, so it needs a token"):
         anyio.run(make)
 
 
 async def test_a_taken_address_is_named(house: House) -> None:
-    second = Door(house.node("second"), DoorSettings(port=house.door.port))
-    with pytest.raises(UsageError, match=f"127.0.0.1:{house.door.port} is in use, maybe by another homebot"):
+    second = RosbridgeServer(house.node("second"), RosbridgeSettings(port=house.server.port))
+    with pytest.raises(UsageError, match=f"127.0.0.1:{house.server.port} is in use, maybe by another homebot"):
         await second.run()
 
 
 async def test_an_address_of_another_machine_is_named() -> None:
-    door = Door(Node(Graph(), "door"), DoorSettings(host="192.0.2.1", port=0, token=SecretStr("t")))
+    door = RosbridgeServer(Node(Graph(), "door"), RosbridgeSettings(host="192.0.2.1", port=0, token=SecretStr("t")))
     with pytest.raises(UsageError, match=r"cannot listen on 192\.0\.2\.1:0"):
         await door.run()
 
@@ -375,7 +375,7 @@ async def test_frames_are_ascii(house: House, peer: Peer) -> None:
 async def test_the_door_says_where_it_listens_and_that_it_no_longer_does() -> None:
     said: list[NetworkService] = []
     node = Node(Graph(), "rosbridge_websocket")
-    door = Door(node, DoorSettings(host="0.0.0.0", port=0, token=SecretStr("secret")), said.append)  # noqa: S104
+    door = RosbridgeServer(node, RosbridgeSettings(host="0.0.0.0", port=0, token=SecretStr("secret")), said.append)  # noqa: S104
     async with anyio.create_task_group() as tasks:
         await tasks.start(door.run)
         (service,) = said

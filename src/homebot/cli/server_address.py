@@ -16,7 +16,7 @@ import ssl
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_DOOR, DoorHost, door_address, door_of_environment
+from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_SERVER, ServerHost, server_address, server_of_environment
 from homebot.errors import ConfigError, UsageError
 from homebot.support.data_folder import data_directory
 from homebot.support.file_access import why_not_trusted
@@ -32,8 +32,8 @@ _LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - a wildc
 _EXAMPLE: Final = 'write a table [{name}] with door = "HOST:PORT" and, if it needs one, token_file = "FILE"'
 
 
-class DoorAddress(NamedTuple):
-    """The address of a door, with its token.
+class ServerAddress(NamedTuple):
+    """The address of a rosbridge server, with its token.
 
     Attributes:
         token: The token to send; empty for none.
@@ -55,8 +55,8 @@ class DoorAddress(NamedTuple):
         return f"{f'[{self.host}]' if ':' in self.host else self.host}:{self.port}"
 
 
-def door_of(options: argparse.Namespace) -> DoorAddress:
-    """Return the door named by *options*, the configuration or the environment.
+def server_of(options: argparse.Namespace) -> ServerAddress:
+    """Return the rosbridge server named by *options*, the configuration or the environment.
 
     Raises:
         ConfigError: The configuration, the variable or a file with a token cannot be used.
@@ -65,17 +65,17 @@ def door_of(options: argparse.Namespace) -> DoorAddress:
         return _of_home(options)
     table, home = ({}, "") if options.door else _table(DEFAULT_CONFIG)
     source = str(DEFAULT_CONFIG) if table.keys() & {"host", "port"} else ""
-    host, port, has_tls = options.door or (None if source else door_of_environment()) or DoorHost(*_address(table))
+    host, port, has_tls = options.door or (None if source else server_of_environment()) or ServerHost(*_address(table))
     has_tls = has_tls or "certificate" in table or table.get("tls") is True
     if options.token_file is not None:
         token = _read_token(Path(options.token_file), "--token-file")
     else:
         token = _token(table) or os.environ.get("HOMEBOT_DOOR_TOKEN", "")
-    return DoorAddress(host, port, token, source, home, has_tls)
+    return ServerAddress(host, port, token, source, home, has_tls)
 
 
-def _of_home(options: argparse.Namespace) -> DoorAddress:
-    """Return the door of the home that ``--home`` names; no token from the environment is sent there."""
+def _of_home(options: argparse.Namespace) -> ServerAddress:
+    """Return the rosbridge server of the home that ``--home`` names; no token from the environment is sent there."""
     if options.door:
         raise UsageError("--home and --door both give the address of homebot; use one of them")
     from platformdirs import user_config_path  # noqa: PLC0415 - only with --home
@@ -84,7 +84,7 @@ def _of_home(options: argparse.Namespace) -> DoorAddress:
     (host, port, has_tls), token_file = _named_home(options.home, path)
     file, said_by = (token_file, str(path)) if options.token_file is None else (options.token_file, "--token-file")
     token = "" if file is None else _read_token(Path(file), said_by)
-    return DoorAddress(_LOOPBACK.get(host, host), port, token, str(path), has_tls=has_tls)
+    return ServerAddress(_LOOPBACK.get(host, host), port, token, str(path), has_tls=has_tls)
 
 
 def client_context() -> ssl.SSLContext:
@@ -95,7 +95,7 @@ def client_context() -> ssl.SSLContext:
     return context
 
 
-def _named_home(name: str, path: Path) -> tuple[DoorHost, Path | None]:
+def _named_home(name: str, path: Path) -> tuple[ServerHost, Path | None]:
     """Return the address and token file of the home *name* in *path*, which others must not be able to change."""
     source, example = str(path), _EXAMPLE.format(name=name)
     if not path.exists():
@@ -111,12 +111,12 @@ def _named_home(name: str, path: Path) -> tuple[DoorHost, Path | None]:
     return _home_in(table, name, path)
 
 
-def _home_in(table: TomlTable, name: str, path: Path) -> tuple[DoorHost, Path | None]:
+def _home_in(table: TomlTable, name: str, path: Path) -> tuple[ServerHost, Path | None]:
     source, file = str(path), table.get("token_file")
     for key in table.keys() - {"door", "token_file"}:
         raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))
     try:
-        address = door_address(str(table["door"]))
+        address = server_address(str(table["door"]))
     except argparse.ArgumentTypeError as exc:
         raise ConfigError(source, f"{name}.door", str(exc)) from exc
     if file is not None and not isinstance(file, str):
@@ -143,16 +143,16 @@ def _table(path: Path) -> tuple[TomlTable, str]:
 
 def _check_keys(path: Path, keys: list[str]) -> None:
     """Refuse an unknown key: a misspelt ``port`` would lead to another homebot."""
-    from homebot.runtime.door_table import DoorTable  # noqa: PLC0415 - few tables need it
+    from homebot.runtime.rosbridge_table import RosbridgeTable  # noqa: PLC0415 - few tables need it
 
-    known = DoorTable.model_fields
+    known = RosbridgeTable.model_fields
     for key in keys:
         if key not in known:
             raise ConfigError(str(path), f"door.{key}", unknown_key(key, known))
 
 
 def _address(table: TomlTable) -> tuple[str, int]:
-    host, port = table.get("host", DEFAULT_DOOR[0]), table.get("port", DEFAULT_DOOR[1])
+    host, port = table.get("host", DEFAULT_SERVER[0]), table.get("port", DEFAULT_SERVER[1])
     if not isinstance(host, str) or not host:
         raise ConfigError(str(DEFAULT_CONFIG), "door.host", f"must be a host, got {host!r}")
     if isinstance(port, bool) or not isinstance(port, int) or not 0 < port <= 65_535:
