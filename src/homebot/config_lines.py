@@ -2,6 +2,7 @@
 
 import tomllib
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 
 from homebot.errors import ConfigError
@@ -15,9 +16,14 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
     with suppress(OSError, ValueError, RecursionError):
         text = text or Path(error.source).read_text("utf-8-sig")
         if (row := feature_tables().get(path[0])) is not None and row.plugin and row.is_array:
-            tables = tomllib.loads(text)  # they are named by their apps
-            apps = [*load(row.reader)(tables.get(path[0], []), tables.get(row.section, {}))]
-            path[1:2] = [str(apps.index(one)) for one in path[1:2]]
+            path[1:2] = [str(_apps_in(text, path[0]).index(app)) for app in path[1:2]]
     line = line_of(text, *path)
     config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
     return ConfigError.joined((config_error, *(located(one, text) for one in error.others)))
+
+
+@lru_cache(maxsize=1)  # the mistakes in a file follow each other
+def _apps_in(text: str, key: str) -> tuple[str, ...]:
+    """Return the names of the apps of the array *key* of a feature in *text*, in order."""
+    row, tables = feature_tables()[key], tomllib.loads(text)
+    return tuple(load(row.reader)(tables.get(key, []), tables.get(row.section, {})))

@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from tests.call_counts import calls
 
 from homebot.cli.commands.run import with_environment
 from homebot.config import load_config, parse_config
@@ -92,6 +93,30 @@ def test_a_wrong_app_is_left_out_and_named_with_its_line(tmp_path: Path) -> None
     grants = {"/window_heating": ("read",), "/rmf_doors": ("act: light in hall",)}
     assert plan.grants == grants, "it may run since before a reload"
     assert {*map(str, plan_errors(config))} == {*map(str, plan.left_out.values())}
+
+
+@pytest.mark.parametrize(
+    ("head", "mistake", "end"),
+    [
+        ("", '[[routines]]\nname = "r{}"\nwhen = ["hall motion on"]\ndo = ["lamp on"]\nwibble = 3\n', ""),
+        ('[[routines]]\nname = "r"\nwhen = ["hall motion on"]\ndo = [\n', "{},\n", "]"),
+        ("", '[[groups]]\nname = "g{}"\nmembrs = ["lamp"]\n', ""),
+        ("", '[apps.a{}]\nclass = "light_service"\nwibble = 3\n', ""),
+    ],
+)
+def test_the_lines_of_twice_as_many_mistakes_cost_twice_as_much(
+    tmp_path: Path, head: str, mistake: str, end: str
+) -> None:
+    """The file was read again for each."""
+
+    def count(mistakes: int) -> int:
+        file = tmp_path / "homebot.toml"
+        file.write_text(f"{head}{''.join(mistake.format(number) for number in range(mistakes))}{end}")
+        config = load_config(file)
+        assert len({str(error).split(": ")[0] for error in plan_errors(config)}) >= mistakes
+        return calls(lambda: plan_errors(config))
+
+    assert count(80) < 2.3 * count(40)
 
 
 async def test_a_house_goes_on_without_a_wrong_app_and_says_so() -> None:

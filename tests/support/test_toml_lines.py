@@ -20,6 +20,9 @@ do = [
 ]
 [routines.more]
 dotted.key = 1
+notes = [{ a = [1, 2] }, \"\"\"
+two, lines\"\"\", 'x', 4.5,
+    true]
 """
 
 
@@ -38,6 +41,10 @@ dotted.key = 1
         ("routines.1.do.7", 8),
         ("routines.2.when", 0),
         ("routines.more.dotted.key", 15),
+        ("routines.more.notes.1", 16),
+        ("routines.more.notes.2", 17),
+        ("routines.more.notes.4", 18),
+        ("routines.more.notes.5", 16),
         ("nothing", 0),
     ],
 )

@@ -57,7 +57,7 @@ def _changed(tables: Mapping[str, Any], table: tuple[str, ...], key: str, value:
 
 def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> Iterator[str]:
     """Yield texts that may have the change; only one that reads as wanted counts."""
-    lines = text.splitlines(keepends=True)
+    lines = re.findall(r"[^\n]*\n|[^\n]+", text)
     new = "" if value is REMOVED else f"{toml_value({key: value})[2:-2]}\n"
     name = ".".join(toml_value({one: 0})[2:-2].partition(" =")[0] for one in table)
     at = line_of(text, *table, key) - 1
