@@ -4,6 +4,7 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from re import _constants as codes  # type: ignore[attr-defined]
 from re import _parser as parser  # type: ignore[attr-defined]
@@ -15,6 +16,7 @@ from tests.call_counts import calls
 import homebot.words
 from homebot.errors import UsageError
 from homebot.words.conditions import read_condition
+from homebot.words.exact_queries import parse_cautious_query
 from homebot.words.patterns import read_pattern
 from homebot.words.queries import parse_query
 from homebot.words.steps import read_step
@@ -25,6 +27,8 @@ from homebot.words.wishes import KnownNames, read_wishes
 READERS: tuple[tuple[Callable[[str], object], str], ...] = (
     (parse_query, "(not "),
     (parse_query, "is is below "),
+    (parse_cautious_query, "on a "),
+    (parse_cautious_query, "(not on "),
     (read_trigger, "no temperature in "),
     (read_trigger, "x press for 1 "),
     (read_condition, "nobody is sleeps in or "),
@@ -42,6 +46,23 @@ def test_a_text_that_is_too_long_is_refused_at_once(read: Callable[[str], object
             read(piece * (20_000 // len(piece)))
 
     assert calls(work) < 20 * MAX_QUERY
+
+
+@pytest.mark.parametrize(
+    "piece", ["on ", "a ", "tv on ", "x is ", "a or b on or ", "(a) ", "not (on and ", "salt on lights "]
+)
+def test_a_ban_costs_as_much_as_its_text_is_long(piece: str) -> None:
+    """Each of its words that may be a name was read as a query of its own."""
+
+    def count(pieces: int) -> int:
+        def work() -> None:
+            with suppress(UsageError):
+                parse_cautious_query(piece * pieces + "end")
+
+        return calls(work)
+
+    most = 90 // len(piece.split())
+    assert count(most) < 2.5 * count(most // 2)
 
 
 def test_a_form_costs_as_much_as_its_text_is_long() -> None:

@@ -137,6 +137,21 @@ def test_commands_searches_triggers_conditions_and_bans_mean_the_device_with_the
         assert meant <= matching(devices, parse_cautious_query(text))
 
 
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("(tv) on", "tv"),
+        ("not (heater off)", "heater"),
+        ("lamp (old) on", "lamp (old)"),
+        ("(salt or pepper on)", "salt or pepper"),
+    ],
+)
+def test_a_ban_with_brackets_means_names_in_and_around_them(text: str, name: str) -> None:
+    """It was refused: a name ended outside the bracket in which it began."""
+    devices = [plug(number, one, is_on=True) for number, one in enumerate((name, "kettle"))]
+    assert "id0" in matching(devices, parse_cautious_query(text)) & found(directory(devices), text)
+
+
 @given(st.lists(NAMES, min_size=1, max_size=4))
 def test_searches_triggers_and_conditions_mean_the_room_with_the_name(rooms: list[str]) -> None:
     """Turning off the lights of ``Flur`` turned off those of ``Flur oben`` too."""

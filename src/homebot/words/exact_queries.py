@@ -1,11 +1,9 @@
 """Queries without guessing, for permissions and bans of the owner: a misspelt word would match nothing. Pure."""
 
-from functools import partial
-
-from homebot.devices.query.terms import HasText, NameIs, Or, PartIs, Query, leaves, split_near
+from homebot.devices.query.terms import HasText, Query, leaves, split_near
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
-from homebot.words.queries import names_in, parse_query
+from homebot.words.queries import parse_in_any_house, parse_query
 from homebot.words.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 
 
@@ -33,14 +31,8 @@ def parse_cautious_query(text: str) -> Query:
     Raises:
         UsageError: As for :func:`parse_lasting_query`.
     """
-    names = sorted(names_in(text))
-    named = [parse_query(text, partial(_is_about, kind(name))) for name in names for kind in (NameIs, PartIs)]
-    first, *others = dict.fromkeys([parse_lasting_query(text), *named])
-    return Or((first, *others)) if others else first
-
-
-def _is_about(name: NameIs | PartIs, query: Query) -> bool:
-    return name in leaves(query)
+    parse_lasting_query(text)
+    return parse_in_any_house(text)
 
 
 def parse_lasting_query(text: str) -> Query:

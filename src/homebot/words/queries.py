@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
+from itertools import accumulate
 from typing import TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -86,6 +87,7 @@ _METRES = ("m", "metres", "meters", "metre", "meter")
 _MAX_DEPTH = 20
 _MAX_PHRASE = 5
 _MAX_NAME_WORDS = 12
+_MAX_MEANINGS = 100
 
 
 def parse_query(text: str, exists: Exists | None = None) -> Query:
@@ -98,6 +100,15 @@ def parse_query(text: str, exists: Exists | None = None) -> Query:
         UsageError: It is not a query; the message names the part that is not understood, and an alternative.
     """
     return _parse(text) if exists is None else _Parser(text, exists).query()
+
+
+def parse_in_any_house(text: str) -> Query:
+    """Parse *text* as a query for all that it means in one house or another, whatever is called there how.
+
+    Raises:
+        UsageError: As for :func:`parse_query`, or it means too much.
+    """
+    return _Parser(text, lambda _: False, is_any=True).query()
 
 
 @lru_cache(maxsize=256)  # apps repeat their queries
@@ -127,9 +138,12 @@ def parse_alternatives(text: str) -> tuple[tuple[Term, ...], ...]:
 
 
 class _Parser:
-    def __init__(self, text: str, exists: Exists | None = None) -> None:
+    def __init__(self, text: str, exists: Exists | None = None, *, is_any: bool = False) -> None:
         self._text = text.rstrip().removesuffix("?")
         self._tokens = tokens_of(self._text)
+        self._is_any, self._is_denied = is_any, False
+        self._known_states: dict[int, tuple[Query | None, int]] = {}
+        self._no_states = set[int]()  # places from which on there are others too
         self._exists = self._is_known = exists
         self.ends = [*(token.at - 1 for token in self._tokens), len(self._text)]
         self._place = 0
@@ -142,7 +156,13 @@ class _Parser:
     def names_at(self, place: int) -> Iterator[tuple[int, str]]:
         """Yield the words from *place* on that may be a name, the longest first, each with the place after them."""
         for end in range(min(place + _MAX_NAME_WORDS, len(self._tokens)), place, -1):
-            yield end, fold(self.text(place, end))
+            if self._is_balanced(place, end):
+                yield end, fold(self.text(place, end))
+
+    def _is_balanced(self, first: int, last: int) -> bool:
+        """Return whether no bracket around the tokens from *first* until before *last* begins or ends in them."""
+        depths = [*accumulate((token.kind == "(") - (token.kind == ")") for token in self._tokens[first:last])]
+        return not depths or (min(depths) == 0 and depths[-1] == 0)
 
     def query(self) -> Query:
         if not self._tokens:
@@ -166,6 +186,23 @@ class _Parser:
         return alternatives[0] if len(alternatives) == 1 else Or(tuple(alternatives))
 
     def _all(self) -> Query:
+        return self._meanings() if self._is_any and self._exists is not None else self._meaning()
+
+    def _meanings(self) -> Query:
+        """Parse what is meant if any of the words are a name: a device fits if it fits one, or a denied one all."""
+        first = self._place
+        meanings, end = [self._meaning()], self._place
+        for exists in (NameIs.__instancecheck__, PartIs.__instancecheck__):
+            self._place = first
+            for named, is_open in self._readings(exists):
+                if self._place == end or (not is_open and self._is_balanced(end, self._place)):
+                    meanings.append(named)
+                if len(meanings) > _MAX_MEANINGS:
+                    raise UsageError(f'the query may mean more than {_MAX_MEANINGS} things; write name="…" for a name')
+        self._place = end
+        return meanings[0] if len(meanings) == 1 else (And if self._is_denied else Or)(tuple(meanings))
+
+    def _meaning(self) -> Query:
         first = self._place
         named = None if self._exists is None else self._named(self._exists)
         if named is not None and not named[1]:
@@ -184,6 +221,10 @@ class _Parser:
 
         None if nothing has the name and may have such states.
         """
+        return next((reading for reading in self._readings(exists) if exists(lasting(reading[0]))), None)
+
+    def _readings(self, exists: Exists) -> Iterator[tuple[Query, bool]]:
+        """Parse a name that *exists* and its states in each possible way, as :meth:`_named`."""
         states: list[Query] = []
         while (token := self._peek()) is not None:
             place = self._place
@@ -191,35 +232,42 @@ class _Parser:
                 called: NameIs | PartIs = NameIs(name)
                 if exists(called) or exists(called := PartIs(name)):
                     self._place = end
-                    said = (*states, *self._states())
-                    found = And((called, *(_of_part(one, name) if type(called) is PartIs else one for one in said)))
-                    following = self._peek()
-                    is_whole = following is None or following.kind == ")" or _is(following, "or")
-                    if is_whole and exists(lasting(found)):
-                        terms = leaves(found)
-                        is_open = type(called) is PartIs or any(isinstance(term, AreaIs | InArea) for term in terms)
-                        return found, is_open and any(map(is_meaningful, name.split()))
+                    if (others := self._states()) is not None:
+                        is_part, said = type(called) is PartIs, (*states, *others)
+                        named = And((called, *(_of_part(one, name) if is_part else one for one in said)))
+                        is_open = is_part or any(isinstance(term, AreaIs | InArea) for term in leaves(named))
+                        yield named, is_open and any(map(is_meaningful, name.split()))
                     self._place = place
             if self._is_filler(token):
                 self._place += 1
             elif (state := self._state()) is not None:
                 states.append(state)
             else:
-                return None
-        return None
-
-    def _states(self) -> Iterator[Query]:
-        """Parse what may be said of a device with a name, as far as it goes."""
-        while (token := self._peek()) is not None:
-            if _joins(token) or self._is_filler(token):
-                self._place += 1
-            elif (state := self._state()) is not None:
-                yield state
-            else:
                 return
 
+    def _states(self) -> list[Query] | None:
+        """Parse what may be said of a device with a name; None if something else follows."""
+        states, passed = list[Query](), list[int]()
+        while (token := self._peek()) is not None and token.kind != ")" and not _is(token, "or"):
+            passed.append(self._place)
+            if self._place not in self._no_states and (_joins(token) or self._is_filler(token)):
+                self._place += 1
+            elif self._place not in self._no_states and (state := self._state()) is not None:
+                states.append(state)
+            else:
+                self._no_states.update(passed)
+                return None
+        return states
+
     def _state(self) -> Query | None:
-        begun = self._place, self._depth, self._exists
+        begun = self._place
+        if begun not in self._known_states:
+            self._known_states[begun] = self._parse_state(), self._place
+        state, self._place = self._known_states[begun]
+        return state
+
+    def _parse_state(self) -> Query | None:
+        begun = self._place, self._depth, self._exists, self._is_denied
         self._exists = None
         term: Query | None = None
         with suppress(UsageError):  # the whole is parsed otherwise, and then it is raised
@@ -227,7 +275,7 @@ class _Parser:
         if term is not None and all(isinstance(one, _OF_NAMED) for one in leaves(term)):
             self._exists = begun[2]
             return term
-        self._place, self._depth, self._exists = begun
+        self._place, self._depth, self._exists, self._is_denied = begun
         return None
 
     def _terms(self) -> list[_Span]:
@@ -285,13 +333,15 @@ class _Parser:
 
     def negated(self, token: Token) -> Query:
         following = self._peek()
-        if following is None or following.kind == ")":
+        if following is None or following.kind == ")" or _is(following, "or"):
             raise _missing(token)
         with_capability = fold(token.text) == "without" and not self._is_compared()
         if with_capability and self._takes_area():
             return _NOWHERE
         self._enter(token)
+        self._is_denied = not self._is_denied
         term = self._ability(token) if with_capability else self._one()
+        self._is_denied = not self._is_denied
         self._depth -= 1
         return Not(term)
 

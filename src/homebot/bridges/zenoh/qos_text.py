@@ -19,6 +19,9 @@ _TOO_LARGE: Final = 2**63
 _DEEPEST: Final = 1000
 """Of a deeper history only the newest are kept: it is in memory here too."""
 
+_MAX_TEXT: Final = 300
+"""Characters, more than numbers of 64 bits need."""
+
 _FIELDS: Final = (1, 1, 2, 2, 2, 3)
 """How many numbers there are between the colons."""
 
@@ -39,6 +42,8 @@ def qos_from_text(text: str) -> QoSProfile:
         TypeMismatchError: It has not the form.
     """
     try:
+        if len(text) > _MAX_TEXT:
+            raise ValueError
         fields = [[int(number or -1) for number in field.split(",")] for field in text.split(":")]
         if tuple(map(len, fields)) != _FIELDS or max(map(max, fields)) >= _TOO_LARGE:
             raise ValueError
