@@ -62,6 +62,20 @@ def test_a_text_is_compressed_for_a_browser_that_takes_it(path: str) -> None:
     assert again[0] == HTTPStatus.NOT_MODIFIED
 
 
+def test_what_a_screen_loads_is_small() -> None:
+    """A cheap tablet draws the first view within a second."""
+    size = {path: len(found[2]) for path in EVERY_FILE if (found := answer(path, "", "gzip"))}
+    first = ["/page.js"]
+    for path in first:  # what is imported at once grows the list
+        named = re.findall(r'(?:from|import) ?"\./([\w-]+\.js)"', body(path))
+        first += [f"/{name}" for name in named if f"/{name}" not in first]
+    languages = [path for path in SCRIPTS if re.match(r"/[a-z]{2}-", path)]
+    assert len(languages) == 5
+    assert size["/page.css"] <= 8_000
+    assert sum(size[path] for path in [*first, "/", "/page.css", "/vocabulary.json"]) <= 60_000
+    assert sum(size[path] for path in SCRIPTS) - sum(sorted(size[path] for path in languages)[:-1]) <= 110_000
+
+
 def test_a_file_that_the_browser_has_is_not_sent_again() -> None:
     found = answer("/page.js", "")
     assert found is not None

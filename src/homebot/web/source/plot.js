@@ -1,75 +1,86 @@
-import uPlot from "uplot";
-import { useEffect, useRef, useState } from "preact/hooks";
+// A plot over time, as lines of SVG that fill their box; its texts grow with those of the page.
+import { useState } from "preact/hooks";
+import { zone } from "./clock.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { clock, day, hour } from "./words.js";
 
-const HEIGHT = 180;
-const COLOURS = ["--accent", "--alarm"];
-const SOON = 172_800; // seconds that are shown with the time of day
+const [WIDTH, HEIGHT] = [1000, 180];
+const [LINES, MOMENTS] = [4, 7]; // at most, across and along
+const [HOUR, DAY] = [3600, 86_400]; // seconds
+const STEPS = [1, 5, 15, 60, 300, 900, HOUR / 2, HOUR, 3 * HOUR, 6 * HOUR, 12 * HOUR, DAY, 2 * DAY, 7 * DAY, 14 * DAY, 31 * DAY, 92 * DAY, 366 * DAY];
 
 /**
- * A plot over time, from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a
- * value lasts until the next one; `most` is the largest possible value; `text` writes a number; `isFlag` where 0 and 1 are all there is.
+ * A plot from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a value lasts
+ * until the next one; `most` is the largest possible value; `text` writes a number; `isFlag` where 0 and 1 are all there is.
  */
-export function Plot({ label, times, values, names, from, to, most, isStepped = false, isFlag = false, text = String }) {
-  const place = useRef(null);
-  const plot = useRef(null);
-  const span = useRef([]);
-  const write = useRef(text);
-  write.current = text;
+export function Plot({ label, times, values, names, from = times[0], to = times.at(-1), most, isStepped = false, isFlag = false, text = String }) {
   const [index, setIndex] = useState(null);
-  span.current = [from ?? times[0], Math.max(to ?? times[times.length - 1], (from ?? times[0]) + 1)];
-  useEffect(() => {
-    const style = getComputedStyle(place.current);
-    const axis = { stroke: style.getPropertyValue("--ink-2"), grid: { stroke: style.getPropertyValue("--line"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
-    const series = names.map((name, at) => ({
-      label: name,
-      stroke: style.getPropertyValue(COLOURS[at % COLOURS.length]),
-      width: 2,
-      fill: names.length === 1 ? `color-mix(in srgb, ${style.getPropertyValue(COLOURS[0])} 11%, transparent)` : undefined,
-      paths: isStepped ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
-      points: { show: false },
-    }));
-    const short = (at) => (span.current[1] - span.current[0] > SOON ? day.value : span.current[1] - span.current[0] < 300 ? clock.value : hour.value).format(at * 1000);
-    const options = {
-      width: place.current.clientWidth,
-      height: HEIGHT,
-      legend: { show: false },
-      cursor: { y: false, points: { show: false }, drag: { x: false } },
-      scales: { x: { range: () => span.current }, y: { range: (_, low, high) => rangeOf(low, high, most) } },
-      series: [{}, ...series],
-      axes: [
-        { ...axis, space: 90, size: 30, values: (_, splits) => splits.map(short) },
-        { ...axis, size: 60, values: (_, splits) => splits.map((one) => write.current(round(one))), ...(isFlag ? { splits: () => [0, 1] } : {}) },
-      ],
-      hooks: { setCursor: [(own) => setIndex(own.cursor.idx ?? null)] },
-    };
-    const own = new uPlot(options, [times, ...values], place.current);
-    plot.current = own;
-    const resize = new ResizeObserver(([entry]) => own.setSize({ width: entry.contentRect.width, height: HEIGHT }));
-    resize.observe(place.current);
-    return () => {
-      resize.disconnect();
-      own.destroy();
-    };
-  }, [names.join(" "), isStepped, isFlag]);
-  useEffect(() => plot.current?.setData([times, ...values]), [times, values]);
-  const at = index ?? times.length - 1;
+  const span = Math.max(to - from, 1);
+  const known = values.flat().filter((value) => value != null);
+  const [low, high] = known.length ? rangeOf(Math.min(...known), Math.max(...known), most) : [0, 1];
+  const x = (at) => ((at - from) / span) * WIDTH;
+  const y = (value) => ((high - value) / (high - low)) * HEIGHT;
+  const follow = (event) => {
+    const box = event.currentTarget.getBoundingClientRect();
+    const at = from + (span * (event.clientX - box.x)) / box.width;
+    setIndex(times.reduce((best, time, own) => (Math.abs(time - at) < Math.abs(times[best] - at) ? own : best), 0));
+  };
+  const at = Math.min(index ?? Infinity, times.length - 1);
   const shown = names.map((name, one) => `${name} ${values[one][at] == null ? say("unknown") : text(round(values[one][at]))}`.trim());
+  const lines = isFlag ? [0, 1] : linesOf(low, high);
+  const short = span > 2 * DAY ? day.value : span < 300 ? clock.value : hour.value;
+  const parts = values.map((row) => partsOf(times, row));
+  const pathOf = (part) => part.map(([time, value], own) => `${!own ? "M" : isStepped ? `H${x(time).toFixed(1)}V` : "L"}${own && isStepped ? "" : `${x(time).toFixed(1)},`}${y(value).toFixed(1)}`).join("");
   return html`<figure class="plot">
-    <div role="img" aria-label=${say("{what} over time, {count} points", { what: label, count: times.length })} ref=${place}></div>
+    <div role="img" aria-label=${say("{what} over time, {count} points", { what: label, count: times.length })} onPointerMove=${follow} onPointerLeave=${() => setIndex(null)}>
+      <svg viewBox=${`0 0 ${WIDTH} ${HEIGHT}`} preserveAspectRatio="none">
+        ${lines.map((one) => html`<path key=${one} class="grid" d=${`M0,${y(one)}H${WIDTH}`} />`)}
+        ${names.length === 1 && parts[0].map((part, own) => html`<path key=${own} class="under" d=${`${pathOf(part)}V${HEIGHT}H${x(part[0][0]).toFixed(1)}Z`} />`)}
+        ${parts.map((row, own) => html`<path key=${own} class="line" d=${row.map(pathOf).join("")} />`)}
+        ${index !== null && html`<path class="grid at" d=${`M${x(times[at])},0V${HEIGHT}`} />`}
+      </svg>
+      ${lines.map((one) => html`<span key=${one} style=${{ insetBlockStart: `${(100 * y(one)) / HEIGHT}%` }}>${text(round(one))}</span>`)}
+    </div>
+    <p class="moments" aria-hidden="true">${momentsOf(from, span).map((one) => html`<span key=${one} style=${{ insetInlineStart: `${x(one) / (WIDTH / 100)}%` }}>${short.format(one * 1000)}</span>`)}</p>
     <figcaption><time>${index === null ? say("now") : `${day.value.format(times[at] * 1000)} ${clock.value.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
   </figure>`;
 }
 
 const round = (value) => Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1));
 
+/** The points between two gaps, of each part. */
+function partsOf(times, row) {
+  const parts = [[]];
+  row.forEach((value, own) => (value == null ? parts.push([]) : parts.at(-1).push([times[own], value])));
+  return parts.filter((part) => part.length);
+}
+
 /** From 0 on, or closer where all values are far from it. */
 function rangeOf(least, most, limit) {
-  if (least === null) return [0, 1];
   const end = most <= limit ? limit : Infinity;
   if (least >= 0 && least < most * 0.8) return [0, Math.min(most * 1.1, end) || 1];
   const room = (most - least) * 0.15 || Math.abs(most) * 0.1 || 1;
   return [least >= 0 ? Math.max(0, least - room) : least - room, Math.min(most + room, end)];
 }
+
+/** Round numbers within a range. */
+function linesOf(low, high) {
+  const least = (high - low) / LINES;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = [1, 2, 5, 10].find((one) => one * power >= least) * power;
+  const first = Math.ceil(low / step);
+  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, own) => (first + own) * step);
+}
+
+/** Round moments of the house's clock, away from both ends, whose texts would leave the plot. */
+function momentsOf(from, span) {
+  const step = STEPS.find((one) => span / one <= MOMENTS) ?? STEPS.at(-1);
+  const ahead = aheadOf(from);
+  const found = [];
+  for (let at = Math.ceil((from + ahead) / step) * step - ahead; at < from + span; at += step) found.push(at - (step < DAY ? 0 : aheadOf(at) - ahead)); // a day may have 25 hours
+  return found.filter((at) => at > from + span * 0.05 && at < from + span * 0.95);
+}
+
+/** By how many seconds the house's clock is ahead of UTC. */
+const aheadOf = (at) => Date.parse(`${new Intl.DateTimeFormat("sv-SE", { timeZone: zone.value, dateStyle: "short", timeStyle: "medium" }).format(at * 1000).replace(" ", "T")}Z`) / 1000 - Math.floor(at);
