@@ -31,6 +31,8 @@ READERS: tuple[tuple[Callable[[str], object], str], ...] = (
     (parse_cautious_query, "(not on "),
     (read_trigger, "no temperature in "),
     (read_trigger, "x press for 1 "),
+    (read_trigger, "message on x with = "),
+    (read_trigger, "x of x rises above x of x plus 1 "),
     (read_condition, "nobody is sleeps in or "),
     (read_step, "wait until x, at most "),
     (read_step, "and then a on, 1, "),

@@ -137,7 +137,13 @@ _CONTROLS = (
     ),
     CapabilityType("local_temperature", "number", "temperature measured by the thermostat", 0x0201, "°C"),
     CapabilityType(
-        "thermostat_mode", "text", "operating mode: off, heat, cool, auto, …", 0x0201, is_set=True, spoken="mode"
+        "thermostat_mode",
+        "text",
+        "operating mode: off, heat, cool, auto, …",
+        0x0201,
+        is_set=True,
+        spoken="mode",
+        by_state=True,
     ),
     CapabilityType("thermostat_action", "text", "current action: heating, idle, …", 0x0201),
     CapabilityType("preset_mode", "text", "preset of the device", is_set=True),

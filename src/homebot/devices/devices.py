@@ -179,7 +179,7 @@ class Devices:
             raise problem
 
     async def listen_to(self, address: str, handler: MessageHandler, gateway: str = "mqtt") -> None:
-        """Call *handler* with every raw message on an *address*, for example an MQTT topic; see :meth:`listen`.
+        """Call *handler* with every raw message on an *address*, such as any MQTT topic; see :meth:`listen`.
 
         Raises:
             RefusedError: The gateway does not deliver raw messages.
@@ -248,7 +248,12 @@ class Devices:
         since = Time.from_seconds(
             self._clock.now() - (self._clock.monotonic() - self._since)
         )  # by the present setting of the clock
-        request = SubscribeToTopicRequest(topic=address, listener=self._node.full_name, since=since)
+        request = SubscribeToTopicRequest(
+            topic=address,
+            listener=self._node.full_name,
+            since=since,
+            undeclared=(gateway, address) in self._handlers,
+        )
         response = await self._gateway(gateway).call(request)
         if not response.success:
             raise RefusedError(f"listening to {address}", response.message)

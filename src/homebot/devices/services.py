@@ -319,11 +319,13 @@ class SubscribeToTopicRequest(Message):
         listener: Full name of the requesting node, for delivery to its inbox; empty for a topic of the device's own.
         since: Messages from this time until this call are in the response if the gateway still has them. The device's
             retained state at the broker is always included.
+        undeclared: Whether no device need publish there; only for a *listener*.
     """
 
     topic: str
     listener: str = ""
     since: Time = NEVER
+    undeclared: bool = False
 
 
 class SubscribeToTopicResponse(ServiceAnswer):

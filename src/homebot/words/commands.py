@@ -31,12 +31,16 @@ STATE_WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "pause": ("paused",),
         "stop": ("idle",),
         "dock": ("returning", "docked"),
+        "heat": ("heat",),
+        "heating": ("heat",),
+        "cool": ("cool",),
+        "cooling": ("cool",),
         "disarm": ("disarmed",),
         "arm": ("armed_away",),
         **{f"arm {mode}": (f"armed_{mode}",) for mode in ("away", "home", "night", "vacation")},
     }
 )
-"""States of vacuum cleaners, mowers and alarms for a word; each device takes one of them."""
+"""States of vacuum cleaners, mowers, thermostats and alarms for a word; each device takes one of them."""
 
 
 def parse_command_words(

@@ -7,13 +7,12 @@ from functools import lru_cache
 from itertools import combinations
 from typing import Final, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
-from homebot.words.message_values import MessageValue, read_value
+from homebot.words.message_values import Comparison, read_comparison
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT, TWO_VALUES
+from homebot.words.phrases import ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
@@ -84,17 +83,6 @@ class TimedOut:
     """The last wait of this run ended because it was too long, or did not."""
 
     is_so: bool = True
-
-
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """A value is above or below another one, plus *offset*; it does not hold while one is unknown."""
-
-    first: MessageValue
-    is_above: bool
-    second: MessageValue
-    offset: float = 0.0
-    is_denied: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,23 +194,6 @@ def _of_run(text: str) -> Condition | None:
         return TimedOut(not is_denied)
     compared = read_comparison(plain)
     return None if compared is None else replace(compared, is_denied=is_denied)
-
-
-def read_comparison(text: str) -> Comparison | None:
-    """Return the condition ``temperature of office above temperature of hall plus 2``; None if it is none."""
-    if (found := TWO_VALUES.match(text)) is None:
-        return None
-    values = []
-    for words in (found["first"], found["second"]):
-        try:
-            value = read_value(words) if " of " in words else None
-        except UsageError:
-            return None
-        if value is None or CAPABILITIES.get(value.capability, OWN).kind != "number":
-            return None
-        values.append(value)
-    offset = float(found.get("offset") or 0.0) * (-1.0 if found.get("change") == "minus" else 1.0)
-    return Comparison(values[0], found["sign"] in {"above", "over"}, values[1], offset)
 
 
 def _of_time(text: str) -> Condition | None:

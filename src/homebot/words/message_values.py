@@ -1,19 +1,23 @@
-"""Values in the messages of routines, such as ``It is {temperature of office} in {name}``. Pure."""
+"""Values of the house, such as ``temperature of office``: in messages of routines, and compared. Pure."""
 
 import re
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from homebot.devices.query.terms import Query
+from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.query.terms import And, Query
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.words.phrases import TWO_VALUES
 from homebot.words.queries import parse_query
 from homebot.words.tokens import split_at
-from homebot.words.triggers import split_capability
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _PLACE: Final = re.compile(r"\{([^{}]*)\}")
 _EXAMPLE: Final = "write it like {temperature of office}, {name}, {room}, {routine} or {time}"
+
+
+_ANY: Final = And(())
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +32,20 @@ class MessageValue:
 
     text: str
     kind: Literal["name", "room", "routine", "time", "value"]
-    query: Query | None = None
+    query: Query = _ANY
     capability: str = ""
     words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A value is above or below another one, plus *offset*; it does not hold while one is unknown."""
+
+    first: MessageValue
+    is_above: bool
+    second: MessageValue
+    offset: float = 0.0
+    is_denied: bool = False
 
 
 def read_message(text: str) -> tuple[str | MessageValue, ...]:
@@ -64,3 +79,30 @@ def read_value(text: str) -> MessageValue:
     if not capability:
         raise UsageError(f"{{{text}}} is no value; {_EXAMPLE}")
     return MessageValue(plain, "value", parse_query(words), capability, words)
+
+
+def read_comparison(text: str) -> Comparison | None:
+    """Return the condition ``temperature of office above temperature of hall plus 2``; None if it is none."""
+    if (found := TWO_VALUES.match(text)) is None:
+        return None
+    values = []
+    for words in (found["first"], found["second"]):
+        try:
+            value = read_value(words) if " of " in words else None
+        except UsageError:
+            return None
+        if value is None or CAPABILITIES.get(value.capability, OWN).kind != "number":
+            return None
+        values.append(value)
+    offset = float(found.get("offset") or 0.0) * (-1.0 if found.get("change") == "minus" else 1.0)
+    return Comparison(values[0], found["sign"] in {"above", "over"}, values[1], offset)
+
+
+def split_capability(text: str) -> tuple[str, str]:
+    """Return the words for devices in *text*, and the capability of the words at its end; empty if these are none."""
+    words = text.split(" ")
+    for place in range(1, len(words)):
+        capability = CAPABILITY_WORDS.get(fold(" ".join(words[place:])), "")
+        if capability:
+            return " ".join(words[:place]), capability
+    return text, ""

@@ -49,6 +49,8 @@ APPLY: Final = "apply"
 _UNITS: Final = {"%": "level", "k": "color_temperature", **dict.fromkeys(("", "c", "f", "°c", "°f"), "")}
 """The units of numbers, with the capabilities that they mean."""
 
+_DEGREES: Final = frozenset({"°C", "C", "°F", "F"})
+
 _WHAT: Final = "say what to do, such as on, off, open or 40 %; a device's own words follow a colon, as in 'washer: eco'"
 _HOW_LONG: Final = "write it like 'wait 5m' or 'wait until hall motion clear, at most 30m'"
 _HINTS: Final = {
@@ -279,7 +281,7 @@ def _read_do(text: str) -> Do:
         is_read = _is_command(commands[0]) and all(_is_command(one) or OVER.match(one) for one in commands)
         target = " ".join(words[:place])
         begun = (f"{target} {words[place]}", f"{target} {commands[0]}")
-        if is_read and not any(map(_is_no_target, begun)):
+        if is_read and words[place - 1][-1] != "," and not any(map(_is_no_target, begun)):
             if len(split_steps(target)) > 1 and _several(text):
                 break
             is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
@@ -355,6 +357,7 @@ def _is_command(text: str) -> bool:
 def _combined(text: str, target: str, commands: list[str]) -> Do:
     """Return one command for several words: ``on, 20 %, 2700 K``."""
     first, *others = commands
+    command = first
     values: list[tuple[str, str]] = []
     over = OVER.match(others[-1]) if others else None
     transition = read_duration(over["length"], text, "s") if over is not None else 0.0
@@ -364,13 +367,16 @@ def _combined(text: str, target: str, commands: list[str]) -> Do:
             values.append(("color", hue))
             continue
         number = read_amount(one)
+        if number and number.unit in _DEGREES and not read_amount(first):
+            command = f"{command}, {one}"  # which setpoint it is depends on the device
+            continue
         capability = _UNITS.get(number.unit.casefold(), "") if number else _color_of(one)
         if OVER.match(one):
             raise UsageError(f"{text!r}: write {one!r} last")
         if not capability:
             raise UsageError(f"{text!r}: {one!r} cannot follow {first!r}; write it as a step of its own")
         values.append((capability, one))
-    return Do(text, target, first, tuple(values), transition)
+    return Do(text, target, command, tuple(values), transition)
 
 
 def _is_number(text: str) -> bool:

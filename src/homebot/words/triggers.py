@@ -15,6 +15,7 @@ from homebot.support.folding import fold
 from homebot.support.names import find_name
 from homebot.words.amounts import read_amount
 from homebot.words.days import read_days_after_word
+from homebot.words.message_values import Comparison, read_comparison, split_capability
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import (
     ALL,
@@ -24,6 +25,7 @@ from homebot.words.phrases import (
     INTERVAL,
     LASTING,
     LIMIT,
+    MESSAGE,
     MOTION,
     NOBODY,
     NOT,
@@ -178,10 +180,34 @@ class Changes:
     words: str
 
 
+@dataclass(frozen=True, slots=True)
+class MessageComes:
+    """A message comes on a topic of MQTT.
+
+    Attributes:
+        path: The places of the value in a message that is JSON, from the outermost; none for the whole message.
+        value: The text of that value; None for any.
+    """
+
+    topic: str
+    path: tuple[str, ...] = ()
+    value: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ValuePasses:
+    """A value passes another one: the comparison begins to hold, and did not before."""
+
+    text: str
+    comparison: Comparison
+
+
 Trigger: TypeAlias = (
     Becomes
     | Press
     | Changes
+    | ValuePasses
+    | MessageComes
     | RobotArrival
     | PersonMoves
     | DaysAndTime
@@ -214,7 +240,10 @@ def read_trigger(text: str) -> Trigger:
     if (found := _read_other(plain)) is not None:
         return found
     crossing = CROSSES.match(plain)
-    state = read_state(plain if crossing is None else _as_limit(plain, crossing["what"]), _EXAMPLES)
+    limit = plain if crossing is None else _as_limit(plain, crossing["what"])
+    if (comparison := read_comparison(limit)) is not None:
+        return ValuePasses(plain, comparison)
+    state = read_state(limit, _EXAMPLES)
     if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and starts_unknown(state.query)):
         words = "'Anna arrives', 'everybody has left' or 'nobody is home'"
         raise UsageError(f"{text!r} may only have been unknown before; start by {words}")
@@ -231,6 +260,8 @@ def _read_other(plain: str) -> Trigger | None:
     moment = DaysAndTime.read(plain) or SunMoment.read(plain) or SunElevation.read(plain, SUN_CROSSES)
     if moment is not None:
         return moment
+    if (message := _read_message(plain)) is not None:
+        return message
     if STARTS.match(plain) is not None:
         return HomebotStarts()
     person = read_move(plain) or read_person(plain)
@@ -291,6 +322,28 @@ def read_press(text: str) -> Press | None:
     return Press(text, parse_query(query), value, fold(part), query)
 
 
+def _read_message(text: str) -> MessageComes | None:
+    """Return the message ``message on home/bell with state.button = left``; None if it is none.
+
+    Raises:
+        UsageError: It has no topic, or several.
+    """
+    if (found := MESSAGE.match(text)) is None:
+        return None
+    topic, value, path = found["topic"], found.get("value", ""), ""
+    if value[:1] not in {"'", '"'}:
+        path, _, value = value.rpartition("=")
+    is_quoted = topic[:1] in {"'", '"'} and topic[:1] == topic[-1:]
+    topic = topic[1:-1] if is_quoted else topic
+    if not topic or not {"+", "#"}.isdisjoint(topic) or (" " in topic and not is_quoted):
+        raise UsageError(
+            f"{text!r}: write one topic, without + and #, in quotation marks if it has blanks, like "
+            "'message on home/bell with state = ring'"
+        )
+    places = tuple(path.strip().split(".")) if path else ()
+    return MessageComes(topic, places, value.strip().strip("\"'") if "value" in found else None)
+
+
 def _read_change(text: str) -> Changes | None:
     """Return the change ``hall thermostat setpoint changes``: words for devices, and those of a capability.
 
@@ -301,16 +354,6 @@ def _read_change(text: str) -> Changes | None:
         return None
     query, capability = split_capability(found["what"])
     return Changes(text, parse_query(query), capability, query)
-
-
-def split_capability(text: str) -> tuple[str, str]:
-    """Return the words for devices in *text*, and the capability of the words at its end; empty if these are none."""
-    words = text.split(" ")
-    for place in range(1, len(words)):
-        capability = CAPABILITY_WORDS.get(fold(" ".join(words[place:])), "")
-        if capability:
-            return " ".join(words[:place]), capability
-    return text, ""
 
 
 def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:

@@ -11,6 +11,12 @@ from homebot.testing import virtual_house_of
 
 PLACE = {"zone": "UTC", "latitude": 48.0, "longitude": 8.0}
 
+COUNT: dict[str, object] = {
+    "name": "Count",
+    "when": ["every 25m"],
+    "do": ["size number 60", "wait 1m", "size number 61", "wait 1m", "size number 50"],
+}
+
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 
@@ -30,19 +36,29 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("hom
         ("every 10m", "number of size below number of limit", "09:05", 6),
         ("every 10m", "number of size above number of limit minus 99", "09:05", 6),
         ("every 10m", "not number of size below number of limit or after 9:00", "09:05", 1),
+        ("number of size rises above number of limit minus 1", "", "09:05", 2),
+        ("number of size falls below number of limit", "", "09:05", 2),
+        ("number of nothing falls below number of limit", "", "09:05", 0),
+        ("message on home/bell", "", "09:05", 4),
+        ("message on home/bell with ring", "", "09:05", 1),
+        ("message on home/bell with state.times = 2", "", "09:05", 1),
         ("every 10m", "hall motion clear for 25m", "08:59", 3),
         ("every 10m", "no motion in hall for 25m", "08:59", 3),
     ],
 )
 async def test_a_routine_runs_as_often_as_its_text_says(when: str, condition: str, until: str, count: int) -> None:
-    """Somebody is in the hall from 8:01 to 8:02, and from 9:10 to 9:11."""
+    """Somebody is in the hall from 8:01 to 8:02, and from 9:10 to 9:11; a bell rings, and another routine counts."""
     world = hall(("08:01", "hall"), ("08:02", "outside"), ("09:10", "hall"), ("09:11", "outside"))
     routine = {"name": "Often", "when": [when], "if": [condition] if condition else [], "do": ["wait 1s"]}
-    given = config(routine) | {"home": PLACE, "helpers": {"limit": 60, "size": 50}}
+    given = config(routine, COUNT) | {"home": PLACE, "helpers": {"limit": 60, "size": 50}}
     async with virtual_house_of(world=world, config=given, start="2026-01-01 08:00") as house:
+        await house.run_until("08:20:30")
+        for payload in ("ring", '{"state": {"times": 2}}', '{"state": 2}', '{"state": {"times": 2'):
+            await house.says("home/bell", payload)
+            await house.run_for("5s")
         await house.run_until(until)
         async with Node(house.runtime.graph, "owner") as owner:
             listing = owner.create_client(ListRoutines, LIST_ROUTINES)
-            (found,) = (await listing.call(RoutinesRequest())).routines
+            found = next(one for one in (await listing.call(RoutinesRequest())).routines if one.name == "Often")
     ran = [note for note in found.notes if note.text == "ran"]
     assert len(ran) == count, found.notes

@@ -17,7 +17,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.features.helpers import KEEP_VALUES
 from homebot.features.helpers.messages import KeepHelperValues, KeepHelperValuesRequest
-from homebot.features.helpers.settings import HelperSetting, HelpersSettings, NumberHelper, TimerHelper
+from homebot.features.helpers.settings import MAX_TIMER_S, HelperSetting, HelpersSettings, NumberHelper, TimerHelper
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
@@ -29,6 +29,7 @@ _SEEN_EVERY: Final = 900.0
 """Seconds after which the helpers are published again, so that they do not become stale."""
 
 _NEVER: Final = math.inf
+_MINUTES: Final = "number"
 _PATIENCE_S: Final = 10.0
 
 
@@ -40,7 +41,10 @@ class _Helper(NamedTuple):
 
 @final
 class HelpersGateway(Gateway):
-    """Each helper is a device with one value; a timer turns itself off, and reports ``press finished`` then."""
+    """Each helper is a device with one value; a timer turns itself off, and reports ``press finished`` then.
+
+    To set the minutes of a timer starts it for so long.
+    """
 
     Settings: ClassVar[type[BaseModel]] = HelpersSettings
 
@@ -85,8 +89,11 @@ class HelpersGateway(Gateway):
             self._devices.put(GatewayDevice(name, name.replace("_", " "), (helper.part,)), "it is in [helpers]")
 
     async def _perform(self, command: Command) -> None:
-        value = command.value.plain()
-        if (seconds := self._helpers[command.key].seconds) and value:
+        value, seconds = command.value.plain(), self._helpers[command.key].seconds
+        if seconds and command.capability == _MINUTES and isinstance(value, float):
+            await self._devices.report(command.key, {_MINUTES: value})
+            value, seconds = True, 60 * value
+        if seconds and value:
             self._due[command.key] = self.node.graph.clock.monotonic() + seconds
         else:
             self._due.pop(command.key, None)
@@ -119,9 +126,9 @@ def _helper(setting: HelperSetting) -> _Helper:
             return _Helper(_part(Capability(name="on_off", settable=True)), setting)
         case TimerHelper():
             finished = Capability(name="press", options=("finished",))
-            return _Helper(
-                _part(Capability(name="on_off", settable=True), finished), first=False, seconds=setting.timer
-            )
+            minutes = Capability(name=_MINUTES, settable=True, unit="min", bounds=(1 / 60, MAX_TIMER_S / 60))
+            part = _part(Capability(name="on_off", settable=True), finished, minutes)
+            return _Helper(part, first=False, seconds=setting.timer)
         case NumberHelper():
             step = (0.0, 1.0) if setting.counter is not None else ()
             bounds = (setting.low, setting.high)

@@ -14,6 +14,7 @@ from homebot.units import Seconds
 
 _MAX_HELPERS = 100
 _MAX_CHOICES = 50
+MAX_TIMER_S = 7 * 86_400
 
 
 def _name(text: str) -> str:
@@ -64,7 +65,7 @@ class TimerHelper(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-    timer: Annotated[Seconds, Field(gt=0, le=7 * 86_400)]
+    timer: Annotated[Seconds, Field(gt=0, le=MAX_TIMER_S)]
 
 
 HelperSetting = bool | float | tuple[str, ...] | NumberHelper | TimerHelper

@@ -21,31 +21,37 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
-from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace, value_of
+from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace
 from homebot.features.routines.watches import (
     ArrivalWatch,
+    ComparisonWatch,
+    MessageWatches,
     OnStart,
     PersonWatch,
     PressWatch,
     ValueWatch,
     begun,
+    compared,
     holds_for,
     is_press,
 )
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.words.conditions import AnyOf, Comparison, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
+from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
+from homebot.words.message_values import Comparison
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
 from homebot.words.triggers import (
     Becomes,
     Changes,
     EachInterval,
     HomebotStarts,
+    MessageComes,
     PersonMoves,
     Press,
     RobotArrival,
     SunElevation,
     Trigger,
+    ValuePasses,
     read_trigger,
 )
 
@@ -73,6 +79,8 @@ _Watched = (
     | HomebotStarts
     | Press
     | Changes
+    | ValuePasses
+    | MessageComes
     | PersonMoves
     | RobotArrival
 )
@@ -91,6 +99,7 @@ class RoutineBase(App[SettingsT_co]):
         super().__init__(node, settings)
         self.title = node.name
         self.commands = node.create_client(CommandDevices, COMMAND_DEVICES)
+        self._messages = MessageWatches(node, self.devices)
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
         self._checks = HandlerRuns(node, self.start_task, "conditions", "queued", is_quiet=True)
 
@@ -190,6 +199,10 @@ class RoutineBase(App[SettingsT_co]):
                 return PressWatch(self.node, trigger, on_start).close
             case Changes():
                 return ValueWatch(self.node, trigger, on_start).close
+            case MessageComes():
+                return self._messages.add(trigger, on_start)
+            case ValuePasses():
+                return ComparisonWatch(self.node, trigger, on_start).close
             case PersonMoves():
                 return PersonWatch(self.node, trigger, on_start).close
             case RobotArrival():
@@ -242,7 +255,8 @@ class RoutineBase(App[SettingsT_co]):
             case StartedBy() | TimedOut():
                 return _is_of_run(condition, facts)
             case Comparison():
-                return await self._compares(condition)
+                holds = compared(condition, await self.devices.find())
+                return condition.is_denied if holds is None else holds
             case AnyOf():
                 for one in condition.conditions:
                     if await self._holds(one, facts):
@@ -250,14 +264,6 @@ class RoutineBase(App[SettingsT_co]):
                 return False
             case _:
                 assert_never(condition)
-
-    async def _compares(self, condition: Comparison) -> bool:
-        devices = await self.devices.find()
-        first, second = (value_of(value, devices) for value in (condition.first, condition.second))
-        if not isinstance(first, float) or not isinstance(second, float):
-            return condition.is_denied
-        limit = second + condition.offset
-        return (first > limit if condition.is_above else first < limit) is not condition.is_denied
 
     def _sun_time(self, moment: SunMoment) -> time | None:
         """Return the time of *moment* today, or the nearest if it is on another day; None if there is none."""

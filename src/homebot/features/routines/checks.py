@@ -30,6 +30,7 @@ from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.words.commands import is_relative
 from homebot.words.conditions import Condition, Matches, read_condition
+from homebot.words.message_values import Comparison, MessageValue
 from homebot.words.queries import names_in, parse_query
 from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitFor, WaitUntil
 from homebot.words.suitable_parts import part_name, settings_by_part
@@ -41,6 +42,7 @@ from homebot.words.triggers import (
     Press,
     RobotArrival,
     Trigger,
+    ValuePasses,
     button_names,
     read_trigger,
 )
@@ -334,8 +336,10 @@ class HouseChecks:
         return self._answers[key]
 
 
-def _states(routine: RoutineSettings) -> Iterator[tuple[str, Becomes | Changes | PersonMoves | Press, Press | None]]:
-    """Yield the text of each state and press, with what it asks for."""
+def _states(
+    routine: RoutineSettings,
+) -> Iterator[tuple[str, Becomes | Changes | MessageValue | PersonMoves | Press, Press | None]]:
+    """Yield the text of each state, compared value and press, with what it asks for."""
     for text, one in routine.asked():
         match one:
             case (Becomes() | Changes() | PersonMoves()) as state:
@@ -344,6 +348,9 @@ def _states(routine: RoutineSettings) -> Iterator[tuple[str, Becomes | Changes |
                 yield text, state, None
             case Press() as press:
                 yield text, press, press
+            case ValuePasses(comparison=comparison) | (Comparison() as comparison):
+                yield text, comparison.first, None
+                yield text, comparison.second, None
 
 
 def _moves(routine: RoutineSettings) -> Iterator[tuple[str, SendRobot | RobotArrival]]:

@@ -31,7 +31,7 @@ from homebot.replay.replay import Replayed, replay
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import MAX_WAIT, parse_duration
-from homebot.words.triggers import RobotArrival
+from homebot.words.triggers import MessageComes, RobotArrival
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import HomePlaceResponse, RoutinesResponse
@@ -103,7 +103,10 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
     """
     read = _settings(given)
     recording = read_house_history(door, seconds, asked_about(read.values()))
-    unseen = {key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival)] for key, one in read.items()}
+    unseen = {
+        key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival | MessageComes)]
+        for key, one in read.items()
+    }
     return trial_lines(title, recording, _in_home(door, given), unseen)
 
 

@@ -23,22 +23,17 @@ from homebot.devices.command_messages import (
     PerformCommand,
 )
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import Device, DeviceChange, StateChange, target_of
+from homebot.devices.device import DeviceChange, StateChange, target_of
 from homebot.devices.names import CHANGE_ROUTINE, PERFORM_COMMAND
 from homebot.devices.outcomes import NoAnswer, Outcome
-from homebot.devices.query.facets import facets_of
-from homebot.devices.query.matching import fits
-from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
 from homebot.errors import HomebotError, ServiceError
 from homebot.features.routines.program import Back, Branch, Line, Skip
-from homebot.features.routines.watches import begun
+from homebot.features.routines.watches import begun, value_of
 from homebot.graph import Client, Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
-from homebot.words.house_queries import WordsQuery
-from homebot.words.message_values import MessageValue
 from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Stop, SwitchRoutine, Undo, Wait, WaitFor, WaitUntil
 from homebot.words.triggers import Trigger
 
@@ -306,13 +301,6 @@ class RoutineRun:
         for place, outcome in zip(due, outcomes, strict=True):
             if not outcome.succeeded:
                 self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
-
-
-def value_of(value: MessageValue, devices: Sequence[Device]) -> PlainValue:
-    """Return *value* of the first of *devices* that it means; None while it is unknown."""
-    query = WordsQuery(value.words, devices).query
-    states = [state for device in devices if fits(query, facets_of(device)) for state in device.states]
-    return next((state.value.plain() for state in states if state.capability == value.capability and state.live), None)
 
 
 async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:

@@ -3,28 +3,35 @@
 import math
 from collections.abc import AsyncIterator, Callable, MutableMapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
 import anyio
+from pydantic_core import from_json
 
+from homebot.devices import Devices, RawMessage, SubscribeToTopic
 from homebot.devices.device import Device, DeviceChange, State, StateChange
 from homebot.devices.echoes import Echoes
 from homebot.devices.follow import Follow
 from homebot.devices.house_view import HouseView, HouseWatcher
-from homebot.devices.names import ROBOT_POSES
+from homebot.devices.names import ROBOT_POSES, gateway_of
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import Query, lasting
 from homebot.devices.robot_messages import RobotPose
 from homebot.devices.value import PlainValue, Reading
+from homebot.errors import HomebotError
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
 from homebot.words.house_queries import WordsQuery
-from homebot.words.triggers import Becomes, Changes, PersonMoves, Press, RobotArrival
+from homebot.words.message_values import Comparison, MessageValue
+from homebot.words.triggers import Becomes, Changes, MessageComes, PersonMoves, Press, RobotArrival, ValuePasses
+
+NOT_HEARD: Final = "routine.topic_not_heard"
 
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
@@ -247,6 +254,120 @@ class ValueWatch(HouseWatcher):
         before = self._values.get(key)
         self._values[key] = value
         return before is not None and before != value
+
+
+@final
+class MessageWatches:
+    """Calls functions with the messages on topics of MQTT, of every gateway for it, but not with a retained one."""
+
+    def __init__(self, node: Node, devices: Devices) -> None:
+        self._node = node
+        self._devices = devices
+        self._watches: dict[str, dict[object, tuple[MessageComes, OnStart]]] = {}
+
+    def add(self, trigger: MessageComes, on_start: OnStart) -> Callable[[], None]:
+        """Call *on_start* whenever *trigger* comes, until the returned function is called."""
+        if trigger.topic not in self._watches:
+            self._watches[trigger.topic] = {}
+            self._node.create_task(partial(self._listen, trigger.topic))
+        key = object()
+        self._watches[trigger.topic][key] = trigger, on_start
+
+        def remove() -> None:
+            self._watches[trigger.topic].pop(key, None)
+
+        return remove
+
+    async def _listen(self, topic: str) -> None:
+        """Ask each gateway, of which those of other protocols refuse."""
+        services = self._node.graph.get_services_of_type(SubscribeToTopic.ros_type)
+        problems: list[HomebotError] = []
+        gateways = {*filter(None, (gateway_of(service.node) for service in services))}
+        for gateway in sorted(gateways):
+            try:
+                await self._devices.listen_to(topic, self._on_message, gateway)
+            except HomebotError as exc:
+                problems.append(exc)
+        if len(problems) == len(gateways):
+            reason = problems[0] if problems else "there is no gateway"
+            self._node.log.warning(NOT_HEARD, message=f"messages on {topic} start nothing: {reason}", topic=topic)
+
+    def _on_message(self, message: RawMessage) -> None:
+        if message.retained:  # its age is unknown
+            return
+        for trigger, on_start in tuple(self._watches.get(message.address, {}).values()):
+            if trigger.value is None or _text_at(message.payload, trigger.path) == trigger.value.casefold():
+                on_start(CURRENT_CAUSE.get())
+
+
+def _text_at(payload: bytes, path: Sequence[str]) -> str | None:
+    """Return the value at *path* in *payload* as text in lower case; None if there is none."""
+    if not path:
+        return payload.decode(errors="replace").strip().casefold()
+    try:
+        value: object = from_json(payload)
+    except ValueError:
+        return None
+    for name in path:
+        value = value.get(name) if isinstance(value, dict) else None
+    if isinstance(value, float):
+        return f"{value:.12g}"
+    return str(value).casefold() if isinstance(value, bool | int | str) else None
+
+
+@final
+class ComparisonWatch(HouseWatcher):
+    """Calls a function when a comparison of two values begins to hold: it must have been known not to."""
+
+    def __init__(self, node: Node, trigger: ValuePasses, on_start: OnStart) -> None:
+        self._comparison = trigger.comparison
+        self._on_start = on_start
+        self._held: bool | None = None
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        for value in (trigger.comparison.first, trigger.comparison.second):
+            self._view.names.add(value.query, trigger.text)
+
+    def close(self) -> None:
+        """End the calls; idempotent."""
+        self._view.remove(self)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Compare the values of a new device, or those that a removed one leaves."""
+        if any(self._is_meant(state) for state in change.device.states):
+            self._compare()
+
+    def on_values(self, change: StateChange) -> None:
+        """Start the routine if one of the values is meant, and the comparison begins to hold."""
+        if any(map(self._is_meant, change.readings)) and self._compare():
+            self._on_start(change)
+
+    def _is_meant(self, reading: State | Reading) -> bool:
+        return reading.capability in {self._comparison.first.capability, self._comparison.second.capability}
+
+    def _compare(self) -> bool:
+        """Return whether the comparison begins to hold; what is unknown in between begins nothing."""
+        holds = compared(self._comparison, tuple(self._view.devices))
+        if holds is None:
+            return False
+        before, self._held = self._held, holds
+        return holds and before is False
+
+
+def compared(comparison: Comparison, devices: Sequence[Device]) -> bool | None:
+    """Return whether *comparison* holds for the values of *devices*; None while one is unknown."""
+    first, second = (value_of(value, devices) for value in (comparison.first, comparison.second))
+    if not isinstance(first, float) or not isinstance(second, float):
+        return None
+    limit = second + comparison.offset
+    return (first > limit if comparison.is_above else first < limit) is not comparison.is_denied
+
+
+def value_of(value: MessageValue, devices: Sequence[Device]) -> PlainValue:
+    """Return *value* of the first of *devices* that it means; None while it is unknown."""
+    query = WordsQuery(value.words, devices).query
+    states = [state for device in devices if fits(query, facets_of(device)) for state in device.states]
+    return next((state.value.plain() for state in states if state.capability == value.capability and state.live), None)
 
 
 @final

@@ -62,10 +62,11 @@ class RawMessages(Protocol):
             LinkError: There is no link.
         """
 
-    def find_source(self, address: str, listener: str) -> tuple[str, str]:
+    def find_source(self, address: str, *, undeclared: bool) -> tuple[str, str]:
         """Return key and name of the device with raw messages on *address*, even if it is not known yet.
 
-        The *listener* that tracks robots may also listen to addresses without a device.
+        Args:
+            undeclared: Whether an address without a device may be listened to, where the protocol has such.
 
         Raises:
             RefusedError, WireError: Listening there is not allowed.
@@ -163,7 +164,9 @@ class CommandServer:
         try:
             part = read_text_address(request.topic)
             key, name = (
-                self._raw.find_source(request.topic, request.listener) if part is None else self._device_of(part[0])
+                self._raw.find_source(request.topic, undeclared=request.undeclared and bool(request.listener))
+                if part is None
+                else self._device_of(part[0])
             )
             is_new = not self._listeners.has(request.topic, request.listener)
             publisher = self._listeners.add(request.topic, key, name, request.listener)

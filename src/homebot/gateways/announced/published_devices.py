@@ -108,7 +108,7 @@ class PublishedDevices:
         device = self._by_address.get(address)
         return (address, address) if device is None else (device.key, device.name)
 
-    def find_source(self, address: str, _listener: str) -> tuple[str, str]:
+    def find_source(self, address: str, *, undeclared: bool) -> tuple[str, str]:  # noqa: ARG002 - as of the port
         """Return key and name of the device with raw messages on *address*."""
         return self.owner_of(address) if self._find_source is None else self._find_source(address)
 

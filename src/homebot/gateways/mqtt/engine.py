@@ -19,7 +19,7 @@ from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.approval_messages import ApprovedCommands
 from homebot.devices.health import Count, HealthResponse
-from homebot.devices.names import APPROVED_COMMANDS, ROBOTS_NODE
+from homebot.devices.names import APPROVED_COMMANDS
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.announced.command_server import CommandServer
@@ -221,7 +221,7 @@ class AnnouncedDevices:
         properties = NO_PROPERTIES if self._responses is None else self._responses.named(command.command_id)
         return self._connection.publish(address, payload, qos=command.qos, retain=command.retain, properties=properties)
 
-    def find_source(self, address: str, listener: str) -> tuple[str, str]:
+    def find_source(self, address: str, *, undeclared: bool) -> tuple[str, str]:
         """Return key and name of the device that publishes on the topic *address*, even if it has not done so yet."""
         validate_topic(address)
         if (route := self.route(address)) is not None:
@@ -232,7 +232,7 @@ class AnnouncedDevices:
                 device = convention.announced(address) if isinstance(convention, TextConvention) else None
                 if device is not None:
                     return device.full_key, device.name
-        if listener != ROBOTS_NODE:
+        if not undeclared:
             raise WireError(f"no device publishes on topic {address!r}")
         self._subscriber.wake()
         return self._registry.put_address(address)

@@ -10,6 +10,7 @@ from homebot.integrations.homeassistant.automations.conditions import templates_
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.located import Located
+from homebot.units import parse_duration
 from homebot.words.colors import COLORS
 from homebot.words.steps import Do, Notify, read_step
 
@@ -264,7 +265,9 @@ def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:
 def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
     """Yield the values that a service sets."""
     keys = [key for key in _DATA.get(name, ()) if key in data]
-    if name in _WORDS:
+    if name == "timer.start" and (length := data.duration("duration")):
+        yield _Setting("number", value=parse_duration(length) / 60)
+    elif name in _WORDS:
         capabilities, _, words = _WORDS[name].partition(" ")
         yield _Setting(capabilities, words)
     elif not keys:

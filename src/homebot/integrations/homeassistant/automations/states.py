@@ -16,7 +16,7 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.folding import fold
-from homebot.words.conditions import read_comparison
+from homebot.words.message_values import read_comparison
 from homebot.words.people import read_move, read_person
 from homebot.words.queries import parse_query
 from homebot.words.triggers import read_state

@@ -14,7 +14,7 @@ from homebot.integrations.homeassistant.automations.entities import Automation, 
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, UNKNOWN, state_texts, sun_moment
 from homebot.words.steps import MAX_LINES
-from homebot.words.triggers import Changes, Press, read_trigger
+from homebot.words.triggers import Changes, MessageComes, Press, read_trigger
 
 _OPPOSITES: Final = {
     "on": "off",
@@ -143,18 +143,31 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
 
 
 def _message(automation: Automation, fields: UnreadFields) -> str:
-    """Return the press that a message tells of."""
+    """Return the press that a message tells of, or the message itself."""
     topic, payload, template = fields.text("topic"), fields.text("payload", ""), fields.take("value_template")
     for key in ("qos", "encoding"):
         fields.take(key)
     path = "".join(str(template.value).split()).strip("{}").replace('"', "'") if template is not None else ""
+    path = path.replace("['", ".").replace("']", "")
     base, _, last = topic.rpartition("/")
-    places = {(base, ""): last == "action", (topic, "value_json.action"): True, (topic, "value_json['action']"): True}
-    for (address, wanted), is_action in places.items():
-        device = automation.entities.device_at(address) if is_action and wanted == path and payload else None
+    for address, is_action in ((base, last == "action" and not path), (topic, path == "value_json.action")):
+        device = automation.entities.device_at(address) if is_action and payload else None
         if device is not None and payload in options_of(device):
             return _press(automation.entities.name_of(device), payload)
-    raise NotCarriedError(f"trigger mqtt: {topic} is no device with an event {payload!r} that homebot knows")
+    root, *places = path.split(".")
+    value = payload if payload.isalnum() else text_value(payload)
+    value = f"{'.'.join(places)} = {value}" if places else value
+    text = f"message on {text_value(topic)}{f' with {value}' if payload else ''}"
+    try:
+        trigger = read_trigger(text)
+    except UsageError:
+        trigger = None
+    is_path = root == ("value_json" if places else "") and all(place.isidentifier() for place in places)
+    wanted = MessageComes(topic, tuple(places), payload) if payload else MessageComes(topic)
+    if not is_path or trigger != wanted:
+        raise NotCarriedError(f"trigger mqtt: {topic!r} with {path} {payload!r} cannot be written as a trigger")
+    automation.notes.append("a retained message, sent before homebot asked, starts nothing")
+    return text
 
 
 _SENDERS: Final = {
