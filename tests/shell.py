@@ -5,7 +5,7 @@ import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from io import StringIO
@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from tests.ports import reserve_door
 
+from homebot.cli.door_address import DoorAddress
+from homebot.cli.door_client import open_door
 from homebot.cli.main import main
 
 
@@ -64,6 +66,23 @@ def run(command: str, *, door: str = "", cwd: Path | None = None) -> subprocess.
         patch.chdir(cwd or Path.cwd())
         code = main(words)
     return subprocess.CompletedProcess([program, *words], code, out.getvalue(), err.getvalue())
+
+
+def publish(door: str, topic: str, ros_type: str, message: Mapping[str, object], times: int = 1) -> None:
+    """Publish *message* at *door*, ten times a second."""
+    host, _, port = door.rpartition(":")
+    with open_door(DoorAddress(host, int(port))) as client:
+        client.advertise(topic, ros_type)
+        for number in range(times):
+            if number:
+                assert list(client.until(0.1)) == []  # nothing is subscribed to
+            client.publish(topic, message)
+            client.settle()
+
+
+def publish_raw(door: str, address: str, payload: str, times: int = 1) -> None:
+    """Let the gateway for MQTT at *door* publish *payload* on *address*."""
+    publish(door, "/gateway/mqtt/out", "homebot/msg/RawCommand", {"address": address, "payload": payload}, times)
 
 
 @contextmanager

@@ -28,7 +28,7 @@ KNOWN = Interfaces()
 KNOWN.add_modules("homebot", own_modules())
 PROGRAM = "\n".join(blocks_in(GUIDE, "python"))
 COMMANDS = [command for block in blocks_in(GUIDE, "console") for command in commands_in(block)]
-BEFORE_IT_RUNS = ("homebot token", "homebot interface import", "homebot router --certificate")
+BEFORE_IT_RUNS = ("homebot token", "homebot router --certificate")
 """These change the configuration, which is read at the start."""
 
 

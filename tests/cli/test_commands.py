@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.cli.test_graph_commands import split
 
 from homebot.cli import main
 from homebot.cli.device_json import json_text, list_text
-from homebot.graph import qos_profile_latched
+from homebot.graph import EntityKind, Graph, Node, qos_profile_latched
+from homebot.graph.endpoint import EndpointInfo
 from homebot.messages import String
 
 Text = pytest.CaptureFixture[str]
@@ -44,6 +44,10 @@ PRINTED = {
         "homebot: no topic /nope yet; waiting, Ctrl-C stops\nhomebot: no message on /nope within 0.05 s\n",
     ),
     "service call /switch {data: true}": (0, "success: true\nmessage: done\n"),
+    "service call /zzzz": (
+        1,
+        "homebot: there is no service /zzzz; `homebot service call /rosapi/services` lists all\n",
+    ),
     "service call /swich": (1, "homebot: there is no service /swich; did you mean /switch?\n"),
     "service call /switch": (  # a field that is missing is false, as in ROS
         1,
@@ -73,6 +77,12 @@ PRINTED = {
 """Commands with their exit codes, and what they print."""
 
 
+def split(arguments: str) -> list[str]:
+    """Return the words of *arguments*; what begins with a brace is one."""
+    head, brace, rest = arguments.partition("{")
+    return [*head.split(), *([brace + rest] if brace else [])]
+
+
 @pytest.mark.parametrize("command", PRINTED)
 def test_a_command_prints_what_it_should(homebot: Any, capsys: Text, command: str) -> None:
     code = run(homebot, *split(command))
@@ -84,6 +94,29 @@ def test_hidden_topics_and_types_are_listed_on_request(homebot: Any, capsys: Tex
     out = capsys.readouterr().out
     assert "/_hidden [std_msgs/msg/Int32]\n" in out
     assert "/chatter [std_msgs/msg/String]\n" in out
+
+
+def test_what_is_of_a_robot_is_listed_with_where_it_is(homebot_with: Any, capsys: Text) -> None:
+    def link(graph: Graph) -> Node:
+        for info in (
+            EndpointInfo(EntityKind.NODE, "/rosie/brain", "/rosie/brain"),
+            EndpointInfo(EntityKind.PUBLISHER, "/rosie/brain", "/rosie/words", "std_msgs/msg/String"),
+            EndpointInfo(EntityKind.SUBSCRIPTION, "/rosie/brain", "/hello", "std_msgs/msg/String"),
+        ):
+            graph.elsewhere.add(info, info)
+        node = EndpointInfo(EntityKind.NODE, "/rosie/brain", "/rosie/brain")
+        graph.add_endpoint(node, node)
+        return Node(graph, "link")
+
+    homebot = homebot_with(link, None)
+    for arguments, line in (
+        (("node", "list"), "/rosie/brain  (elsewhere)"),
+        (("topic", "list", "-t"), "/rosie/words [std_msgs/msg/String]  (at /rosie/brain)"),
+    ):
+        assert run(homebot, *arguments) == 0
+        lines = capsys.readouterr().out.splitlines()
+        assert line in lines
+        assert lines == sorted(lines)
 
 
 def test_echo_prints_json(homebot: Any, capsys: Text) -> None:
@@ -103,35 +136,6 @@ def test_a_failure_that_a_response_reports_is_one_of_the_command(homebot: Any, c
 def test_a_device_without_a_name_is_asked_for_one(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "show", "") == 1
     assert capsys.readouterr().err == "homebot: give the id or the name of a device; `homebot devices` lists all\n"
-
-
-@pytest.mark.parametrize("arguments", [["std_msgs/String", "{data: hi there}"], ['{"data": "hi there"}']])
-def test_pub_publishes_with_and_without_a_type(homebot: Any, capsys: Text, arguments: list[str]) -> None:
-    assert run(homebot, "topic", "pub", "-r", "100", "-t", "2", "/hello", *arguments) == 0
-    assert homebot.heard == ["hi there", "hi there"]
-    assert capsys.readouterr().out.splitlines()[1] == 'publishing #2 on /hello: {"data": "hi there"}'
-
-
-@pytest.mark.parametrize(
-    ("arguments", "problem"),
-    [
-        (
-            ["/hello", "{data: 5}"],
-            "homebot: publishing on /hello was refused: not a std_msgs/msg/String: field 'data': ",
-        ),
-        (["/hello", "std_msgs/Int32", "{data: 5}"], "homebot: advertising /hello was refused: topic /hello carries "),
-        (["/helo", "{data: hi}"], "homebot: there is no topic /helo; did you mean /hello?"),
-        (
-            ["/new", "std_msgs/Strng", "{data: hi}"],
-            "unknown message type 'std_msgs/Strng'; similar: ",
-        ),
-        (["/a b", "std_msgs/String", "{data: hi}"], "has a character that is not allowed in names"),
-    ],
-)
-def test_pub_that_is_refused_says_why(homebot: Any, capsys: Text, arguments: list[str], problem: str) -> None:
-    assert run(homebot, "topic", "pub", "--once", *arguments) == 1
-    assert problem in capsys.readouterr().err
-    assert homebot.heard == []
 
 
 def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
@@ -171,9 +175,9 @@ def test_a_locked_door_wants_its_token(
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["topic", "pub", "/t", "std_msgs/String", "data"],
-        ["topic", "pub", "/t", "std_msgs/String", "{data"],
-        ["topic", "pub", "-r", "0", "/t", "std_msgs/String", "{}"],
+        ["service", "call", "/t", "std_srvs/Empty", "data"],
+        ["service", "call", "/t", "std_srvs/Empty", "{data"],
+        ["topic", "echo", "--timeout", "-1", "/t"],
         ["topic", "list", "--door", "nowhere"],
         ["topic", "list", "--door", "host:99999"],
     ],
@@ -187,9 +191,9 @@ def test_a_wrong_command_line_ends_with_code_2(arguments: list[str], capsys: Tex
 
 def test_help_teaches_by_examples(capsys: Text) -> None:
     with pytest.raises(SystemExit) as caught:
-        main(["topic", "pub", "--help"])
+        main(["service", "call", "--help"])
     assert caught.value.code == 0
-    assert "homebot topic pub --once /hello std_msgs/String '{data: hi}'" in capsys.readouterr().out
+    assert "homebot service call /getIndexData '{service_type: lights}'" in capsys.readouterr().out
 
 
 def test_help_names_once_the_commands_that_connect_to_no_homebot(capsys: Text) -> None:

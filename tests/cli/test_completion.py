@@ -47,7 +47,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("line", "found"),
     [
         ("homebot to", {"token", "top", "topic"}),
-        ("homebot topic ", {"echo", "list", "pub"}),
+        ("homebot topic ", {"echo", "list"}),
         ("homebot --door localhost:9090 ser", {"service"}),
         ("homebot devices --js", {"--json"}),
         ("homebot run --log-format ", {"console", "json"}),

@@ -14,7 +14,7 @@ Text = pytest.CaptureFixture[str]
         ("devices --jsno", "homebot devices: unknown option --jsno; did you mean --json?"),
         ("run --fro 2", "homebot run: unknown option --fro; did you mean --for?"),
         ("run --fro=2", "homebot run: unknown option --fro; did you mean --for?"),
-        ("topic pub --onec /hello", "homebot topic pub: unknown option --onec; did you mean --once?"),
+        ("topic echo --onec /hello", "homebot topic echo: unknown option --onec; did you mean --once?"),
         ("topic list -x", "homebot topic list: unknown option -x; see `homebot topic list --help`"),
         ("devices extra", "homebot devices: unexpected argument 'extra'; see `homebot devices --help`"),
         ("device", "homebot: no command 'device'; did you mean devices?"),

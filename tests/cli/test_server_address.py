@@ -94,7 +94,7 @@ def test_a_command_that_changes_something_names_the_home_on_a_terminal(
 ) -> None:
     monkeypatch.setenv("HOMEBOT_DOOR", homebot.door)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    assert main(["topic", "pub", "--once", "/hello", "std_msgs/String", "{data: hi}"]) == 0
+    assert main(["service", "call", "/switch", "{data: true}"]) == 0
     assert f"in Café on {homebot.door}" in capsys.readouterr().err
     assert nodes() == 0
     assert "Café" not in capsys.readouterr().err

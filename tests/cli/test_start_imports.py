@@ -99,7 +99,6 @@ def test_a_start_loads_no_more_than_it_needs(tmp_path: Path) -> None:
 def test_commands_of_a_client_start_without_pydantic() -> None:
     """It takes longer to import than such a command to run."""
     names = (
-        "action",
         "devices",
         "do",
         "doctor",
@@ -107,7 +106,6 @@ def test_commands_of_a_client_start_without_pydantic() -> None:
         "journal",
         "leases",
         "node",
-        "param",
         "places",
         "service",
         "show",

@@ -10,7 +10,7 @@ import pytest
 from tests.features.bags.bags import CHAT, START, bag_of, topic, words
 from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
-from tests.shell import Homebot, homebot_in
+from tests.shell import Homebot, homebot_in, publish, publish_raw
 from tests.system.attack_probe import until
 
 from homebot.features.bags.bag_topic import BagMessage, BagTopic
@@ -29,8 +29,6 @@ HOUSE = """
 kind = "lamp"
 room = "hall"
 """
-HELLO = "homebot topic pub --once /hello std_msgs/String '{data: hi}'"
-OUT = "homebot topic pub --once /gateway/mqtt/out '{address: home425/lights/hall_lamp/in, payload: on}'"
 
 
 def ok(shell: Homebot, command: str) -> str:
@@ -48,13 +46,8 @@ def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
         recorder = shell.begin(RECORD)
         while not (tmp_path / "day").exists():
             assert recorder.poll() is None
-        for command in (HELLO, OUT):  # for longer than a look for new topics takes
-            talker = shell.begin(command.replace("--once", "-r 10"))
-            assert talker.stdout is not None
-            while "#20 " not in talker.stdout.readline():
-                assert talker.poll() is None
-            talker.kill()
-            talker.communicate()
+        publish(shell.door, "/hello", "std_msgs/String", {"data": "hi"}, 20)  # longer than a look for new topics takes
+        publish_raw(shell.door, "home425/lights/hall_lamp/in", "on", 20)
         ok(shell, "homebot do hall_lamp off")
         recorder.send_signal(signal.SIGINT)
         out, err = recorder.communicate(timeout=PATIENCE)
@@ -157,11 +150,9 @@ def test_a_topic_that_is_not_there_is_awaited(tmp_path: Path) -> None:
         recorder = shell.begin(f"{RECORD} hello --for 300")
         assert recorder.stderr is not None
         assert recorder.stderr.readline() == "homebot: no topic /hello yet; waiting, Ctrl-C stops\n"
-        talker = shell.begin(HELLO.replace("--once", "-r 10"))
         while not (tmp_path / "day" / "day_0.mcap").stat().st_size > 500:  # beyond its first bytes
             assert recorder.poll() is None
-        talker.kill()
-        talker.communicate()
+            publish(shell.door, "/hello", "std_msgs/String", {"data": "hi"}, 5)
         recorder.send_signal(signal.SIGTERM)
         assert re.fullmatch(r"day: [1-9]\d* messages; topics: 1\n", recorder.communicate(timeout=PATIENCE)[0])
 

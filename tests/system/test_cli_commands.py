@@ -1,15 +1,16 @@
-"""What the command line says of commands, against homebots that run: a no is told, and the exit code is one."""
+"""What the command line does with a gateway's answer to a message of its own, against homebots that run."""
 
 from collections.abc import Iterator
 
 import pytest
 from tests.system.attack_probe import Attacked, attacked
 
-from homebot.cli import main
+from homebot.cli.door_address import DoorAddress
+from homebot.cli.door_client import open_door
+from homebot.cli.publishing import GatewayPublisher
+from homebot.errors import RefusedError
 
 pytestmark = pytest.mark.system
-
-Text = pytest.CaptureFixture[str]
 
 
 @pytest.fixture(scope="module")
@@ -26,28 +27,21 @@ def observing(acting: Attacked, tmp_path_factory: pytest.TempPathFactory) -> Ite
         yield homebot
 
 
-def publish(homebot: Attacked, address: str) -> int:
-    command = f"{{address: '{address}', payload: open}}"
-    door = f"127.0.0.1:{homebot.door}"
-    return main(["--door", door, "topic", "pub", "--once", "/gateway/mqtt/out", command])
+def publish(homebot: Attacked, address: str) -> None:
+    with open_door(DoorAddress("127.0.0.1", homebot.door)) as door:
+        GatewayPublisher(door).publish("mqtt", address, "open")
 
 
-def test_a_command_that_is_sent_ends_well(acting: Attacked, capsys: Text) -> None:
-    assert publish(acting, "home425/windows/firstlevel1/in") == 0
-    assert capsys.readouterr().err == ""
+def test_a_message_that_is_sent_ends_well(acting: Attacked) -> None:
+    publish(acting, "home425/windows/firstlevel1/in")
 
 
-def test_a_command_that_the_gateway_refuses_is_told_with_its_reason(acting: Attacked, capsys: Text) -> None:
+def test_a_message_that_the_gateway_refuses_is_told_with_its_reason(acting: Attacked) -> None:
     for _ in range(2):
-        assert publish(acting, "home425/#") == 1
-        out, err = capsys.readouterr()
-        assert out == ""
-        assert err.startswith("homebot: the command to home425/# was refused: ")
-        assert "has a wildcard" in err or "see the gateway's log" in err
+        with pytest.raises(RefusedError, match=r"the command to home425/# was refused: .*(wildcard|gateway's log)"):
+            publish(acting, "home425/#")
 
 
-def test_a_gateway_that_only_observes_is_told(observing: Attacked, capsys: Text) -> None:
-    assert publish(observing, "home425/windows/firstlevel1/in") == 1
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert "was refused: the gateway only observes; start with --act, or set act = true" in err
+def test_a_gateway_that_only_observes_is_told(observing: Attacked) -> None:
+    with pytest.raises(RefusedError, match="the gateway only observes; start with --act, or set act = true"):
+        publish(observing, "home425/windows/firstlevel1/in")

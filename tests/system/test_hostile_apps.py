@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.shell import publish_raw
 from tests.system.own_time import own_time_until_end
 from tests.system.test_run import CUT_OFF_WITHIN, SETTINGS, STOPS_WITHIN, Run
 from tests.turns import slowness
@@ -62,8 +63,7 @@ def test_no_app_is_the_end_of_the_house_and_the_doctor_names_each(tmp_path: Path
         assert doctor.stdout.endswith("problems found, the worst above\n")
         assert doctor.returncode == 1
 
-        on = "{address: home425/lights/roomlights405/in, payload: on}"
-        assert ask(run, "topic", "pub", "--once", "/gateway/mqtt/out", on).returncode == 0
+        publish_raw(f"127.0.0.1:{run.port}", "home425/lights/roomlights405/in", "on")
         run.until("roomlights405 → off")
     finally:
         code = run.stop()
@@ -98,8 +98,7 @@ def test_a_log_that_nobody_reads_holds_nobody_up_and_tells_what_is_missing_when_
         assert done.returncode == 1 or "all is well" in done.stdout
         lost = int(re.findall(r"log lines lost +(\d+)", done.stdout)[0])
     assert ask(run, "devices").returncode == 0
-    on = "{address: home425/lights/roomlights405/in, payload: on}"
-    assert ask(run, "topic", "pub", "--once", "/gateway/mqtt/out", on).returncode == 0
+    publish_raw(f"127.0.0.1:{run.port}", "home425/lights/roomlights405/in", "on")
     run.until("lines of the log were lost here, because they were not read in time")
     run.until("nobody reads this either")
     assert run.stop() == 0

@@ -57,12 +57,9 @@ COMMANDS: Final = {
     "mcp": "serve an agent over the Model Context Protocol",
     "reload": "apply changes in the configuration of a running homebot",
     "token": "create a token for a program, with the rights that it needs; list tokens",
-    "topic": "list, inspect, read and publish topics",
-    "service": "list and call services; install homebot as a systemd service",
-    "interface": "list, show and import ROS messages, services and actions",
-    "action": "list actions, and send goals to them",
-    "param": "list, read, set and save the parameters of nodes",
-    "node": "list and inspect nodes",
+    "topic": "list topics, and print their messages",
+    "service": "call a service; install homebot as a systemd service",
+    "node": "list nodes",
     "home": "choose which data are those of the home",
     "backup": "write homebot's data and configuration to one file",
     "restore": "restore the data and configuration from a backup",
@@ -94,12 +91,11 @@ examples:
   homebot doctor                                 problems and their remedies
   homebot topic list -t                          every topic and its type
   homebot topic echo /rosout                     watch the log live
-  homebot topic pub --once /hello std_msgs/String '{data: hi}'
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 only an MQTT broker
 
-All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `home`, `interface`, `join`, `new` and
-`token` connect to a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for their options.
+All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `home`, `join`, `new` and `token`
+connect to a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for their options.
 """
 
 

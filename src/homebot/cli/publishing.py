@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.door_client import DoorClient
@@ -57,36 +56,29 @@ class GatewayPublisher:
         self._door.settle()
         self._checked.add(gateway)
 
-    def publish(self, gateway: str, topic: str, payload: str, *, retain: bool) -> None:
-        """Publish through *gateway*."""
-        self.send(gateway, {"address": topic, "payload": payload, "retain": retain})
-
-    def send(self, gateway: str, command: Mapping[str, object]) -> None:
-        """Send a command through *gateway*, and wait until it reports the outcome.
+    def publish(self, gateway: str, topic: str, payload: str) -> None:
+        """Publish a retained message through *gateway*, and wait until it reports the outcome.
 
         Raises:
-            RefusedError: The gateway only observes or refused the command, or it is not a message of its topic.
+            RefusedError: The gateway only observes, or refused the message.
             LinkError: The gateway is not running, did not reach its network, or did not report the outcome.
         """
         self.check(gateway)
         before = self._counts(gateway)
-        self._door.publish(GatewayNames(gateway).out, command)
+        self._door.publish(GatewayNames(gateway).out, {"address": topic, "payload": payload, "retain": True})
         self._door.settle()
-        if before is not None:
-            self._wait_for_the_outcome(gateway, command, before)
-
-    def _wait_for_the_outcome(self, gateway: str, command: Mapping[str, object], before: Mapping[str, int]) -> None:
-        """Watch the gateway's counters, because its topic has no answers."""
-        what = f"the command to {command.get('address')}"
+        if before is None:
+            return
+        what = f"the command to {topic}"
         deadline = time.monotonic() + _OUTCOME
-        while time.monotonic() < deadline:
+        while time.monotonic() < deadline:  # of the counters, because the gateway's topic has no answers
             now = self._counts(gateway) or before
             if now.get("commands", 0) > before.get("commands", 0):
                 return
             if now.get("commands_refused", 0) > before.get("commands_refused", 0):
-                raise RefusedError(what, self._reason(gateway, command))
+                raise RefusedError(what, self._reason(gateway, topic))
             if now.get("commands_failed", 0) > before.get("commands_failed", 0):
-                raise LinkError(f"{what} could not be sent: {self._reason(gateway, command)}")
+                raise LinkError(f"{what} could not be sent: {self._reason(gateway, topic)}")
             time.sleep(_POLL)
         raise LinkError(f"gateway {gateway} did not report the result of {what} within {_OUTCOME:g} s")
 
@@ -98,10 +90,10 @@ class GatewayPublisher:
         counts = {count.name: count.count for count in health.counts}
         return counts if "commands" in counts else None
 
-    def _reason(self, gateway: str, command: Mapping[str, object]) -> str:
-        """Return the reason in the gateway's log lines about *command*; the last lines are latched."""
+    def _reason(self, gateway: str, topic: str) -> str:
+        """Return the reason in the gateway's log lines about *topic*; the last lines are latched."""
         self._door.subscribe("/rosout")
-        beginning, reason = f"not sent to {command.get('address')}: ", "see the gateway's log"
+        beginning, reason = f"not sent to {topic}: ", "see the gateway's log"
         for message in self._door.until(_LOG_WAIT):
             text = str(message.message.get("msg", ""))
             if message.message.get("name") == f"gateway.{gateway}" and text.startswith(beginning):

@@ -90,7 +90,9 @@ async def _action_of(node: Node, robot: str, action: str) -> str:
     for one in names:
         if one in offered:
             return one
-    raise UsageError(f"no robot offers the action {' or '.join(names)}; `homebot action list` shows all")
+    raise UsageError(
+        f"no robot offers the action {' or '.join(names)}; `homebot service call /rosapi/action_servers` lists all"
+    )
 
 
 async def _pose_in(node: Node, room: str) -> PoseStamped:

@@ -200,19 +200,6 @@ def test_an_unknown_device_is_told_with_similar_ones(run: Run, capsys: Text, nam
     assert capsys.readouterr().err.startswith(problem)
 
 
-def test_a_command_to_an_address_that_no_device_has_is_sent_with_a_warning(
-    still: StillHouse, run: Run, capsys: Text
-) -> None:
-    line = "topic", "pub", "--once", "/gateway/mqtt/out"
-    assert run(*line, "{address: nobody/reads/this, payload: on}") == 0
-    out, err = capsys.readouterr()
-    assert err == "homebot: no known device takes commands on nobody/reads/this; it is published anyway\n"
-    assert out.startswith("publishing #1 on /gateway/mqtt/out")
-    assert run(*line, "{address: zigbee2mqtt/Kitchen lamp/set, payload: on}") == 0
-    assert capsys.readouterr().err == ""
-    assert [topic for topic, _, _ in still.published] == ["nobody/reads/this", "zigbee2mqtt/Kitchen lamp/set"]
-
-
 def test_a_history_of_a_misspelt_value_names_the_right_one(run: Run, capsys: Text) -> None:
     assert run("history", "Kitchen lamp", "--capability", "powr") == 1
     assert "homebot: nothing has a value 'powr'; did you mean power" in capsys.readouterr().err

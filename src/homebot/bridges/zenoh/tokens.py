@@ -90,7 +90,7 @@ class EntityToken:
             return f"{who} has no hash of its type, as in ROS 2 Humble, which homebot only listens to; use Jazzy"
         return (
             f"{who} has another {info.ros_type}: its hash is {self.type_hash}, here {own.type_hash}; "
-            "import the definition of the robot: homebot interface import, or state its distro in [ros]"
+            "name a folder with the definition of the robot in interfaces of [ros], or its distro there"
         )
 
     @classmethod

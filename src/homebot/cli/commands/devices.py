@@ -35,12 +35,10 @@ _EXAMPLES = """\
   homebot devices --td things/
 
 NAME is left out if it is the same as DEVICE. STATE is the last reported state. COMMAND TOPIC is the topic for commands,
-empty if it takes none; send one with
-`homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
-if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
-if it has been silent for too long, `unreachable` if it or its last will is offline or its gateway lost its connection,
-and `partly unreachable` if only some of its parts are. An `unapproved` device is dangerous, and gets no commands before
-`homebot approve DEVICE`.
+empty if it takes none. AVAILABILITY is `fresh` if the device reported recently, `unconfirmed` if it is known only from
+a retained message or the index file, `stale` if it has been silent for too long, `unreachable` if it or its last will
+is offline or its gateway lost its connection, and `partly unreachable` if only some of its parts are. An `unapproved`
+device is dangerous, and gets no commands before `homebot approve DEVICE`.
 """
 
 

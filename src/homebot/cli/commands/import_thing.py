@@ -64,7 +64,7 @@ def _import(options: argparse.Namespace) -> int:
         publisher = GatewayPublisher(door)
         publisher.check(options.gateway)
         door.subscribe(DEVICE_CHANGES)
-        publisher.publish(options.gateway, topic, text, retain=True)
+        publisher.publish(options.gateway, topic, text)
         device_id = _wait_for_device(door, options.gateway, f"thing:{name}", options.timeout)
         if device_id:
             print(f"imported {printable(device_id)}, announced on {topic}")

@@ -220,7 +220,7 @@ def _forget(door: DoorClient, device: Device, options: argparse.Namespace) -> No
     for one in answer.announced_on:
         topic = printable(one.topic)
         if options.purge:
-            publisher.publish(one.gateway, one.topic, "", retain=True)
+            publisher.publish(one.gateway, one.topic, "")
             print(f"deleted the retained message on {topic}")
         else:
             print(f"it was announced on {topic}; --purge deletes the retained message there")

@@ -1,4 +1,4 @@
-"""``homebot service``: ``list``, ``call`` and ``install``."""
+"""``homebot service``: ``call`` and ``install``."""
 
 import argparse
 import json
@@ -10,22 +10,17 @@ from typing import Final
 
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.graph_queries import (
-    add_list_verb,
-    add_value_arguments,
-    check_type,
-    response_schema,
-    type_of,
-    typedefs,
-)
-from homebot.cli.yaml import to_yaml
-from homebot.errors import UsageError
+from homebot.cli.graph_queries import Schema, entities, typedefs
+from homebot.cli.yaml import message, to_yaml, type_or_message
+from homebot.errors import PeerError, UsageError
+from homebot.names import absolute_name
 from homebot.support.printable import printable
+from homebot.support.similar import did_you_mean
 
-_REQUEST = "/rosapi/service_request_details"
+_REQUEST, _RESPONSE = "/rosapi/service_request_details", "/rosapi/service_response_details"
 
 _EXAMPLES = """\
-  homebot service list -t
+  homebot service call /rosapi/services    list every service
   homebot service call /rosapi/get_time
   homebot service install --user    run homebot when the computer starts
 """
@@ -96,9 +91,14 @@ DeviceAllow=char-ttyACM rw
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
-    add_list_verb(verbs, "service")
     command = add_verb(verbs, "call", "call a service and print its response")
-    add_value_arguments(command, "service", "request")
+    command.add_argument("service", metavar="SERVICE", help="name of the service")
+    command.add_argument(
+        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="expected type (default: any)"
+    )
+    command.add_argument(
+        "request", metavar="REQUEST", nargs="?", default="{}", type=message, help="as JSON or as {field: value}"
+    )
     command.add_argument("--timeout", metavar="S", type=seconds, default=5.0, help="seconds to wait (default: 5)")
     command.add_argument("--json", action="store_true", help="print the response as one line of JSON")
     set_door_command(command, _call, _CALL_EXAMPLES, acts=True)
@@ -113,19 +113,30 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was omitted
         expected, request = "", expected
-    ros_type = type_of(door, "service", options.service)
+    known = {one.name: one.type for one in entities(door, kind="service")}
+    name = absolute_name(options.service)
+    if name not in known:
+        hint = did_you_mean(name, known, "`homebot service call /rosapi/services` lists all")
+        raise PeerError(f"there is no service {name}; {hint}")
+    ros_type = known[name]
     if expected and "/" not in expected and not request:
         field = next(iter(typedefs(door, _REQUEST, ros_type)[0].fieldnames), "field")
         name, _, value = expected.rpartition("=")
         request = f"{{{name or field}: {value}}}"
         raise UsageError(f"{expected!r} was taken as a type; write the request as {request}")
-    check_type("service", options.service, ros_type, expected)
+    if expected and _without_kind(expected) != _without_kind(ros_type):
+        raise PeerError(f"service {options.service} is a {ros_type}, not a {expected}")
     response = door.call(options.service, request, options.timeout)
     if options.json:
         print(json.dumps(response))
     else:
-        print(to_yaml(response_schema(door, ros_type).readable(response)), end="")
+        print(to_yaml(Schema(typedefs(door, _RESPONSE, ros_type)).readable(response)), end="")
     return _exit_code(options.service, response)
+
+
+def _without_kind(ros_type: str) -> str:
+    package, _, name = ros_type.partition("/")
+    return f"{package}/{name.rpartition('/')[2]}"
 
 
 def _exit_code(service: str, response: Mapping[str, object]) -> int:

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages.action import ActionType
-from homebot.messages.definition import definition_body, fields_of
+from homebot.messages.definition import fields_of
 from homebot.messages.interfaces.interface_text import (
     KINDS,
     Interface,
@@ -91,10 +91,6 @@ class Interfaces:
         """Add the classes of *package* that *modules* export; these are loaded on first use."""
         self._modules[package] = modules
 
-    def with_texts(self, texts: Mapping[str, str]) -> Interfaces:
-        """Return these interfaces with the *texts* of the owner, which replace those of the same keys."""
-        return Interfaces(self._texts | dict(texts), self.distribution)
-
     def find_message(self, ros_type: str) -> type[Message]:
         """Return the message called *ros_type*, ``package/msg/Name`` or ``package/Name``.
 
@@ -121,18 +117,6 @@ class Interfaces:
         for own in self._modules.keys() - _CLASSES:
             known |= self._classes_of(own).keys()
         return tuple(sorted(key for key in known if not package or key.startswith(f"{package}/")))
-
-    def text(self, ros_type: str, kind: str) -> str:
-        """Return the text of the file of *ros_type*; without constants if it is a class of homebot.
-
-        Raises:
-            UnknownTypeError: There is no such interface.
-        """
-        interface = self._find(ros_type, kind)
-        key: str = interface.ros_type
-        if key in self._classes_of(key):
-            return "---\n".join(definition_body(message) for message in messages_in(interface))
-        return self._texts.get(key) or _shipped_text(key, self.distribution)[0]
 
     def define(self, ros_type: str, definition: str, client: str = "") -> Interface:
         """Define *ros_type* (``package/kind/Name``) for *client* with the text of its file and of nested messages.

@@ -44,7 +44,7 @@ class RosSettings(BaseModel):
     """The keys of the table ``[ros]``.
 
     Attributes:
-        interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, such as from ``homebot interface import``.
+        interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files at any depth, such as a workspace's ``src``.
         distro: The ROS 2 distribution whose definitions are used if they differ.
         connect: Addresses of Zenoh routers to connect to.
         listen: The address at which homebot is the router; empty for none. With ``connect`` that of ``homebot router``.
