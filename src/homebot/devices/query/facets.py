@@ -85,9 +85,9 @@ def facets_of(device: Device) -> Facets:
     return Facets(
         id=device.id,
         name=fold(device.name),
-        kinds=_one_of_kinds(kinds) if len(kinds) <= _MAX_SHARED else kinds,
-        advertised=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
-        possible_types=possible_types and _shared(possible_types),
+        kinds=kinds,
+        advertised=frozenset(map(fold, device.service_types or (device.service_type,))),
+        possible_types=possible_types,
         capabilities=capabilities,
         settable=settable,
         areas=_areas(device.area, device.outer_areas) if device.area else _NOWHERE,
@@ -149,8 +149,7 @@ def _sets_of(device: Device) -> tuple[list[frozenset[str]], Mapping[str, frozens
         for route in each.routes:
             gateways.add(route.gateway)
             conventions.add(route.convention)
-    found = map(frozenset, (capabilities, settable, gateways, conventions, categories))
-    return [*map(_one_of, found)] if len(capabilities) <= _MAX_SHARED else [*found], named_parts
+    return [*map(frozenset, (capabilities, settable, gateways, conventions, categories))], named_parts
 
 
 def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue, str], ...]:
@@ -162,24 +161,6 @@ def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue, str], ...]:
 def _is_named_like_another_type(name: str, service_type: str) -> bool:
     meant = wanted_types(name)
     return bool(meant) and service_type not in meant
-
-
-_MAX_SHARED = 8
-"""The largest set that similar devices share: each set takes 200 bytes."""
-
-
-def _shared(found: frozenset[str]) -> frozenset[str]:
-    return _one_of(found) if len(found) <= _MAX_SHARED else found
-
-
-@lru_cache(maxsize=1024)
-def _one_of(found: frozenset[str]) -> frozenset[str]:
-    return found
-
-
-@lru_cache(maxsize=1024)
-def _one_of_kinds(found: frozenset[tuple[str, str]]) -> frozenset[tuple[str, str]]:
-    return found
 
 
 _NOWHERE: tuple[str, ...] = ()
