@@ -66,6 +66,9 @@ def paths(feature: Feature) -> list[str]:
         feature.checks,
         feature.runs,
         feature.over_zenoh,
+        feature.explains,
+        feature.adds_to_why,
+        feature.adds_to_why_not,
         *(verb.add_arguments for verb in feature.verbs.values()),
     )
     return list(filter(None, own))

@@ -60,6 +60,7 @@ class FeatureTable(NamedTuple):
             :class:`~homebot.config.Config`, if that has the table. With a *plugin* it returns the tables of gateways or
             apps by their names instead; it is called with the table and with the other ones of that section.
         is_array: Whether it is ``[[KEY]]``, of which a wrong element is left out, and not ``[KEY]``.
+        is_on_page: Whether the page may change it: it runs no program, and has no rights.
         is_live: Whether a reload applies changes, and a replay has it too; otherwise they wait for a restart.
         plugin: The class that it configures, as ``module:Class``; empty for none.
         was: The class in recordings of earlier versions; empty for the same.
@@ -71,6 +72,7 @@ class FeatureTable(NamedTuple):
 
     reader: str
     is_array: bool = False
+    is_on_page: bool = False
     is_live: bool = False
     plugin: str = ""
     was: str = ""
@@ -119,6 +121,8 @@ class Feature:
         routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
         tools: A function that adds its tools to the server for agents, with the client of the HTTP API.
         explains: The function for ``homebot why NAME`` if NAME is no device; called with the client and the options.
+        adds_to_why: Yields lines for ``homebot why NAME``, of a device or robot; called with the client and NAME.
+        adds_to_why_not: Yields lines for ``homebot why-not``; called with the client and the id of the device.
         checks: A function that returns a :class:`~homebot.devices.findings.DeviceCheck` for each question of the doctor
             about devices; called with the names of gateways that do not work. Its node offers ``~/health`` for others.
         causes: How ``why`` and the journal word a trigger of its kinds, with ``{text}`` for the trigger's text.
@@ -141,6 +145,8 @@ class Feature:
     routes: str = ""
     tools: str = ""
     explains: str = ""
+    adds_to_why: str = ""
+    adds_to_why_not: str = ""
     checks: str = ""
     causes: Mapping[str, str] = field(default_factory=dict)
 

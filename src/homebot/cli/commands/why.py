@@ -6,14 +6,14 @@ import argparse
 import shlex
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
-from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, LIST_ROUTINES, UNREADABLE
+from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, UNREADABLE
 from homebot.devices.wording.journal_words import (
     Chain,
     ago_text,
@@ -26,17 +26,14 @@ from homebot.devices.wording.journal_words import (
     trigger_text,
     was_obeyed,
 )
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import iso, to_seconds
+from homebot.devices.wording.time_format import iso
 from homebot.devices.wording.values import state_text
 from homebot.errors import PeerError, UsageError
 from homebot.feature import all_features, load
 from homebot.support.printable import printable
-from homebot.words.phrases import DRIVE_VERBS
 
 if TYPE_CHECKING:
     from homebot.devices import Device
-    from homebot.devices.app_messages import RoutineNote, RoutinesResponse
     from homebot.devices.journal_messages import (
         ExplainDeviceResponse,
         ExplainMissingStateResponse,
@@ -79,17 +76,18 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
     if options.state:
         asked = f"homebot why-not {shlex.quote(options.device)} {shlex.quote(options.state)}"
         raise UsageError(f"a state is asked for by `{asked}`")
-    sent, named = sent_by_routines(door, options.device), argparse.Namespace(name=options.device, json=options.json)
+    added = [] if options.json else _told_by_features("adds_to_why", door, options.device)
     try:
         device = named_device(door, options.device)
     except PeerError:
         explainers = (load(feature.explains) for feature in all_features() if feature.explains)
+        named = argparse.Namespace(name=options.device, json=False)
         for show in () if options.json else explainers:
             with suppress(PeerError, UsageError):
                 return int(show(door, named))
-        if not sent or options.json:  # robots need not be devices
+        if not added:  # robots need not be devices
             raise
-        _print_sent(sent, house_time(door))
+        _print_lines(added)
         return 0
     client = JournalClient(door, device)
     response = cast("ExplainDeviceResponse", client.ask(EXPLAIN_DEVICE, {"device": device.id}))
@@ -97,28 +95,19 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
         print(json_text(_json(device, response, client)))
     else:
         _print(device, response, client, house_time(door))
-        _print_sent(sent, house_time(door))
+        _print_lines(added)
     return 0
 
 
-def sent_by_routines(door: DoorClient, robot: str) -> list[tuple[RoutineNote, str]]:
-    """Return the outcomes of the steps of routines that sent *robot*, oldest first, each with the routine."""
-    steps = [f"{quote}{robot} {verb} to ".casefold() for quote in "'\"" for verb in DRIVE_VERBS]
-    with suppress(PeerError):  # an older homebot has none
-        routines = cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {}))).routines
-        found = [
-            (note, routine.name)
-            for routine in routines
-            for note in routine.notes
-            if any(step in note.text.casefold() for step in steps)
-        ]
-        return sorted(found, key=lambda one: to_seconds(one[0].at))
-    return []
+def _told_by_features(hook: Literal["adds_to_why", "adds_to_why_not"], door: DoorClient, name: str) -> list[str]:
+    """Return the lines that features add about the device or robot *name*."""
+    paths = [path for feature in all_features() if (path := getattr(feature, hook))]
+    return [line for path in paths for line in load(path)(door, name)]
 
 
-def _print_sent(sent: Sequence[tuple[RoutineNote, str]], now: float) -> None:
-    for note, routine in sent[-_MAX_DEVICES:]:
-        print_line(f"The routine {printable(routine)}: {printable(note.text, 300)}, {ago_text(note.at, now)}.")
+def _print_lines(lines: Sequence[str]) -> None:
+    for line in lines:
+        print_line(line)
 
 
 def _print(device: Device, response: ExplainDeviceResponse, client: JournalClient, now: float) -> None:
@@ -187,18 +176,7 @@ def _print_why_not(
     elif not response.is_so:
         print(_unasked(device, options, response, now))
     if not response.is_so:
-        _print_held_back(door, device, now)
-
-
-def _print_held_back(door: DoorClient, device: Device, now: float) -> None:
-    """Print which routines for *device* are switched off, or were held back by a condition the last time."""
-    with suppress(PeerError):  # an older homebot has none
-        for routine in cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"device": device.id}))).routines:
-            name, note = printable(routine.name), routine.notes[-1] if routine.notes else None
-            if not routine.enabled:
-                print_line(f"The routine {name} is disabled: homebot routine enable {shlex.quote(name)}")
-            elif note is not None and note.text.startswith("held back"):
-                print_line(f"The routine {name} was {printable(note.text, 300)}, {ago_text(note.at, now)}.")
+        _print_lines(_told_by_features("adds_to_why_not", door, device.id))
 
 
 def _print_asked(

@@ -13,7 +13,7 @@ FEATURE: Final = Feature(
     runs="homebot.features.alerts.alerts:notify_people",
     is_wanted=lambda house: not house.is_rehearsal,
     checks="homebot.features.alerts.alert_table:doctor_checks",
-    tables={"alerts": FeatureTable("homebot.features.alerts.alerts:read_alerts")},
+    tables={"alerts": FeatureTable("homebot.features.alerts.alerts:read_alerts", is_on_page=True)},
     verbs={
         "seen": Verb(
             "say that the alerts were seen, so that nobody is told again",

@@ -19,6 +19,7 @@ from homebot.devices.app_messages import Reload, ReloadRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, gateway_of
 from homebot.errors import HomebotError, UsageError
+from homebot.feature import feature_tables
 from homebot.features.page import CHANGE_SETUP, FIND_UNUSED
 from homebot.features.page.setup_messages import (
     ChangeSetup,
@@ -35,8 +36,8 @@ from homebot.features.page.setup_messages import (
 from homebot.graph import Node
 from homebot.support.toml_edit import REMOVED, edit_toml
 
-_TABLES: Final = frozenset({"alerts", "discovery", "gateways", "home", "notify", "people", "places"})
-"""The first names of tables that may be changed: none that runs programs, or has rights and policies."""
+_TABLES: Final = frozenset({"discovery", "gateways", "home", "notify", "places"})
+"""The first names of tables of the core that may be changed: none that runs programs, or has rights and policies."""
 
 _SECRETS: Final = frozenset({"password", "token"})
 _MAX_NAME: Final = 64
@@ -163,10 +164,10 @@ class Setup:
             after, secrets = self._last.before, dict(self._last.secrets)
         else:
             table = request.table
-            if not table or table[0] not in _TABLES or not all(table):
-                raise UsageError(
-                    f"the table {'.'.join(table)!r} is not among those that a page may change: {_listed()}"
-                )
+            changeable = _TABLES | {key for key, of_feature in feature_tables().items() if of_feature.is_on_page}
+            if not table or table[0] not in changeable or not all(table):
+                listed = ", ".join(sorted(changeable))
+                raise UsageError(f"the table {'.'.join(table)!r} is not among those that a page may change: {listed}")
             given = _secret_files(request, path.parent)
             names = {f"{key}_file": file.name for key, (file, _) in given.items()}
             after = edit_toml(text, table, _values(request) | names)
@@ -261,10 +262,6 @@ def _put_secrets(secrets: Mapping[Path, bytes | None]) -> None:
             file.touch(0o600)
             file.chmod(0o600)
             file.write_bytes(value)
-
-
-def _listed() -> str:
-    return ", ".join(sorted(_TABLES))
 
 
 def _values(request: ChangeSetupRequest) -> dict[str, object]:

@@ -9,6 +9,7 @@ FEATURE: Final = Feature(
     tables={
         "people": FeatureTable(
             "homebot.features.people.settings:gateway_of_people",
+            is_on_page=True,
             section="gateways",
             plugin="homebot.features.people.people_gateway:PeopleGateway",
             implied_by="knows_people",

@@ -42,4 +42,6 @@ FEATURE: Final = Feature(
     routes="homebot.features.routines.http:ROUTES",
     tools="homebot.features.routines.agent_tools:add_tools",
     explains="homebot.features.routines.command:show",
+    adds_to_why="homebot.features.routines.why:sent_robot",
+    adds_to_why_not="homebot.features.routines.why:held_back",
 )

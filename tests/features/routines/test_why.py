@@ -2,9 +2,9 @@
 
 from typing import cast
 
-from homebot.cli.commands.why import sent_by_routines
 from homebot.cli.door_client import DoorClient
 from homebot.devices.app_messages import RoutineInfo, RoutineNote, RoutinesResponse
+from homebot.features.routines.why import sent_robot
 from homebot.messages import Time
 from homebot.messages.json import message_to_json
 
@@ -23,9 +23,9 @@ class Door:
         ]
         self._answer = RoutinesResponse(routines=tuple(infos))
 
-    def call(self, service: str, request: dict[str, object]) -> object:
-        assert (service, request) == ("/routines/list", {})
-        return message_to_json(self._answer)
+    def call(self, service: str, request: dict[str, object] | None = None) -> object:
+        assert not request
+        return message_to_json(self._answer) if service == "/routines/list" else {"time": {"sec": 20, "nanosec": 0}}
 
 
 def test_the_outcomes_of_the_steps_for_a_robot_are_told_oldest_first() -> None:
@@ -37,9 +37,8 @@ def test_the_outcomes_of_the_steps_for_a_robot_are_told_oldest_first() -> None:
             (11, "held back: not 'rosie in hall'"),
         ],
     )
-    found = sent_by_routines(cast("DoorClient", door), "Rosie")
-    assert [(note.text, routine) for note, routine in found] == [
-        ("done: 'rosie go to hall'", "home"),
-        ("'rosie go to kitchen' failed: it is locked", "away"),
-        ("done: 'Rosie drives to dock'", "away"),
+    assert [line.partition(" s ago")[0] for line in sent_robot(cast("DoorClient", door), "Rosie")] == [
+        "The routine home: done: 'rosie go to hall', 13",
+        "The routine away: 'rosie go to kitchen' failed: it is locked, 11",
+        "The routine away: done: 'Rosie drives to dock', 10",
     ]
