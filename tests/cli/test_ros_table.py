@@ -41,5 +41,5 @@ def test_the_source_of_a_workspace_counts(workspace: Path) -> None:
     assert main(["config", "check"]) == 0
     known = read_interfaces({"interfaces": ["ws/src"], "distro": "kilted"}, "homebot.toml", workspace.parent)
     assert {"my_pets/action/Walk", "my_pets/msg/Pet"} < set(known.names())
-    assert known.find_action("my_pets/Walk").Goal(pet={"name": "Rex"}).pet.name == "Rex"
-    assert known.find_action("nav2_msgs/action/Spin").Goal(disable_collision_checks=True).disable_collision_checks
+    assert known.find_action("my_pets/Walk").Goal.model_fields["pet"].annotation is known.find_message("my_pets/Pet")
+    assert "disable_collision_checks" in known.find_action("nav2_msgs/action/Spin").Goal.model_fields
