@@ -16,7 +16,7 @@ GUIDE = guide("machines")
 TABLES = blocks_in(GUIDE, "toml")
 INVITE, RUN_FIRST, JOIN, RUN_SECOND = commands_in(GUIDE)
 
-pytestmark = [pytest.mark.slow, pytest.mark.rooms("machines")]
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("machine")]
 
 
 def shell(command: str, folder: Path, typed: str = "") -> str:

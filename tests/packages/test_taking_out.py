@@ -142,6 +142,31 @@ def test_the_rest_imports_starts_and_keeps_its_import_rules(
     assert [name for name in unused if not any(one in name for one in missed)] == []
 
 
+@nightly  # a project without a folder has tests that name it
+def test_tests_name_what_they_need_by_its_folder() -> None:
+    """Else they are always skipped."""
+    named = {
+        name
+        for file in (ROOT / "tests").rglob("test_*.py")
+        for mark in re.findall(r"mark\.rooms\(([^)]*)\)", file.read_text("utf-8"))
+        for name in re.findall(r'"(\w+)"', mark)
+    }
+    assert named - {one.rpartition("/")[2] for (one,) in ALONE} == set()
+
+
+@nightly
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("folders", TOGETHER, ids=" ".join)
+def test_the_quick_tests_of_the_rest_pass(folders: Collection[str], tmp_path: Path) -> None:
+    run = project_without(folders, tmp_path / "rest")
+    if "integrations/thesis" in folders:
+        points = tmp_path / "rest/src/homebot/integrations/plain/entry_points.txt"
+        points.parent.mkdir()
+        points.write_text(STAND_INS)
+    quick = ("tests", "-m", "not slow and not system and not peers")
+    assert " passed" in run("-m", "pytest", "-q", "-p", "no:cacheprovider", *quick, timeout=7000.0)
+
+
 @nightly
 def test_all_other_tests_are_collected(rest: Rest) -> None:
     found = rest("-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider", "tests")
