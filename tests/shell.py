@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 from tests.ports import reserve_door
 
-from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import open_door
 from homebot.cli.main import main
+from homebot.cli.server_address import ServerAddress
 
 
 @dataclass
@@ -71,7 +71,7 @@ def run(command: str, *, door: str = "", cwd: Path | None = None) -> subprocess.
 def publish(door: str, topic: str, ros_type: str, message: Mapping[str, object], times: int = 1) -> None:
     """Publish *message* at *door*, ten times a second."""
     host, _, port = door.rpartition(":")
-    with open_door(DoorAddress(host, int(port))) as client:
+    with open_door(ServerAddress(host, int(port))) as client:
         client.advertise(topic, ros_type)
         for number in range(times):
             if number:

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import pytest
 from tests.system.attack_probe import Attacked, attacked
 
-from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import open_door
 from homebot.cli.publishing import GatewayPublisher
+from homebot.cli.server_address import ServerAddress
 from homebot.errors import RefusedError
 
 pytestmark = pytest.mark.system
@@ -28,7 +28,7 @@ def observing(acting: Attacked, tmp_path_factory: pytest.TempPathFactory) -> Ite
 
 
 def publish(homebot: Attacked, address: str) -> None:
-    with open_door(DoorAddress("127.0.0.1", homebot.door)) as door:
+    with open_door(ServerAddress("127.0.0.1", homebot.door)) as door:
         GatewayPublisher(door).publish("mqtt", address, "open")
 
 
