@@ -1,7 +1,9 @@
 """The page under real fingers: a tap, a slide, a scroll, a hold; and no way on which one touch lets somebody in."""
 
+import json
 import tomllib
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import anyio
@@ -9,6 +11,8 @@ import pytest
 from anyio import to_thread
 from tests.patience import PATIENCE
 from tests.peers.chromium import SMALLEST_TARGET, Page, axe_program, chromium, opened_page
+from tests.peers.test_page import SOURCE
+from tests.sizes import NIGHTLY
 
 from homebot.house import World
 from homebot.house.description import parse_world
@@ -80,8 +84,25 @@ VIEWS = {
     "#/system": "Doctor",
     "#/more": "This screen",
     "#/device/lamp": "What is known",
+    "#/graph": "/discovery/states",
+    "#/rates": "Busiest topics",
+    "#/setup": "Language",
 }
 WIDTHS = (320, 390, 768, 1280, 1920)
+LANGUAGES = ("de", "fr", "es", "nl", "it")
+"""In the order of the columns of the page's texts."""
+
+LOOKS = (
+    [
+        (("light", "dark")[at % 2], language, width, size)
+        for at, language in enumerate(("en", *LANGUAGES))
+        for width in WIDTHS
+        for size in (100, 200)
+    ]
+    if NIGHTLY
+    else [*(("light", "en", width, 100) for width in WIDTHS), ("dark", "de", 390, 200), ("dark", "de", 1280, 100)]
+)
+"""Scheme, language, width, and the size of the text in per cent."""
 
 SMALL = """
 return [...document.querySelectorAll("button, a, select, input:not(.range, [type=checkbox])")]
@@ -91,6 +112,9 @@ return [...document.querySelectorAll("button, a, select, input:not(.range, [type
   .map(([one, box]) => `${one.ariaLabel || one.textContent} ${Math.round(box.width)}x${Math.round(box.height)}`);
 """
 """Targets that are too small for a finger; a link in a text is as its line."""
+
+UNFIT = (Path(__file__).parent / "page" / "unfit.js").read_text()
+"""Texts and controls that leave their card, or lie on each other, where the text is of the given size."""
 
 
 @pytest.fixture
@@ -218,28 +242,27 @@ async def test_a_key_that_stays_down_lets_nobody_in_and_two_presses_do(browser: 
         await own.shows("Unlocked", ".tile.open")
 
 
-async def test_every_view_fits_each_width_with_targets_for_a_finger_in_the_longest_language(
-    browser: Any, world: World
-) -> None:
+async def test_every_view_fits_each_width_in_each_language_also_with_large_text(browser: Any, world: World) -> None:
     axe = await to_thread.run_sync(axe_program)
+    security = json.loads((SOURCE / "languages.json").read_text())["Security"]
     async with opened_page(browser, world, {"scenes": SCENES, "routines": ROUTINES}, token=OWNER) as own:
         await own.open(f"#token={OWNER}", shows="lamp")
         found = []
-        for scheme, language in (("light", "en"), ("dark", "de")):
+        for scheme, language, width, size in LOOKS:
             own.prefer(scheme)
             await do(browser.execute_script, f"localStorage.setItem('homebot.language', '{language}')")
-            for width in WIDTHS:
-                own.resize(width, 800)
-                for view, text in VIEWS.items():
-                    await own.open(f"?{language}{width}{view}", shows=text if language == "en" else "Sicherheit")
-                    await do(own.settled)
-                    found += [
-                        f"{view} at {width}: {one}" for one in await do(browser.execute_script, SMALL, SMALLEST_TARGET)
-                    ]
-                    if await do(own.overflow):
-                        found.append(f"{view} at {width}: too wide")
-                    if width in {390, 1280}:
-                        found += await do(own.complaints, axe)
+            own.resize(width, 800)
+            for view, text in VIEWS.items():
+                shows = text if language == "en" else security[LANGUAGES.index(language)]
+                await own.open(f"?{language}{width}{size}{view}", shows=shows)
+                await do(own.settled)
+                wrong = await do(browser.execute_script, UNFIT, size)
+                if size == 100:
+                    wrong += await do(browser.execute_script, SMALL, SMALLEST_TARGET)
+                    wrong += await do(own.complaints, axe) if width in {390, 1280} else []
+                if await do(own.overflow):
+                    wrong.append("too wide")
+                found += [f"{view} in {language} at {width}, text {size} %: {one}" for one in wrong]
         await do(browser.execute_script, "localStorage.clear()")
         own.become_computer()
         assert found == [], "\n".join(found)

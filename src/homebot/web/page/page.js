@@ -1,1 +1,1 @@
-import"./chunk-ZGSK4L4W.js";
+import"./chunk-M3XDOTV3.js";

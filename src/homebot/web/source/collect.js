@@ -6,11 +6,11 @@ import { cpSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statS
 import { dirname, join } from "node:path";
 
 const folder = process.env.FEATURES;
-const names = readdirSync(folder).filter((name) => existsSync(`${folder}/${name}/page/page.js`)).sort();
+const features = readdirSync(folder).filter((name) => existsSync(`${folder}/${name}/page/page.js`)).sort();
 rmSync("features", { recursive: true, force: true });
-for (const name of names) cpSync(`${folder}/${name}/page`, `features/${name}`, { recursive: true });
-const imports = names.map((name) => `import { page as ${name} } from "./features/${name}/page.js";\n`);
-writeFileSync("features.js", `${imports.join("")}\nexport const FEATURES = [${names.join(", ")}];\n`);
+for (const name of features) cpSync(`${folder}/${name}/page`, `features/${name}`, { recursive: true });
+const imports = features.map((name) => `import { page as ${name} } from "./features/${name}/page.js";\n`);
+writeFileSync("features.js", `${imports.join("")}\nexport const FEATURES = [${features.join(", ")}];\n`);
 
 const [texts, reasons] = ["languages.json", "reasons.json"].map((name) => JSON.parse(readFileSync(name, "utf8")));
 mkdirSync("languages", { recursive: true });
@@ -29,9 +29,12 @@ for (const name of sources) {
   writeFileSync(name, later.has(name) && name !== "rare_icons.js" ? `${own}\nimport "${"../".repeat(name.split("/").length - 1) || "./"}page.js";\n` : own);
 }
 
-// Sizes that nothing changes are written where they are used: that packs better.
-const sizes = [...textOf("tokens.css").matchAll(/^  (--[srt]\d): (.+);\n/gm)];
+// Sizes that nothing changes are written where they are used, and colors have short names: that packs better.
+const tokens = textOf("tokens.css");
+const sizes = [...tokens.matchAll(/^  (--[srt]\d): (.+);\n/gm)];
+const letters = [..."abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"];
+const names = new Map([...new Set(tokens.match(/--[a-z][\w-]*/g))].map((name) => [name, `--${letters.shift()}`]));
 for (const name of readdirSync(".").filter((one) => one.endsWith(".css"))) {
   const own = sizes.reduce((text, [line, size, value]) => text.replace(line, "").replaceAll(`var(${size})`, value), textOf(name));
-  writeFileSync(name, own);
+  writeFileSync(name, own.replace(/--[a-z][\w-]*/g, (one) => names.get(one)));
 }

@@ -35,7 +35,7 @@ export function Rates() {
   const from = Math.min(times[0], last.at - 60);
   const plot = (label, names, text) => html`<${Plot} label=${label} times=${times} from=${from} values=${names.map(([, value]) => samples.map(value))} names=${names.map(([name]) => name)} text=${text} />`;
   return html`
-    <div class="rooms">
+    <div class="columns">
       <section><h2>${say("Messages")}</h2>${plot(say("messages a second"), [["", (one) => one.rate]], (value) => `${value}/s`)}</section>
       <section><h2>${say("Queues and losses")}</h2>${plot(say("messages that wait, and lost ones"), [[say("waiting"), (one) => one.waiting], [say("lost"), (one) => one.lost]])}</section>
       <section><h2>${say("Event loop")}</h2>${plot(say("delay of the event loop"), [[say("late by"), (one) => one.lag]], (value) => `${value} ms`)}</section>
