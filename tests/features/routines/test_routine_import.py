@@ -33,7 +33,7 @@ def test_what_is_carried_over_is_printed_apart_from_what_is_not(
     assert out.endswith('[[routines]]\nname = "No\\U0000202eon"\nwhen = ["12:00"]\ndo = ["notify Lunch"]\n')
     assert "line 7, Lamp" in err
     assert "light.lamp is nothing that homebot knows" in err
-    assert "1 of 2 automations are carried over; look at each" in err
+    assert "1 of 2 automations are carried over, 0 with a note; 1 refused; look at each" in err
     assert "\x1b" not in out + err
 
 

@@ -68,9 +68,10 @@ def import_routines(door: DoorClient, file: str, blueprint: str = "") -> int:
             f"{printable(file)}, line {one.line}, {printable(one.name)}: {printable(one.problem, 500)}", file=sys.stderr
         )
     left_out = len({one.name for one in found.refused})
-    carried = f"{found.total - left_out} of {found.total} automations are carried over"
+    noted = sum("\n# note: " in text for text in found.texts)
+    counts = f"{found.total - left_out} of {found.total} automations are carried over"
     advice = "" if not found.texts else "; look at each, then: homebot routine try FILE, homebot routine new FILE"
-    print(f"{carried}{advice}", file=sys.stderr)
+    print(f"{counts}, {noted} with a note; {left_out} refused{advice}", file=sys.stderr)
     return 0 if found.texts else 1
 
 

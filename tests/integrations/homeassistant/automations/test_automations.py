@@ -109,7 +109,7 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
     )
 
 
-@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen"])
+@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen", "posts"])
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

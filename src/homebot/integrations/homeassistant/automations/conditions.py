@@ -40,7 +40,7 @@ def conditions_of(automation: Automation, nodes: Sequence[Located]) -> list[Cond
 
 def templates_of(automation: Automation) -> Templates:
     """Return the reader of templates of *automation*."""
-    return Templates(automation, _any_of, denied)
+    return Templates(automation, any_of, denied)
 
 
 def texts_of(conditions: Iterable[Condition]) -> list[str]:
@@ -90,7 +90,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
 
 def _joined(joint: str, alternatives: Sequence[list[Condition]]) -> list[Condition]:
     if joint == "or":
-        return _any_of(alternatives)
+        return any_of(alternatives)
     return [condition for some in alternatives for condition in (denied(some) if joint == "not" else some)]
 
 
@@ -99,12 +99,12 @@ def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Con
     states_of_entities = STATES[kind](automation.entities, fields, "state")
     lasting = fields.duration("for")
     length = f" for {lasting}" if lasting else ""
-    conditions = [_any_of([[(bracketed(f"{state}{length}"),)] for state in states]) for states in states_of_entities]
+    conditions = [any_of([[(bracketed(f"{state}{length}"),)] for state in states]) for states in states_of_entities]
     if length and any(
         text in _OPPOSITES or " of name=" in text for condition in conditions for texts in condition for text in texts
     ):
         raise NotCarriedError("condition: `for` of the sun, or of two values")
-    return _any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
+    return any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
 
 
 def _sun(fields: UnreadFields) -> list[Condition]:
@@ -128,7 +128,7 @@ def _time(fields: UnreadFields) -> list[Condition]:
     return [(text,) for text in (*spans, days) if text]
 
 
-def _any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
+def any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
     """Return the conditions that hold if those of at least one of *alternatives* do."""
     if prod(map(len, alternatives)) > _MAX_CONDITIONS:
         raise NotCarriedError("condition: too many of them joined by `or` and `not`")
@@ -141,7 +141,7 @@ def _any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
 
 def denied(conditions: Sequence[Condition]) -> list[Condition]:
     """Return the conditions that hold if at least one of *conditions* does not."""
-    return _any_of([[(_opposite(text),) for text in condition] for condition in conditions])
+    return any_of([[(_opposite(text),) for text in condition] for condition in conditions])
 
 
 def _opposite(text: str) -> str:

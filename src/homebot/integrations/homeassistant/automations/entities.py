@@ -2,12 +2,12 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, TypeVar, final
 
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_names import names_of
 from homebot.devices.part import Capability, Part
@@ -49,6 +49,9 @@ _CONTROLS: Final = {
     "media_player": ("speaker video_player", "playback on_off volume"),
     "cover": ("window_covering closure", "movement position"),
     "lock": ("door_lock", "lock"),
+    "valve": ("water_valve", "valve position"),
+    "lawn_mower": ("x_lawn_mower", "mower"),
+    "water_heater": ("x_water_heater", "water_heater_mode heating_setpoint on_off"),
     "climate": ("thermostat room_air_conditioner", "thermostat_mode heating_setpoint cooling_setpoint"),
     "vacuum": ("robotic_vacuum_cleaner", "vacuum"),
     "alarm_control_panel": ("x_alarm_panel", "alarm"),
@@ -139,6 +142,7 @@ class Entities:
 
     Attributes:
         used: Those that were found since it was last emptied, by id.
+        notes: Assumptions since then, for people.
     """
 
     def __init__(self, devices: Sequence[Device]) -> None:
@@ -153,6 +157,7 @@ class Entities:
                     key = device.id, meant.part.id, meant.capability
                     (self._named if is_own else self._also_named).setdefault(f"{domain}.{slug}", {})[key] = meant
         self.used: dict[str, KnownEntity] = {}
+        self.notes: list[str] = []
 
     def find(self, entity_id: str) -> KnownEntity:
         """Return the entity *entity_id*."""
@@ -186,6 +191,14 @@ class Entities:
             raise NotCarriedError(f"the device {device_id!r} is not known; its id is of the gateway of Home Assistant")
         return known[0]
 
+    def device_called(self, slug: str) -> Device:
+        """Return the device with buttons whose name is *slug* in ids, perhaps with the kind of the button behind it."""
+        names = {slug, slug.removesuffix("_button")}
+        known = [device for device in self._devices if names & {*map(slug_of, _names(device))} and _has_event(device)]
+        if len(known) != 1:
+            raise NotCarriedError(f"the device {slug!r} is no button that homebot knows")
+        return known[0]
+
     def device_at(self, address: str) -> Device | None:
         """Return the device of MQTT that tells its values at *address*; None for none, or several."""
         known = [device for device in self._devices if any(route.address == address for route in device.endpoints)]
@@ -214,18 +227,31 @@ class Entities:
         """True if a household is known."""
         return any(device.service_type == "x_household" for device in self._devices)
 
-    def lights_in(self, room: str) -> list["KnownEntity"]:
-        """Return the lights of *room*, each as an entity of its own."""
-        lights = [
-            KnownEntity(f"light.{device.id}", device, part, "", self.name_of(device))
-            for device in self._devices
-            if device.area == room
-            for part in device.parts
-            if part.part.service_type == "light" and part.part.category == ""
-        ]
-        if not lights:
-            raise NotCarriedError(f"homebot knows no light in {room}")
-        return lights
+    def of_target(self, domain: str, kind: str, place: str) -> list["KnownEntity"]:
+        """Return the entities of *domain* that the target *place* means; *kind* is its field."""
+        known = [entity for device in self._devices_at(kind, place) for entity in self._entities_of(device, domain)]
+        if not known:
+            raise NotCarriedError(f"{kind} {place!r}: homebot knows no {domain} there; name the entities")
+        return known
+
+    def _devices_at(self, kind: str, place: str) -> Iterable[Device]:
+        match kind:
+            case "device_id":
+                return [self.device_of(place)]
+            case "area_id":
+                room = self.room_of(place)
+                return [device for device in self._devices if device.area == room]
+            case "label_id":
+                return [device for device in self._devices if place in map(slug_of, device.tags)]
+        return [device for device in self._devices if place == slug_of(_fact(device, "floor"))]
+
+    def _entities_of(self, device: Device, domain: str) -> Iterator["KnownEntity"]:
+        if listed := _listed(device):
+            yield from (self.find(entity) for entity in listed if entity.startswith(f"{domain}."))
+            return
+        for meant in _possible(device, domain) if not _is_of_helpers(device) else ():
+            if meant.part.part.category == "" and not meant.capability:
+                yield KnownEntity(f"{domain}.{device.id}", *meant, self.name_of(device))
 
     def room_of(self, area_id: str) -> str:
         """Return the room with the id *area_id* of Home Assistant."""
@@ -262,6 +288,14 @@ def _listed(device: Device) -> dict[str, str]:
     """Return the entities of a device that Home Assistant told, with their units there if these differ."""
     texts = [text for fact in device.facts if fact.name == "entities" for text in fact.value.split(", ")]
     return {match["id"]: match["unit"] or "" for match in map(_LISTED.fullmatch, texts) if match}
+
+
+def _has_event(device: Device) -> bool:
+    return any(can.name in EVENTS for part in device.parts for can in part.part.capabilities)
+
+
+def _fact(device: Device, name: str) -> str:
+    return next((fact.value for fact in device.facts if fact.name == name), "")
 
 
 def _is_of_helpers(device: Device) -> bool:
@@ -319,12 +353,29 @@ class StartTrigger(NamedTuple):
         id: Its id, or its number in the automation.
         entity: The entity whose state it is about; empty for another trigger.
         state: The state that begins; empty for another trigger.
+        data: The fields of its event, as far as they are known.
+        needs: Conditions that must hold beside it.
     """
 
     text: str
     id: str = ""
     entity: str = ""
     state: str = ""
+    data: tuple[tuple[str, str], ...] = ()
+    needs: tuple[tuple[str, ...], ...] = ()
+
+    def value(self, path: Sequence[str]) -> str | None:
+        """Return the value of ``trigger.…`` at *path*, such as ``("trigger", "id")``; None if it is not known."""
+        match tuple(path):
+            case ("trigger", "id"):
+                return self.id
+            case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
+                return self.entity or None
+            case ("trigger", "to_state", "state"):
+                return self.state or None
+            case ("trigger", "event", "data", field):
+                return dict(self.data).get(field)
+        return None
 
 
 @dataclass
@@ -339,7 +390,6 @@ class Automation:
         constants: The values of its variables.
         own_ids: The ends of the ids that it may have in Home Assistant.
         expressions: Templates of its variables, until the first step.
-        implied: Conditions that its triggers need.
     """
 
     entities: Entities
@@ -350,7 +400,6 @@ class Automation:
     constants: dict[str, object] = field(default_factory=dict)
     own_ids: frozenset[str] = frozenset()
     expressions: dict[str, str] = field(default_factory=dict)
-    implied: list[tuple[str, ...]] = field(default_factory=list)
 
     def define(self, variables: Located) -> Mapping[str, object]:
         """Define *variables*, and return the values of all that are known by now."""
@@ -365,6 +414,12 @@ class Automation:
             elif isinstance(value.value, str):
                 self.expressions[name] = value.value
         return self.constants
+
+    def forget_values(self) -> None:
+        """Forget the variables that a step may have changed: all but those of the trigger."""
+        self.expressions = {
+            name: text for name, text in self.expressions.items() if "trigger." in text and "states" not in text
+        }
 
     def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:
         """Return what *read* returns for each of *nodes* that is switched on and carried over."""

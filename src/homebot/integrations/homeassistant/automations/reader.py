@@ -14,6 +14,7 @@ from homebot.devices.device import Device
 from homebot.errors import ConfigError, UsageError
 from homebot.integrations.homeassistant.automations.conditions import (
     JOINTS,
+    any_of,
     conditions_of,
     denied,
     templates_of,
@@ -69,6 +70,8 @@ class Actions:
         self._scripts = scripts
         self._in_scripts: list[str] = []
         self._has_waited = False
+        self._snapshots: dict[str, set[str]] = {}
+        self._commanded: set[str] = set()
 
     def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
         """Return the conditions of the automation that its actions begin with, and its steps.
@@ -148,8 +151,10 @@ class Actions:
         call = Located(dict(fields.left), 0)
         ways = templates_of(self._automation).ways(call)
         if not ways:
-            steps = self._script(fields, kind) or steps_of_service(self._automation, fields, kind)
-            self._automation.expressions.clear()  # they were true before this step
+            if (steps := self._kept_scene(fields, kind)) is None:
+                steps = self._script(fields, kind) or steps_of_service(self._automation, fields, kind)
+            self._commanded |= {step.target for step in _single(steps) if isinstance(step, Do)}
+            self._automation.forget_values()
             return steps
         fields.left.clear()
         choice: Sequence[Step] = []
@@ -160,10 +165,38 @@ class Actions:
             choice = _choice(conditions, steps, choice)
         return choice
 
+    def _kept_scene(self, fields: UnreadFields, key: str) -> Sequence[Step] | None:
+        """Return the steps of a scene that keeps the values of entities, or brings them back; None for another call."""
+        node = fields.left.get(key)
+        match str(node.value if node else ""):
+            case "scene.create":
+                fields.take(key)
+                data = fields.inner("data", "data_template")
+                scene, entities = data.text("scene_id"), data.texts("snapshot_entities")
+                data.end()
+                known = [*map(self._automation.entities.find, entities)]
+                if not known:
+                    raise NotCarriedError("scene.create: `snapshot_entities` is missing; write the scene in homebot")
+                self._snapshots[f"scene.{scene}"] = {entity.name for entity in known}
+                return []
+            case "scene.turn_on" | "scene.apply" if self._snapshots:
+                target = UnreadFields(Located(dict(fields.left), 0), "action")
+                ids = [text for place in (target.inner("target", "data"), target) for text in place.texts("entity_id")]
+                if len(ids) != 1 or ids[0] not in self._snapshots:
+                    return None
+                if others := self._commanded - self._snapshots[ids[0]]:
+                    raise NotCarriedError(
+                        f"{ids[0]}: `undo` would bring back {min(others)} too; set the values by steps"
+                    )
+                fields.left.clear()
+                self._automation.notes.append("`undo` brings back what nothing else has changed since")
+                return ["undo"]
+        return None
+
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:
-        known = dict(self._automation.constants)
+        known, snapshots = dict(self._automation.constants), dict(self._snapshots)
         conditions, steps = self._read(nodes)
-        self._automation.constants = known  # those of a branch are its own
+        self._automation.constants, self._snapshots = known, snapshots  # those of a branch are its own
         return _choice(conditions, steps, [])
 
     def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
@@ -215,7 +248,7 @@ class Actions:
             waited = Automation(self._automation.entities, self._automation.names, self._automation.problems)
             known = waited.each(fields.items(kind), "trigger", lambda node: read_triggers(waited, node))
             texts = [trigger.text for triggers in known for trigger in triggers]
-            if waited.implied:
+            if any(trigger.needs for triggers in known for trigger in triggers):
                 raise NotCarriedError("action wait_for_trigger: a template of several states; use `wait_template`")
             text = f"wait for {' or '.join(texts)}{end}"
             step = read_step(text) if texts else None
@@ -224,7 +257,7 @@ class Actions:
         else:
             text = f"wait until {self._awaited(fields, kind)}{end}"
         self._has_waited = True
-        self._automation.expressions.clear()
+        self._automation.forget_values()
         return [text]
 
     def _awaited(self, fields: UnreadFields, kind: str) -> str:
@@ -265,22 +298,14 @@ class Actions:
     def _repeated(self, fields: UnreadFields) -> list[Step]:
         """Read repeated actions: a loop, or each round as it is written if that differs by its number or value."""
         nodes, kind = fields.items("sequence"), fields.first_of(("count", "while", "until", "for_each"))
-        if kind in {"while", "until"} and (limit := round_limit(fields.left[kind], is_until=kind == "until")):
+        if kind in {"while", "until"}:
+            limit = round_limit(fields.left[kind], is_until=kind == "until")
+            held = conditions_of(self._automation, [limit[1]] if limit else fields.items(kind))
             fields.take(kind)
             fields.end()
-            most, condition = limit
-            held = conditions_of(self._automation, [condition])
-            steps = self._branch(nodes)
-            if most > MAX_ROUNDS:
-                raise NotCarriedError(f"action repeat: {most} rounds; {MAX_ROUNDS} is the limit")
-            if kind == "while":  # the rounds after its end take no time
-                return [{"repeat": most, "do": _choice(held, steps, [])}]
-            again = [{"repeat": most - 1, "do": _choice(denied(held), steps, [])}] if most > 1 else []
-            return [*steps, *again]
-        if kind in {"while", "until"}:
-            conditions = texts_of(conditions_of(self._automation, fields.items(kind)))
-            fields.end()
-            return [{kind: conditions, "do": self._branch(nodes)}]
+            if limit is None:
+                return [{kind: texts_of(held), "do": self._branch(nodes)}]
+            return self._limited(nodes, held, limit[0], is_until=kind == "until")
         if kind == "for_each":
             values: list[object] = [node._replace(line=0) for node in fields.items("for_each")]
         else:
@@ -303,6 +328,25 @@ class Actions:
             if len(steps) > _MAX_WRITTEN:
                 raise NotCarriedError(f"action repeat: more than {_MAX_WRITTEN} steps that differ by round")
         return steps
+
+    def _limited(self, nodes: Sequence[Located], held: Sequence[Condition], most: int, *, is_until: bool) -> list[Step]:
+        """Read a loop with *most* rounds, each written for itself if it tells its number."""
+        if most > MAX_ROUNDS:
+            raise NotCarriedError(f"action repeat: {most} rounds; {MAX_ROUNDS} is the limit")
+        goes_on = denied(held) if is_until else [*held]
+        if not any("repeat." in str(node) for node in nodes):
+            steps, rounds = self._branch(nodes), most - is_until
+            again: list[Step] = [{"repeat": rounds, "do": _choice(goes_on, steps, [])}] if rounds else []
+            return [*(steps if is_until else []), *again]  # the rounds after its end take no time
+        rounds_of_steps: Sequence[Step] = []
+        for number in range(most, 0, -1):
+            place = {"index": number, "first": number == 1, "last": number == most}
+            body = [*self._branch([resolved(node, {"repeat": place}) for node in nodes]), *rounds_of_steps]
+            is_asked = number > 1 or not is_until
+            rounds_of_steps = _choice(goes_on, body, []) if is_asked else body
+        if len([*_single(rounds_of_steps)]) > _MAX_WRITTEN:
+            raise NotCarriedError(f"action repeat: more than {_MAX_WRITTEN} steps that differ by round")
+        return [*rounds_of_steps]
 
 
 def _single(steps: Iterable[Step]) -> Iterator[object]:
@@ -369,6 +413,7 @@ class HomeAssistantAutomations:
         entities = Entities(devices)
         for node, name in zip(nodes, aliases, strict=True):
             entities.used.clear()
+            entities.notes.clear()
             automation = Automation(entities, names)
             written: list[str] = []
             with automation.in_line(node.line):
@@ -442,7 +487,7 @@ def _table(
                 raise NotCarriedError(f"id: {plain(given)} is not a text")
         trigger_id = str(number if given is None else given.value)
         automation.triggers += [trigger._replace(id=trigger_id) for trigger in chain(*known)]
-    held = [*automation.implied, *conditions_of(automation, conditions)]
+    held = [*_needs(automation), *conditions_of(automation, conditions)]
     reader = Actions(automation, mode, scripts)
     first, steps = reader.all_of(actions)
     held += first
@@ -461,6 +506,14 @@ def _table(
     return {key: value for key, value in table.items() if _USUAL.get(key) != value}
 
 
+def _needs(automation: Automation) -> Iterator[Condition]:
+    """Yield the conditions of single triggers, from which the other ones are free."""
+    for needs in dict.fromkeys(trigger.needs for trigger in automation.triggers if trigger.needs):
+        others = [trigger for trigger in automation.triggers if trigger.needs != needs]
+        started = templates_of(automation).started_by(others) if others else [NEVER]
+        yield from any_of([[*needs], started])
+
+
 def _in_unit(entity: KnownEntity) -> str:
     """Return the unit in which homebot has a sensor: the one in Home Assistant may differ, and is not always known."""
     unit = CAPABILITIES.get(entity.capability, OWN).unit
@@ -477,7 +530,8 @@ def _written(
         f"# {entity.id}: {' '.join(entity.device.name.split())}{_in_unit(entity)}\n"
         for entity in automation.entities.used.values()
     )
-    known += "".join(f"# note: {' '.join(note.split())}\n" for note in dict.fromkeys(automation.notes))
+    notes = dict.fromkeys((*automation.notes, *automation.entities.notes))
+    known += "".join(f"# note: {' '.join(note.split())}\n" for note in notes)
     text = routine_text(table)
     try:
         routine = check(text, origin)

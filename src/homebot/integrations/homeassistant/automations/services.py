@@ -2,6 +2,7 @@
 
 import colorsys
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -23,15 +24,24 @@ _WORDS: Final = {
         f"alarm_control_panel.alarm_arm_{mode}": f"alarm alarm armed_{mode}"
         for mode in ("home", "away", "night", "vacation")
     },
+    "alarm_control_panel.alarm_disarm": "alarm disarm",
     "cover.open_cover": "movement|position open",
     "cover.close_cover": "movement|position close",
     "cover.stop_cover": "movement stop",
     "cover.open_cover_tilt": "tilt tilt 100 %",
     "cover.close_cover_tilt": "tilt tilt 0 %",
+    "valve.open_valve": "valve|position open",
+    "valve.close_valve": "valve|position close",
+    "valve.stop_valve": "valve stop",
     "lock.lock": "lock lock",
     "lock.unlock": "lock unlock",
     "lock.open": "lock open",
     "climate.turn_off": "thermostat_mode thermostat_mode off",
+    "water_heater.turn_on": "on_off on",
+    "water_heater.turn_off": "on_off off",
+    "lawn_mower.start_mowing": "mower start",
+    "lawn_mower.pause": "mower pause",
+    "lawn_mower.dock": "mower dock",
     "media_player.media_play": "playback playback playing",
     "media_player.media_pause": "playback playback paused",
     "media_player.media_stop": "playback playback stopped",
@@ -56,12 +66,23 @@ _WORDS: Final = {
 _DATA: Final = {
     "light.turn_on": (
         *("brightness_pct", "brightness", "brightness_step_pct", "brightness_step"),
-        *("color_temp_kelvin", "kelvin", "color_temp"),
+        *("color_temp_kelvin", "kelvin", "color_temp", "effect"),
     ),
     "cover.set_cover_position": ("position",),
     "cover.set_cover_tilt_position": ("tilt_position",),
     "fan.turn_on": ("percentage",),
     "fan.set_percentage": ("percentage",),
+    "fan.set_preset_mode": ("preset_mode",),
+    "fan.set_direction": ("direction",),
+    "fan.oscillate": ("oscillating",),
+    "valve.set_valve_position": ("position",),
+    "humidifier.set_mode": ("mode",),
+    "water_heater.set_temperature": ("temperature",),
+    "water_heater.set_operation_mode": ("operation_mode",),
+    "climate.set_fan_mode": ("fan_mode",),
+    "climate.set_swing_mode": ("swing_mode",),
+    "vacuum.set_fan_speed": ("fan_speed",),
+    "media_player.select_source": ("source",),
     "number.set_value": ("value",),
     "input_number.set_value": ("value",),
     "counter.set_value": ("value",),
@@ -113,10 +134,22 @@ _FIELDS: Final = {
     "hvac_mode": _Setting("thermostat_mode"),
     "preset_mode": _Setting("preset_mode"),
     "option": _Setting("option"),
+    "source": _Setting("option"),
+    "effect": _Setting("effect"),
+    "direction": _Setting("direction"),
+    "oscillating": _Setting("oscillation"),
+    "mode": _Setting("humidifier_mode"),
+    "operation_mode": _Setting("water_heater_mode"),
+    "fan_mode": _Setting("fan_mode"),
+    "fan_speed": _Setting("fan_mode"),
+    "swing_mode": _Setting("swing_mode"),
 }
 
 
-_DROPPED: Final = {"logbook.log", "persistent_notification.dismiss", "system_log.write"}
+_DROPPED: Final = {
+    *("logbook.log", "persistent_notification.dismiss", "system_log.write", "logger.set_level"),
+    *("homeassistant.update_entity", "frontend.set_theme", "browser_mod.popup"),
+}
 """Services without an effect in the house."""
 
 
@@ -130,9 +163,14 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
             Located({field: fields.take(field) for field in [*fields.left] if field in _DEVICE_DATA}, 0), "data"
         )
     target = _target_of(fields, data)
+    if domain == "tts":
+        return [_spoken(automation, name, data)]
     if name in _DROPPED:
         data.left.clear()
         automation.notes.append(f"{name} is left out")
+        return []
+    if domain == "notify" and _is_clearing(data):
+        automation.notes.append("messages of homebot are not cleared")
         return []
     if (domain == "notify" or name == "persistent_notification.create") and target.is_to_notify:
         return [_message(automation, name, data)]
@@ -143,18 +181,27 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         return [f"routine {automation.names.routine(entity)} {words}" for entity in target.entities]
     if name not in _SERVICES:
         raise NotCarriedError(f"the service {name} has no counterpart in routines{_ADVICE.get(domain, '')}")
-    target.check()
+    target.check(name)
     if name == "scene.turn_on" and (scenes := automation.names.scenes_of(target.entities)):
         over = data.duration("transition")
         data.end()
         return [f"scene {scene}{f', over {over}' if over else ''}" for scene in scenes]
+    if name == "scene.turn_on" and data.duration("transition"):
+        automation.notes.append("a scene of Home Assistant takes no transition from homebot")
+    if domain in {"alarm_control_panel", "lock"} and data.take("code") is not None:
+        automation.notes.append(
+            "a code is kept by no routine: write it in Home Assistant as the default code of the entity"
+        )
     settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
     data.end()
     if any(word.words[:1] == "-" or str(word.value)[:1] == "-" for word in settings) and domain == "light":
         automation.notes.append("a lamp stays on at 1 % where a step would turn it off in Home Assistant")
-    if target.is_of_rooms:
-        return [*_of_rooms(automation, name, target, settings, over)]
+    if target.entities == ["all"] or (target.areas and _is_of_lights(name, settings, over)):
+        return [*_of_rooms(automation, name, target, settings)]
     known = [*map(entities.find, target.entities)]
+    for kind, place in target.places:
+        automation.notes.append(f"{kind} {place} means the devices that homebot knows there now")
+        known += entities.of_target(domain, kind, place)
     if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
     return [text for entity in known for text in _steps_of(name, entity, settings, over)]
@@ -173,33 +220,30 @@ _ADVICE: Final = {
 }
 
 
-def _of_rooms(
-    automation: Automation, name: str, target: "_Target", settings: Sequence[_Setting], over: str
-) -> Iterator[str]:
+def _is_of_lights(name: str, settings: Sequence[_Setting], over: str) -> bool:
+    """Return whether a service only switches lights on or off, as homebot does with all of a room."""
+    return name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
+
+
+def _of_rooms(automation: Automation, name: str, target: "_Target", settings: Sequence[_Setting]) -> Iterator[str]:
     """Yield the steps for the lights of rooms, or of the house."""
-    entities = automation.entities
-    if name not in {"light.turn_on", "light.turn_off", "light.toggle"}:
-        raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched; name the entities")
-    is_plain = len(settings) == 1 and not over and name != "light.toggle"
-    if not target.areas and not is_plain:
-        raise NotCarriedError(f"{name}: `all` lights are switched only on and off; name the entities")
-    for room in map(entities.room_of, target.areas):
-        if is_plain:
-            yield _step(f"lights in {room}", [settings[0].words])
-            continue
-        automation.notes.append(f"the lights in {room} are those that homebot knows now")
-        for light in entities.lights_in(room):
-            yield from _steps_of(name, light, settings, over)
     if not target.areas:
+        if not _is_of_lights(name, settings, ""):
+            raise NotCarriedError(f"{name}: `all` lights are switched only on and off; name the entities")
         yield _step("all lights", [settings[0].words])
+    for room in map(automation.entities.room_of, target.areas):
+        yield _step(f"lights in {room}", [settings[0].words])
 
 
 class _Target(NamedTuple):
-    """The target of a service."""
+    """The target of a service.
+
+    Attributes:
+        places: The fields of the target beside the entities, each with what it names.
+    """
 
     entities: list[str]
-    areas: list[str]
-    devices: list[str]
+    places: list[tuple[str, str]]
 
     @property
     def is_to_notify(self) -> bool:
@@ -207,18 +251,19 @@ class _Target(NamedTuple):
         return all(entity.startswith("notify.") for entity in self.entities)
 
     @property
-    def is_of_rooms(self) -> bool:
-        """True for all that is in some rooms, or in the house."""
-        return bool(self.areas) or self.entities == ["all"]
+    def areas(self) -> list[str]:
+        """The areas, if nothing else is named."""
+        kinds = {kind for kind, _ in self.places}
+        return [place for _, place in self.places] if kinds == {"area_id"} and not self.entities else []
 
-    def check(self) -> None:
-        """Refuse what names no entity or area, or more than one kind."""
-        if self.devices:
-            raise NotCarriedError("the target `device_id`: name the entity")
-        if not self.entities and not self.areas:
-            raise NotCarriedError("no target; name an entity")
-        if self.entities and self.areas:
-            raise NotCarriedError("the target has both `entity_id` and `area_id`; name the entities")
+    def check(self, name: str) -> None:
+        """Refuse a target without a name, or with all domains of a place."""
+        if not self.entities and not self.places:
+            raise NotCarriedError(f"{name}: no target; name an entity")
+        if self.places and name.startswith("homeassistant."):
+            raise NotCarriedError(
+                f"{name}: everything in {self.places[0][1]}; name the entities, or use light.turn_off"
+            )
 
 
 def _service_name(fields: UnreadFields, key: str) -> str:
@@ -231,12 +276,40 @@ def _service_name(fields: UnreadFields, key: str) -> str:
 def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:
     """Return the target, which older texts have in the data or beside the service."""
     target = fields.inner("target")
-    ids, areas, devices = (
-        [text for place in (target, data, fields) for text in place.texts(kind)]
-        for kind in ("entity_id", "area_id", "device_id")
+    ids, *places = (
+        [(kind, text) for place in (target, data, fields) for text in place.texts(kind)]
+        for kind in ("entity_id", "area_id", "device_id", "label_id", "floor_id")
     )
     target.end()
-    return _Target([*ids, *fields.texts("scene")], areas, devices)
+    return _Target([*(text for _, text in ids), *fields.texts("scene")], [*chain(*places)])
+
+
+_COMMANDS: Final = ("command_", "request_location_update", "remove_channel", "delete_alert", "update_", "TTS")
+"""Messages to the app of Home Assistant that are no messages to people, by their beginnings."""
+
+
+def _is_clearing(data: UnreadFields) -> bool:
+    """Return whether a message only clears an earlier one.
+
+    Raises:
+        NotCarriedError: It is a command to the phone.
+    """
+    node = data.left.get("message")
+    text = str(node.value).strip() if node else ""
+    if text.startswith(_COMMANDS):
+        raise NotCarriedError(f"message {text!r}: a command to the phone; leave it out, or write a message")
+    if text == "clear_notification":
+        data.left.clear()
+        return True
+    return False
+
+
+def _spoken(automation: Automation, name: str, data: UnreadFields) -> str:
+    """Return the message for a text that is spoken."""
+    for key in ("media_player_entity_id", "cache", "language", "options"):
+        data.take(key)
+    automation.notes.append(f"{name} becomes a message to people: homebot does not speak")
+    return _message(automation, name, data)
 
 
 def _message(automation: Automation, name: str, data: UnreadFields) -> str:
@@ -259,7 +332,7 @@ def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:
     if node is None or node.tag or not isinstance(node.value, str):
         return data.text(key, "")
     data.take(key)
-    return templates_of(automation).message(node.value.strip())
+    return templates_of(automation).message(node.value)
 
 
 def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
@@ -276,6 +349,9 @@ def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
         row = _FIELDS[key]
         if row.capabilities == "muted":
             yield row._replace(value=str(data.flag(key, default=True)))
+            continue
+        if CAPABILITIES[row.capabilities.split()[0]].kind == "bool":
+            yield row._replace(value=str(data.flag(key, default=True)).lower())
             continue
         if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
             yield row._replace(value=data.text(key))

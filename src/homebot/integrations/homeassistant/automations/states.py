@@ -16,6 +16,7 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.folding import fold
+from homebot.support.numbers import to_number
 from homebot.words.message_values import read_comparison
 from homebot.words.people import read_move, read_person
 from homebot.words.queries import parse_query
@@ -49,6 +50,15 @@ ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
     ("humidifier", "humidity"): ("humidity_setpoint", 1.0),
     ("media_player", "is_volume_muted"): ("muted", 1.0),
     ("media_player", "volume_level"): ("volume", 100.0),
+    ("media_player", "source"): ("option", 1.0),
+    ("light", "effect"): ("effect", 1.0),
+    ("light", "brightness_pct"): ("level", 1.0),
+    ("fan", "preset_mode"): ("preset_mode", 1.0),
+    ("climate", "fan_mode"): ("fan_mode", 1.0),
+    ("climate", "target_humidity"): ("humidity_setpoint", 1.0),
+    ("vacuum", "fan_speed"): ("fan_mode", 1.0),
+    ("water_heater", "current_temperature"): ("local_temperature", 1.0),
+    ("water_heater", "temperature"): ("heating_setpoint", 1.0),
     ("vacuum", "battery_level"): ("battery", 1.0),
 }
 """The capabilities that attributes of entities are, and the factors of their numbers."""
@@ -67,6 +77,10 @@ _ON: Final = frozenset({"on", "opened", "open", "occupied", "motion", "moist"})
 """The states of triggers and conditions of devices that are ``on``; others are told with ``not`` or ``no``."""
 
 
+_HOUSEHOLD: Final = {"home": "somebody is home", "not_home": "nobody is home"}
+"""The states of a group of persons."""
+
+
 def sun_moment(fields: UnreadFields, event: str, key: str) -> str:
     """Return the moment of an *event* of the sun, with the offset in the field *key*."""
     offset = fields.duration(key)
@@ -83,6 +97,9 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
         return [SUN[key][state] for state in states]
     if entity_id == "zone.home" and states == ["0"] and entities.knows_people:
         return ["nobody is home"]
+    if entity_id.startswith("group.") and entities.knows_people and _HOUSEHOLD.keys() >= {*states}:
+        entities.notes.append(f"{entity_id} is taken as all of [people]")
+        return [_HOUSEHOLD[state] for state in states]
     return [_state_text(entities.find(entity_id), state, key) for state in states]
 
 
@@ -136,6 +153,13 @@ def attribute_of(entities: Entities, entity_id: str, attribute: str, value: obje
     raise NotCarriedError(f"the attribute {attribute!r} of {entity_id} is compared with {value!r}")
 
 
+def attribute_text(entities: Entities, entity_id: str, attribute: str, text: str) -> str:
+    """Return the state that an attribute of an entity has the value that YAML has as *text*."""
+    number = to_number(text)
+    value: object = {"true": True, "false": False}.get(text.casefold(), text if number is None else number)
+    return attribute_of(entities, entity_id, attribute, value)[1:-1]
+
+
 def elevation_text(sign: str, degrees: float) -> str:
     """Return the condition, which is a trigger too, that the sun is above or below so many degrees."""
     return f"sun elevation {'above' if sign[0] == '>' else 'below'} {degrees:.12g}°"
@@ -150,6 +174,10 @@ def _state_text(entity: KnownEntity, state: str, key: str) -> str:
 
 def _of_states(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
     states = fields.texts(key)
+    if attribute := fields.text("attribute", ""):
+        return [
+            [attribute_text(entities, entity_id, attribute, state) for state in states] for entity_id in _ids(fields)
+        ]
     return [state_texts(entities, entity_id, states, key) for entity_id in _ids(fields)]
 
 
@@ -165,12 +193,10 @@ def _person_text(entity: KnownEntity, state: str, key: str) -> str:
     return text
 
 
-def _of_limits(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
+def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
     given: tuple[tuple[Operator, str], ...] = ((">", "above"), ("<", "below"))
     others = [(sign, fields.text(side)) for sign, side in given if _is_entity(fields, side)]
     if others:
-        if key == "to":
-            raise NotCarriedError(f"numeric_state against {others[0][1]}; ask for it in a condition")
         return [
             [values_text(entities, (entity_id, ""), sign, (other, ""))]
             for entity_id in _ids(fields)

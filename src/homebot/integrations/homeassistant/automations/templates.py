@@ -4,9 +4,12 @@ Source: Home Assistant core 2026.11, ``helpers/template``; of a number ``float(0
 """
 
 import math
+import operator
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Final, NamedTuple, Self, TypeAlias, TypeVar
+from datetime import date, timedelta
+from itertools import pairwise
+from typing import Any, Final, NamedTuple, Self, TypeAlias, TypeVar, cast
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.query.terms import Operator
@@ -96,56 +99,98 @@ class Templates:
     def message(self, text: str) -> str:
         """Return the text of a message with the values of its template in braces."""
         if "{" not in text:
-            return text
+            return text.strip()
         pieces: list[str] = []
         unit = ""
-        for part in _output_of(text):
-            for node in part.nodes:
-                if isinstance(node, nodes.TemplateData):
-                    if "{" in node.data or "}" in node.data:
-                        raise _refused(text, "braces in a message mean a value")
-                    pieces.append(_without_unit(node.data, unit))
-                    unit = ""
-                else:
-                    value, unit = self._value(node)
-                    pieces.append(value)
-        return "".join(pieces)
+        for node in self._parts_of(text):
+            if isinstance(node, nodes.If):
+                raise _refused(text, "it has statements")
+            if isinstance(node, nodes.TemplateData):
+                if "{" in node.data or "}" in node.data:
+                    raise _refused(text, "braces in a message mean a value")
+                pieces.append(_without_unit(node.data, unit))
+                unit = ""
+            else:
+                value, unit = self._value(node)
+                pieces.append(value)
+        return "".join(pieces).strip()
 
     def ways(self, call: Located) -> list[tuple[list[Condition], Located]]:
         """Return the calls that *call* becomes by the first choice in its templates, each with its conditions.
 
-        The last one has none, or that of the last trigger; empty if nothing is to be chosen.
+        The last call has none, or that of the last trigger; empty without a choice.
         """
         for path, text in _texts_in(call):
             try:
-                parts = [node for part in _output_of(text) for node in part.nodes]
+                parts = self._parts_of(text)
             except NotCarriedError:
                 continue
+            is_message = path[-1] in {"message", "title"}
             for place, node in enumerate(parts):
-                given = [other.data if isinstance(other, nodes.TemplateData) else "" for other in parts]
-                if any(not isinstance(other, nodes.TemplateData) for other in parts[:place] + parts[place + 1 :]):
-                    continue
-                if isinstance(node, nodes.CondExpr) and node.expr2 is not None:
-                    if not isinstance(node.expr1, nodes.Const) or not isinstance(node.expr2, nodes.Const):
-                        raise _refused(text, "it chooses between more than two values; write it as `choose`")
-                    values = [(self._read(node.test), node.expr1.value), ([], node.expr2.value)]
-                elif _path_of(node) == ("trigger", "to_state", "state") and path[-1] not in {"message", "title"}:
-                    states = dict.fromkeys(trigger.state for trigger in self._automation.triggers)
-                    if "" in states:
-                        raise _refused(text, "not each trigger names a state")
-                    values = [
-                        (self.started_by([one for one in self._automation.triggers if one.state == state]), state)
-                        for state in states
+                if ways := self._ways_of(node, text, is_message=is_message):
+                    return [
+                        (held, _with_text(call, path, _text_of_parts(text, parts[:place] + way + parts[place + 1 :])))
+                        for held, way in ways
                     ]
-                else:
-                    continue
-                return [
-                    (held, _with_text(call, path, "".join((*given[:place], str(value), *given[place + 1 :]))))
-                    for held, value in values
-                ]
         return []
 
-    def _value(self, node: nodes.Expr) -> tuple[str, str]:
+    def _parts_of(self, text: str) -> list[nodes.Node]:
+        """Return the texts, values and choices of the template *text*, with those of variables."""
+        if isinstance(text, _LeftTemplate):
+            return text.parts
+        return [self._inlined_name(part) for part in _parts_of(_tree_of(text).body, text)]
+
+    def _inlined_name(self, node: nodes.Node) -> nodes.Node:
+        if isinstance(node, nodes.Name) and node.name in self._automation.expressions:
+            return expression_of(self._automation.expressions[node.name])
+        return self._inlined(node)
+
+    def _ways_of(
+        self, node: nodes.Node, text: str, *, is_message: bool
+    ) -> list[tuple[list[Condition], list[nodes.Node]]]:
+        """Return the choices of *node*, each with its conditions; empty for none."""
+        match node:
+            case nodes.CondExpr():
+                no: list[nodes.Node] = [] if node.expr2 is None else [_folded(node.expr2)]
+                return [(self._read(node.test), [_folded(node.expr1)]), ([], no)]
+            case nodes.If():
+                rest: Sequence[nodes.Node] = node.else_
+                for other in node.elif_[:1]:
+                    rest = [nodes.If(other.test, other.body, node.elif_[1:], node.else_)]
+                held = self._read(cast("nodes.Expr", node.test))
+                return [(held, _parts_of(node.body, text)), ([], _parts_of(rest, text))]
+            case nodes.TemplateData() | nodes.Const():
+                return []
+        paths = {
+            path for inner in (node, *node.find_all(nodes.Getattr)) if (path := _path_of(inner))[:1] == ("trigger",)
+        }
+        is_state = is_message and ("trigger", "to_state", "state") in paths
+        triggers = self._automation.triggers
+        paths = {path for path in paths if any(trigger.value(path) is not None for trigger in triggers)}
+        paths |= {("trigger", "entity_id")} if is_state and all(trigger.entity for trigger in triggers) else set()
+        if not paths or (is_message and self._is_value(node)):
+            return []
+        groups: dict[tuple[str | None, ...], list[StartTrigger]] = {}
+        for trigger in triggers:
+            groups.setdefault(tuple(trigger.value(path) for path in sorted(paths)), []).append(trigger)
+        if any(None in key for key in groups):
+            raise _refused(text, "not each trigger has this value; write it as `choose`")
+        return [
+            (self.started_by(group), [_folded(_of_trigger(node, group[0], is_state=is_state))])
+            for group in groups.values()
+        ]
+
+    def _is_value(self, node: nodes.Node) -> bool:
+        noted = len(self._automation.notes)
+        try:
+            self._value(node)
+        except NotCarriedError:
+            return False
+        finally:
+            del self._automation.notes[noted:]
+        return True
+
+    def _value(self, node: nodes.Node) -> tuple[str, str]:
         """Return a value for a message, and its unit, which homebot writes itself."""
         if isinstance(node, nodes.Const):
             return str(node.value), ""
@@ -186,6 +231,8 @@ class Templates:
         return f"{{{capability} of {name}}}", CAPABILITIES.get(capability, OWN).unit
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
+        if (days := days_of(node)) is not None:
+            return days
         match node:
             case nodes.And():
                 return [*self._read(node.left), *self._read(node.right)]
@@ -212,6 +259,8 @@ class Templates:
                 return [("not wait timed out",)]
             case nodes.Test(name="none", node=inner) if _path_of(inner) == ("wait", "trigger"):
                 return [("wait timed out",)]
+            case nodes.Test(name="none", node=inner) if self._is_last_run(inner):
+                return [NEVER]  # one that never ran is over any time ago
             case nodes.Filter(name="bool", node=inner) if inner is not None:
                 return self._read(inner)
         raise _refused(_text_of(node))
@@ -226,7 +275,7 @@ class Templates:
             return states if sign == "in" else self._denied(states)
         if isinstance(left, nodes.Const) and not isinstance(right, nodes.Const):
             left, right, sign = right, left, _SWAPPED[sign]
-        if not isinstance(right, nodes.Const | nodes.Neg):
+        if not isinstance(right, nodes.Const | nodes.Neg) or (_is_of_two(left) and not self._since_last_run(left)):
             return [(self._of_two_values(left, sign, right),)]
         (value,) = _values_of(right)
         if sign == "eq":
@@ -237,31 +286,36 @@ class Templates:
 
     def _of_two_values(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> str:
         """Return the condition that one value is above or below another."""
-        if sign not in {"gt", "lt"}:
+        if sign not in _SIGNS:
             raise _refused(_text_of(left), "two values are compared by < and >")
-        numbers = _number_of(left), _number_of(right)
-        if any(number.factor != 1.0 or number.is_whole for number in numbers):
-            raise _refused(_text_of(left), "it calculates with two values")
+        numbers = [*_summands(left, 1.0), *_summands(right, -1.0)]
+        offset = sum(number.offset for number in numbers)
+        numbers = sorted((number for number in numbers if number.entity), key=lambda number: -number.factor)
+        if [number.factor for number in numbers] != [1.0, -1.0]:
+            raise _refused(_text_of(left), "it calculates with two values; only their difference is compared")
         if any(number.default is not None for number in numbers):
             self._automation.notes.append("a comparison does not hold while one of its values is unknown")
+        if any(number.is_whole for number in numbers):
+            self._automation.notes.append("two values are compared as they are, without cutting their fractions off")
         first, second = numbers
+        equal = _EQUAL if sign in {"gteq", "lteq"} else 0.0
         return values_text(
             self._automation.entities,
             (first.entity, first.attribute),
-            _SIGNS[sign],
+            _SIGNS[sign][0],
             (second.entity, second.attribute),
-            second.offset - first.offset,
+            -offset + (equal if sign == "lteq" else -equal),
         )
 
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
         path = _path_of(left)
         match path:
-            case ("trigger", "id"):
-                return self.started_by([trigger for trigger in self._automation.triggers if trigger.id == str(value)])
-            case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
-                return self._started_where(lambda trigger: trigger.entity == value)
-            case ("trigger", "to_state", "state"):
-                return self._started_where(lambda trigger: trigger.state == value)
+            case ("trigger", "id") | ("trigger", "event", "data", _):
+                return self.started_by(
+                    [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
+                )
+            case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id" | "state"):
+                return self._started_where(lambda trigger: trigger.value(path) == value)
             case ("wait", "trigger") if value is None:
                 return [("wait timed out",)]
         if (unit := _unit_of_now(left)) and type(value) is int:
@@ -365,26 +419,87 @@ def bracketed(text: str) -> str:
     return f"({text})" if "name=" in text and " of name=" not in text else text
 
 
-def _output_of(text: str) -> list[nodes.Output]:
+def _tree_of(text: str) -> nodes.Template:
     try:
-        body = tree_of(text).body
+        return tree_of(text.strip())
     except TemplateError as exc:
         raise _refused(text, f"it {exc.problem}") from exc
+
+
+def _parts_of(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
+    """Return the nodes of *body*, of which statements are choices alone."""
+    parts: list[nodes.Node] = []
+    for node in body:
+        if not isinstance(node, nodes.Output | nodes.If):
+            raise _refused(text, "it has statements")
+        parts += [node] if isinstance(node, nodes.If) else node.nodes
+    return parts
+
+
+def _output_of(text: str) -> list[nodes.Output]:
+    body = _tree_of(text).body
     outputs = [node for node in body if isinstance(node, nodes.Output)]
     if len(outputs) == len(body):
         return outputs
     match body:
-        case [nodes.If(test=test, body=[nodes.Output(nodes=[nodes.TemplateData(data=yes)])], elif_=[], else_=others)]:
-            no = "".join(
-                part.data
-                for output in others
-                if isinstance(output, nodes.Output)
-                for part in output.nodes
-                if isinstance(part, nodes.TemplateData)
-            )
-            if (yes.strip().casefold(), no.strip().casefold()) in {("true", "false"), ("true", "")}:
+        case [nodes.If(test=test, body=yes, elif_=[], else_=no)]:
+            words = tuple(_words_of(branch).casefold() for branch in (yes, no))
+            if words in {("true", "false"), ("true", "")}:
                 return [nodes.Output([test])]
+            if words == ("false", "true"):
+                return [nodes.Output([nodes.Not(test)])]
     raise _refused(text, "it has statements")
+
+
+def _words_of(body: Sequence[nodes.Node]) -> str:
+    """Return the text of a branch, also if it is written as ``{{ true }}``."""
+    parts = [part for node in body if isinstance(node, nodes.Output) for part in node.nodes]
+    return "".join(str(getattr(part, "data", getattr(part, "value", "?"))) for part in parts).strip()
+
+
+class _LeftTemplate(str):
+    """A template after a choice in it, with its remaining parts."""
+
+    parts: list[nodes.Node]
+    __slots__ = ("parts",)
+
+
+def _text_of_parts(text: str, parts: list[nodes.Node]) -> str:
+    """Return the remaining *parts* of the template *text*: plain text if possible."""
+    texts = [
+        str(part.data if isinstance(part, nodes.TemplateData) else part.value)
+        for part in parts
+        if isinstance(part, nodes.TemplateData | nodes.Const)
+    ]
+    if len(texts) == len(parts):
+        return "".join(texts).strip()
+    left = _LeftTemplate(text)
+    left.parts = parts
+    return left
+
+
+def _of_trigger(node: nodes.Node, trigger: StartTrigger, *, is_state: bool) -> nodes.Node:
+    """Return *node* with the values of *trigger*; its state, if that counts, is asked anew."""
+    path = _path_of(node)
+    if is_state and path == ("trigger", "to_state", "state") and trigger.entity:
+        return nodes.Call(nodes.Name("states", "load"), [nodes.Const(trigger.entity)], [], None, None)
+    if (value := trigger.value(path)) is not None:
+        return nodes.Const(value)
+
+    def of(field: object) -> object:
+        if isinstance(field, nodes.Node):
+            return _of_trigger(field, trigger, is_state=is_state)
+        return [*map(of, field)] if isinstance(field, list) else field
+
+    return type(node)(*(of(field) for _, field in node.iter_fields()), environment=node.environment)
+
+
+def _folded(node: nodes.Node) -> nodes.Node:
+    """Return the value of *node* if it is a constant."""
+    try:
+        return nodes.Const(node.as_const()) if isinstance(node, nodes.Expr) else node
+    except (nodes.Impossible, RuntimeError):
+        return node
 
 
 def _refused(text: str, reason: str = "routines have no words for it") -> NotCarriedError:
@@ -456,6 +571,36 @@ def _number_of(node: nodes.Expr) -> _Number:
     raise _refused(_text_of(node))
 
 
+_EQUAL: Final = 0.0001
+"""The difference up to which two values count as one."""
+
+
+def _is_of_two(node: nodes.Expr) -> bool:
+    """Return whether *node* is a sum or difference of two values."""
+    while isinstance(node, nodes.Filter) and node.name in {"float", "round", "int"} and node.node is not None:
+        node = node.node
+    if not isinstance(node, nodes.Add | nodes.Sub):
+        return False
+    return not any(isinstance(side, nodes.Const | nodes.Neg) for side in (node.left, node.right))
+
+
+def _summands(node: nodes.Expr, sign: float) -> list[_Number]:
+    """Return the numbers whose sum *node* is, times *sign*; one without an entity is only an offset."""
+    match node:
+        case nodes.Const() | nodes.Neg(node=nodes.Const()):
+            return [_Number("", offset=sign * _constant(node))]
+        case nodes.Neg(node=inner):
+            return _summands(inner, -sign)
+        case nodes.Add(left=left, right=right):
+            return [*_summands(left, sign), *_summands(right, sign)]
+        case nodes.Sub(left=left, right=right):
+            return [*_summands(left, sign), *_summands(right, -sign)]
+        case nodes.Filter(name="float" | "round", node=nodes.Add() | nodes.Sub() as inner):
+            return _summands(inner, sign)
+    number = _number_of(node)
+    return [number._replace(factor=sign * number.factor, offset=sign * number.offset)]
+
+
 def _scaled(number: _Number, factor: float, offset: float) -> _Number:
     if number.is_whole:
         raise NotCarriedError("template: it calculates with `int`; use `float`")
@@ -513,6 +658,70 @@ def _unit_of_now(node: nodes.Node) -> str:
         ) if _is_now(inner):
             return "hour"
     return ""
+
+
+_ORDER: Final[Mapping[str, Callable[[Any, Any], bool]]] = {
+    **{name: getattr(operator, short) for name, short in (("gt", "gt"), ("lt", "lt"), ("gteq", "ge"), ("lteq", "le"))},
+    "eq": operator.eq,
+    "ne": operator.ne,
+    "in": lambda value, several: value in several,
+    "notin": lambda value, several: value not in several,
+}
+_LEAP_YEAR: Final = 2024
+_OF_DAY: Final = re.compile(r"(?:%-?[dmbB]|[^%])*")
+
+
+def days_of(node: nodes.Expr) -> list[Condition] | None:
+    """Return the days of the year on which *node* holds; None for another expression, or one of whole months."""
+    has_day = any(inner.attr == "day" and _is_now(inner.node) for inner in node.find_all(nodes.Getattr))
+    has_day = has_day or any(re.search("%-?d", str(inner.value)) for inner in node.find_all(nodes.Const))
+    if not has_day:
+        return None
+    first = date(_LEAP_YEAR, 1, 1)
+    days = [first + timedelta(days=number) for number in range(366)]
+    try:
+        held = [bool(_on_day(node, day)) for day in days]
+    except (NotCarriedError, TypeError, ValueError):
+        return None
+    if all(held) or not any(held):
+        return [] if held[0] else [NEVER]
+    starts = [number for number in range(366) if held[number] and not held[number - 1]]
+    texts = []
+    for start in starts:
+        end = next(number for number in range(start + 1, start + 367) if not held[number % 366]) - 1
+        ends = dict.fromkeys(
+            f"{days[place % 366].day} {_MONTHS[days[place % 366].month - 1]}" for place in (start, end)
+        )
+        texts.append("-".join(ends))
+    return [(f"on {','.join(texts)}",)]
+
+
+def _on_day(node: nodes.Node, day: date) -> object:
+    """Return the value of *node* on *day*."""
+    match node:
+        case nodes.Const(value=value):
+            return value
+        case nodes.And():
+            return _on_day(node.left, day) and _on_day(node.right, day)
+        case nodes.Or():
+            return _on_day(node.left, day) or _on_day(node.right, day)
+        case nodes.Not():
+            return not _on_day(node.node, day)
+        case nodes.List() | nodes.Tuple():
+            return [_on_day(item, day) for item in node.items]
+        case nodes.Compare():
+            values = [_on_day(one, day) for one in (node.expr, *(operand.expr for operand in node.ops))]
+            signs = [_ORDER[operand.op] for operand in node.ops]
+            return all(sign(*two) for sign, two in zip(signs, pairwise(values), strict=True))
+        case nodes.Getattr(node=inner, attr="month" | "day" as unit) if _is_now(inner):
+            return getattr(day, unit)
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
+            _is_now(inner) and _OF_DAY.fullmatch(form)
+        ):
+            return day.strftime(form)
+        case nodes.Filter(name="int", node=inner, args=[]) if inner is not None:
+            return int(str(_on_day(inner, day)))
+    raise _refused(_text_of(node))
 
 
 def _of_time(unit: str, sign: str, value: object) -> list[Condition]:
@@ -645,26 +854,53 @@ def _with_text(node: Located, path: tuple[str | int, ...], text: str) -> Located
 
 
 def round_limit(node: Located, *, is_until: bool) -> tuple[int, Located] | None:
-    """Return the greatest number of rounds in the condition of a loop, and the other condition; None for no number.
+    """Return the greatest number of rounds in the condition of a loop, and the other conditions; None for no number.
 
     That is ``… or repeat.index >= 5`` of a loop *is_until*, and ``… and repeat.index <= 5`` of another.
     """
-    inner = node.value[0] if isinstance(node.value, list) and len(node.value) == 1 else node
-    if not isinstance(inner.value, str) or "repeat.index" not in inner.value:
-        return None
-    joined = expression_of(inner.value)
-    if not isinstance(joined, nodes.Or if is_until else nodes.And):
-        return None
-    for count, other in ((joined.right, joined.left), (joined.left, joined.right)):
-        match count:
-            case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]) if _path_of(
-                left
-            ) == ("repeat", "index"):
-                if (is_until, sign) in {(True, "gteq"), (True, "eq"), (False, "lteq")}:
-                    return most, Located(_Expression(inner.value, other), inner.line)
-                if (is_until, sign) in {(True, "gt"), (False, "lt")}:
-                    return most + (1 if is_until else -1), Located(_Expression(inner.value, other), inner.line)
+    joint = "or" if is_until else "and"
+    joined = _joined_by(joint, node)
+    for number, part in enumerate(joined):
+        if most := _most_rounds(part, is_until=is_until):
+            others = joined[:number] + joined[number + 1 :]
+            return most, Located({"condition": Located(joint, node.line), "conditions": Located(others, 0)}, node.line)
     return None
+
+
+def _joined_by(joint: str, node: Located) -> list[Located]:
+    """Return the conditions that *node* joins by *joint*; *node* itself if it joins none so."""
+    value = node.value
+    if isinstance(value, list) and (joint == "and" or len(value) == 1):
+        return [part for inner in value for part in _joined_by(joint, inner)]
+    if isinstance(value, dict):
+        kind = value.get("condition")
+        if kind is not None and kind.value == joint and "conditions" in value:
+            listed = value["conditions"]
+            inner_nodes = listed.value if isinstance(listed.value, list) else [listed]
+            return [part for inner in inner_nodes for part in _joined_by(joint, inner)]
+        if kind is not None and kind.value == "template" and "value_template" in value:
+            return _joined_by(joint, value["value_template"])
+    if isinstance(value, str) and "repeat.index" in value:
+        tree = expression_of(value)
+        if isinstance(tree, nodes.Or if joint == "or" else nodes.And):
+            sides = (Located(_Expression(value, side), node.line) for side in (tree.left, tree.right))
+            return [part for side in sides for part in _joined_by(joint, side)]
+    return [node]
+
+
+def _most_rounds(node: Located, *, is_until: bool) -> int:
+    """Return the number of rounds that the condition *node* allows; 0 for another condition."""
+    if not isinstance(node.value, str) or "repeat.index" not in node.value:
+        return 0
+    match expression_of(node.value):
+        case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]) if _path_of(
+            left
+        ) == ("repeat", "index"):
+            if (is_until, sign) in {(True, "gteq"), (True, "eq"), (False, "lteq")}:
+                return most
+            if (is_until, sign) in {(True, "gt"), (False, "lt")}:
+                return most + (1 if is_until else -1)
+    return 0
 
 
 class _Expression(str):

@@ -4,7 +4,7 @@ Source: Home Assistant core 2026.11, ``components/homeassistant/triggers``, ``co
 ``components/zone/trigger.py``, ``components/mqtt/device_trigger.py``.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device
@@ -12,19 +12,39 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.conditions import templates_of
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, StartTrigger, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.states import STATES, UNKNOWN, state_texts, sun_moment
+from homebot.integrations.homeassistant.automations.states import (
+    STATES,
+    UNKNOWN,
+    attribute_text,
+    number_of,
+    state_texts,
+    sun_moment,
+)
+from homebot.integrations.homeassistant.automations.templates import bracketed
 from homebot.words.steps import MAX_LINES
-from homebot.words.triggers import Changes, MessageComes, Press, read_trigger
+from homebot.words.triggers import Changes, MessageComes, Press, button_names, read_trigger
 
 _OPPOSITES: Final = {
     "on": "off",
     "off": "on",
     "above_horizon": "below_horizon",
     "below_horizon": "above_horizon",
+    "home": "not_home",
+    "not_home": "home",
 }
 """States with one other state, beside unknown ones."""
 
-_OF_TWO_STATES: Final = {"binary_sensor", "fan", "humidifier", "input_boolean", "light", "siren", "sun", "switch"}
+_OF_TWO_STATES: Final = {
+    "binary_sensor",
+    "fan",
+    "group",
+    "humidifier",
+    "input_boolean",
+    "light",
+    "siren",
+    "sun",
+    "switch",
+}
 
 
 def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
@@ -51,7 +71,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
         case "mqtt":
             return [StartTrigger(_message(automation, fields))]
         case "event":
-            return [StartTrigger(_event(automation, fields))]
+            return _events(automation, fields)
         case "template":
             return _template(automation, fields)
         case "state":
@@ -61,6 +81,10 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
             lasting = _lasting(fields)
             ids = fields.texts_of("entity_id")
             texts = STATES[kind](automation.entities, fields, "to")
+            if lasting and any(" of name=" in text for some in texts for text in some):
+                raise NotCarriedError(
+                    "`for` of two values; start without it, and write `wait` and a condition as steps"
+                )
             return [
                 StartTrigger(_moved(text, lasting, is_leave=is_leave), entity=entity)
                 for entity, entity_texts in zip(ids, texts, strict=True)
@@ -75,6 +99,13 @@ _ADVICE: Final = {
     "calendar": "; write its days, as in 'on 24 Dec' or '7:00 on mon'",
     "conversation": "; a routine of a button does the same",
     "webhook": "; send a command by HTTP, see docs/http.md",
+    "tag": "; start it by a button, or by the tag's reader as a device",
+    "tag_scanned": "; start it by a button, or by the tag's reader as a device",
+    "mobile_app_notification_action": "; messages have no buttons: start it by a button or helper",
+    "ios.action_fired": "; start it by a button or helper",
+    "persistent_notification": "; start it by the state that is told of",
+    "geo_location": "; homebot knows only who is at home: 'Anna arrives'",
+    "sentence": "; a routine of a button does the same",
 }
 
 _MAX_MINUTES: Final = 20
@@ -135,11 +166,20 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     texts = [text[1:-1] if text[:1] == "(" else text for condition in conditions for text in condition]
     if any(len(condition) != 1 for condition in conditions) or not texts:
         raise NotCarriedError("trigger template: `or`; write each as a trigger")
-    if any("name=" not in text or text.startswith("not ") for text in texts) or (lasting and len(texts) > 1):
+    if any("name=" not in text or text.startswith("not ") for text in texts):
         raise NotCarriedError("trigger template: only states of devices start a routine; write the times as triggers")
-    if len(texts) > 1:
-        automation.implied += conditions
-    return [StartTrigger(f"{text}{lasting}") for text in texts]
+    if lasting and any(" for " in text for text in texts):
+        raise NotCarriedError("trigger template: `for` of what lasts already; write one of both")
+    needs = [*conditions] if len(texts) > 1 else []
+    if lasting and len(texts) > 1:
+        needs = [(bracketed(f"{text}{lasting}"),) for text in texts]
+    return [
+        StartTrigger(
+            f"{text}{lasting}",
+            needs=tuple(need for need, other in zip(needs, texts, strict=False) if not lasting or other != text),
+        )
+        for text in texts
+    ]
 
 
 def _message(automation: Automation, fields: UnreadFields) -> str:
@@ -178,85 +218,154 @@ _SENDERS: Final = {
 """The fields of events with the address of the device and its event."""
 
 
-def _event(automation: Automation, fields: UnreadFields) -> str:
+def _events(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    """Return the events of a device: the given one, else each that it has."""
     kind, data = fields.text("event_type"), fields.inner("event_data")
     if kind == "timer.finished":
         entity = automation.entities.find(data.text("entity_id"))
         data.end()
-        return _press(entity.name, "finished")
+        return [StartTrigger(_press(entity.name, "finished"))]
     if kind not in _SENDERS:
-        raise NotCarriedError(f"trigger event: {kind!r}; carried over are events of {', '.join(_SENDERS)}")
-    address, command = (data.text(key, "") for key in _SENDERS[kind])
-    device_id = data.text("device_id", "")
+        raise NotCarriedError(
+            f"trigger event: {kind!r}{_ADVICE.get(kind, '')}; carried over are events of {', '.join(_SENDERS)}"
+        )
+    address_field, command_field = _SENDERS[kind]
+    address, command, subtype = (data.text(key, "") for key in (address_field, command_field, "subtype"))
+    device_id, slug = data.text("device_id", ""), data.text("id", "")
     data.take("endpoint_id")
     data.end()
-    if not address and not device_id:
-        raise NotCarriedError(f"trigger event: {kind} of any device; name its {_SENDERS[kind][0]}")
-    device = automation.entities.device_of(device_id) if device_id else automation.entities.device_by_address(address)
-    if command not in options_of(device):
-        known = ", ".join(sorted(options_of(device))) or "none"
-        raise NotCarriedError(f"trigger event: {device.name} has no event {command!r} in homebot; it has {known}")
-    return _press(automation.entities.name_of(device), command)
+    known = automation.entities
+    if address:
+        device = known.device_by_address(address)
+    elif device_id:
+        device = known.device_of(device_id)
+    elif slug:
+        device = known.device_called(slug)
+    else:
+        raise NotCarriedError(f"trigger event: {kind} of any device; name its {address_field}")
+    name = automation.entities.name_of(device)
+    if kind == "hue_event" and subtype:
+        name, device = _button_of(automation, device, subtype)
+    options = options_of(device)
+    events = [_HUE_PRESSES.get(command, command) if kind == "hue_event" else command] if command else sorted(options)
+    if not events or len(events) > MAX_LINES or not options.issuperset(events):
+        listed = ", ".join(sorted(options)) or "none"
+        raise NotCarriedError(f"trigger event: {device.name} has no event {command!r} in homebot; it has {listed}")
+    return [StartTrigger(_press(name, event), data=((command_field, command or event),)) for event in events]
+
+
+class _AskedState(NamedTuple):
+    """The states of its entities that a trigger asks for.
+
+    Attributes:
+        has_states: Whether it names the states, perhaps as any: ``to:``.
+    """
+
+    states: list[str]
+    before: list[str]
+    has_states: bool
+    attribute: str
+    lasting: str
+
+
+def _button_of(automation: Automation, device: Device, number: str) -> tuple[str, Device]:
+    """Return the name of a button of *device*, and the device with this button alone."""
+    parts = [part for part in device.parts if any(can.name in EVENTS for can in part.part.capabilities)]
+    names = [name for part, name in zip(parts, button_names(parts), strict=True) if name.split()[-1:] == [number]]
+    if len(parts) == 1 or len(names) != 1:
+        raise NotCarriedError(f"trigger event: {device.name} has no button {number} in homebot; name it by its entity")
+    of_name = [part for part, name in zip(parts, button_names(parts), strict=True) if name == names[0]]
+    return f"{automation.entities.name_of(device)}#{names[0]}", device.model_copy(update={"parts": tuple(of_name)})
+
+
+_HUE_PRESSES: Final = {"short_release": "single", "double_short_release": "double", "long_press": "long"}
+"""Events of Hue buttons in the words of homebot, where these differ."""
 
 
 def _state(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
-    ids, states, before = fields.texts("entity_id"), fields.texts("to"), fields.texts("from")
+    ids, has_states, attribute = fields.texts("entity_id"), "to" in fields, fields.text("attribute", "")
+    asked = _AskedState(fields.texts("to"), fields.texts("from"), has_states, attribute, _lasting(fields))
     for key in ("not_to", "not_from"):
         if others := {*fields.texts(key)} - UNKNOWN:
             raise NotCarriedError(f"trigger state: `{key}` {min(others)}; name the states with `to`")
     if not ids:
         raise NotCarriedError("trigger state: `entity_id` is missing")
-    are_two = _OF_TWO_STATES.issuperset(entity_id.partition(".")[0] for entity_id in ids)
-    if before and not states and are_two and len(before) == 1 and before[0] in _OPPOSITES:
-        states = [_OPPOSITES[before[0]]]
-    lasting, attribute = _lasting(fields), fields.text("attribute", "")
-    triggers: list[StartTrigger] = []
-    for entity_id in ids:
-        entity = None if entity_id in {"sun.sun", "zone.home"} else automation.entities.find(entity_id)
-        is_person = entity is not None and entity.part.part.service_type == "x_person"
-        goes = before == ["home"] and states in ([], ["not_home"])
-        comes = before == ["not_home"] and states == ["home"]
-        is_other = before and not (are_two and [_OPPOSITES.get(state, "") for state in states] == before)
-        is_leave = before == ["home"] and not states
-        if is_other and not (is_person and (goes or comes)) and not is_leave:
-            raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
-        is_tracker = entity is not None and entity.part.part.service_type == "x_tracker"
-        if is_tracker and before == ["home"] and not states:
+    return [trigger for entity_id in ids for trigger in _state_of(automation, entity_id, asked)]
+
+
+def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> list[StartTrigger]:
+    """Return the triggers for the states of an entity."""
+    domain = entity_id.partition(".")[0]
+    if domain in _OF_TWO_STATES:
+        asked = _of_two_states(asked)
+    if entity_id in {"sun.sun", "zone.home"} or domain == "group":
+        return _begun(automation, entity_id, asked)
+    entity = automation.entities.find(entity_id)
+    kind = entity.part.part.service_type
+    if asked.before == ["home"] and asked.states in ([], ["not_home"]) and kind in {"x_person", "x_tracker"}:
+        if kind == "x_person":
+            asked = asked._replace(states=["not_home"], before=[])
+        elif not asked.states:
             home = state_texts(automation.entities, entity_id, ["home"], "to")[0]
-            triggers.append(StartTrigger(_moved(home, lasting, is_leave=True), entity=entity_id))
-            continue
-        wanted = ["not_home"] if is_person and goes else states
-        if entity is not None and entity.has("press") and not lasting and not before:
-            triggers += [
-                StartTrigger(text, entity=entity_id, state=state) for text, state in _presses(entity, states, attribute)
-            ]
-        elif attribute:
-            raise NotCarriedError(f"trigger state: the attribute {attribute!r}")
-        elif not wanted and not before and entity is not None:
-            triggers.append(StartTrigger(f"{_change(entity)}", entity=entity_id))
-            if lasting:
-                raise NotCarriedError(f"any change of {entity_id} with `for`; name the state with `to`")
-        else:
-            texts = state_texts(automation.entities, entity_id, wanted, "to")
-            triggers += [
-                StartTrigger(_moved(text, lasting, is_leave=False), entity=entity_id, state=state)
-                for text, state in zip(texts, wanted, strict=True)
-            ]
-    return triggers
+            return [StartTrigger(_moved(home, asked.lasting, is_leave=True), entity=entity_id)]
+    if asked.before == ["not_home"] and asked.states == ["home"] and kind == "x_person":
+        asked = asked._replace(before=[])
+    if entity.has("press") and not asked.lasting and not asked.before:
+        presses = _presses(entity, asked.states, asked.attribute)
+        return [StartTrigger(text, entity=entity_id, state=state) for text, state in presses]
+    if not asked.states and not asked.before:
+        if asked.lasting:
+            raise NotCarriedError(f"any change of {entity_id} with `for`; name the state with `to`")
+        return [StartTrigger(_change(automation, entity, asked), entity=entity_id)]
+    return _begun(automation, entity_id, asked)
 
 
-def _change(entity: KnownEntity) -> str:
-    """Return the change of the state of an entity; for those with attributes any of these may change too."""
-    if entity.domain not in _SENSOR_DOMAINS or not entity.capability:
+def _of_two_states(asked: _AskedState) -> _AskedState:
+    """Return *asked* without the state before: of two it can only be the other."""
+    if len(asked.before) == 1 and not asked.states and not asked.attribute and asked.before[0] in _OPPOSITES:
+        asked = asked._replace(states=[_OPPOSITES[asked.before[0]]])
+    if asked.before and [_OPPOSITES.get(state, "") for state in asked.states] == asked.before:
+        return asked._replace(before=[])
+    return asked
+
+
+def _begun(automation: Automation, entity_id: str, asked: _AskedState) -> list[StartTrigger]:
+    """Return the triggers of states, or of the values of an attribute, that begin."""
+    if asked.before:
+        raise NotCarriedError(
+            f"trigger state: `from` {', '.join(asked.before)}; routines know only the new state: leave it out, or keep "
+            "the state before in a helper"
+        )
+    if asked.attribute:
+        values = [attribute_text(automation.entities, entity_id, asked.attribute, state) for state in asked.states]
+        return [StartTrigger(f"{text}{asked.lasting}", entity=entity_id) for text in values]
+    texts = state_texts(automation.entities, entity_id, asked.states, "to")
+    return [
+        StartTrigger(_moved(text, asked.lasting, is_leave=False), entity=entity_id, state=state)
+        for text, state in zip(texts, asked.states, strict=True)
+    ]
+
+
+def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> str:
+    """Return the change of the state of an entity; of those with attributes any of these may change too."""
+    if asked.attribute:
+        capability = number_of(automation.entities, entity.id, asked.attribute)[1]
+    else:
+        is_only_state = entity.domain in _PLAIN_DOMAINS or (asked.has_states and entity.domain in _OF_TWO_STATES)
+        own = [name for name in entity.controls[:1] if entity.has(name)] if is_only_state else []
+        capability = entity.capability if entity.domain in _SENSOR_DOMAINS else next(iter(own), "")
+    if not capability:
         raise NotCarriedError(f"any change of {entity.id}; name the state with `to`")
-    text = f"name={text_value(entity.name)} {entity.capability.replace('_', ' ')} changes"
+    text = f"name={text_value(entity.name)} {capability.replace('_', ' ')} changes"
     trigger = read_trigger(text)
-    if not isinstance(trigger, Changes) or trigger.capability != entity.capability:
+    if not isinstance(trigger, Changes) or trigger.capability != capability:
         raise NotCarriedError(f"any change of {entity.id} cannot be written as a trigger")
     return text
 
 
 _SENSOR_DOMAINS: Final = frozenset({"sensor", "binary_sensor"})
+_PLAIN_DOMAINS: Final = frozenset({"counter", "input_boolean", "input_number", "input_select", "number", "select"})
+"""Domains whose entities have no attribute that changes by itself."""
 
 
 def options_of(device: Device) -> set[str]:
@@ -295,7 +404,9 @@ def _presses(entity: KnownEntity, states: list[str], attribute: str) -> list[tup
 
 def _press(name: str, event: str) -> str:
     value = event if not event or event.replace("_", "").isalnum() else text_value(event)
-    text = f"name={text_value(name)} press {value}".rstrip()
+    device, hash_sign, _ = name.partition("#")
+    target = text_value(name) if hash_sign else f"name={text_value(device)}"
+    text = f"{target} press {value}".rstrip()
     try:
         trigger = read_trigger(text)
     except UsageError:
