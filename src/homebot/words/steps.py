@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain
 from typing import Final, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES, SETTABLE
+from homebot.devices.capabilities import CAPABILITIES, OWN, SETTABLE
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.terms import Query
 from homebot.errors import UsageError
@@ -84,6 +84,7 @@ class Do:
     Attributes:
         values: Further values by capability, as text.
         transition: Seconds that the change takes, if a device supports that.
+        pieces: The text with values of the house, which are known when it is taken; empty for one without them.
     """
 
     text: str
@@ -91,6 +92,7 @@ class Do:
     command: str
     values: tuple[tuple[str, str], ...] = ()
     transition: float = 0.0
+    pieces: tuple[str | MessageValue, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,10 +144,12 @@ class Wait:
 
     Attributes:
         most: The end of the span from which its length is drawn; 0 for a fixed one.
+        pieces: As those of :class:`Do`.
     """
 
     seconds: float
     most: float = 0.0
+    pieces: tuple[str | MessageValue, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,12 +213,33 @@ def read_step(text: str) -> Step:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
+    if "{" in plain and not NOTIFY.match(plain):
+        return _read_filled(plain)
     try:
         return _read(plain)
     except _NoStepError as exc:
         if advice := _several(plain) or _meant(plain):
             raise UsageError(f"{text!r}: {advice}") from exc
         raise
+
+
+def _read_filled(plain: str) -> Step:
+    """Return a step with values of the house, as it would be with 1 for each.
+
+    Raises:
+        UsageError: It is no command or pause, or one of the values is no number.
+    """
+    pieces = read_message(plain)
+    for piece in pieces:
+        if not isinstance(piece, str) and CAPABILITIES.get(piece.capability, OWN).kind != "number":
+            raise UsageError(f"{plain!r}: {{{piece.text}}} is no number; a step has only numbers of the house")
+    step = read_step("".join(piece if isinstance(piece, str) else "1" for piece in pieces))
+    match step:
+        case Do(target=target, command=command) if command != APPLY and plain.startswith(target):
+            return replace(step, text=plain, pieces=pieces)
+        case Wait():
+            return replace(step, pieces=pieces)
+    raise UsageError(f"{plain!r}: only commands, pauses and messages have values of the house")
 
 
 def _read(plain: str) -> Step:

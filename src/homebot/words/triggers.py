@@ -196,10 +196,15 @@ class MessageComes:
 
 @dataclass(frozen=True, slots=True)
 class ValuePasses:
-    """A value passes another one: the comparison begins to hold, and did not before."""
+    """A value passes another one: the comparison begins to hold, and did not before.
+
+    Attributes:
+        lasting: Seconds for which it must hold first.
+    """
 
     text: str
     comparison: Comparison
+    lasting: float = 0.0
 
 
 Trigger: TypeAlias = (
@@ -241,8 +246,9 @@ def read_trigger(text: str) -> Trigger:
         return found
     crossing = CROSSES.match(plain)
     limit = plain if crossing is None else _as_limit(plain, crossing["what"])
-    if (comparison := read_comparison(limit)) is not None:
-        return ValuePasses(plain, comparison)
+    lasting = LASTING.match(limit)
+    if (comparison := read_comparison(lasting["state"] if lasting else limit)) is not None:
+        return ValuePasses(plain, comparison, read_duration(lasting["length"], plain) if lasting else 0.0)
     state = read_state(limit, _EXAMPLES)
     if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and starts_unknown(state.query)):
         words = "'Anna arrives', 'everybody has left' or 'nobody is home'"

@@ -38,6 +38,8 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("hom
         ("every 10m", "not number of size below number of limit or after 9:00", "09:05", 1),
         ("number of size rises above number of limit minus 1", "", "09:05", 2),
         ("number of size falls below number of limit", "", "09:05", 2),
+        ("number of size rises above number of limit minus 1 for 90s", "", "09:05", 2),
+        ("number of size rises above number of limit minus 1 for 150s", "", "09:05", 0),
         ("number of nothing falls below number of limit", "", "09:05", 0),
         ("message on home/bell", "", "09:05", 4),
         ("message on home/bell with ring", "", "09:05", 1),

@@ -193,6 +193,9 @@ class HouseChecks:
         is_prompt = True
         for line in program_of(routine.do):
             match line.step:
+                case Do(pieces=(_, *_)) as step:
+                    if problem := await self._problem_of(await self._meant(step.target, parse_query(step.target))):
+                        yield f"{step.text!r}: {problem}"
                 case Do() as step:
                     for problem in await self._command(step, effects, is_prompt=is_prompt):
                         yield f"{step.text!r}: {problem}"

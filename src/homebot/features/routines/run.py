@@ -27,14 +27,27 @@ from homebot.devices.device import DeviceChange, StateChange, target_of
 from homebot.devices.names import CHANGE_ROUTINE, PERFORM_COMMAND
 from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.wording.values import value_text
-from homebot.errors import HomebotError, ServiceError
+from homebot.errors import HomebotError, ServiceError, UsageError
 from homebot.features.routines.program import Back, Branch, Line, Skip
 from homebot.features.routines.watches import begun, value_of
 from homebot.graph import Client, Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
-from homebot.words.steps import Dim, Do, Notify, SendRobot, Step, Stop, SwitchRoutine, Undo, Wait, WaitFor, WaitUntil
+from homebot.words.steps import (
+    Dim,
+    Do,
+    Notify,
+    SendRobot,
+    Step,
+    Stop,
+    SwitchRoutine,
+    Undo,
+    Wait,
+    WaitFor,
+    WaitUntil,
+    read_step,
+)
 from homebot.words.triggers import Trigger
 
 if TYPE_CHECKING:
@@ -149,6 +162,7 @@ class RoutineRun:
 
         A wait ends at *until*, in seconds since the Unix epoch, if that is given.
         """
+        step = await self._filled(step)
         match step:
             case Do() if self._program:
                 may_repeat = await self._checks.may_repeat(step)
@@ -277,6 +291,22 @@ class RoutineRun:
             else:
                 texts.append(value_text(piece.capability, value_of(piece, devices)))
         return "".join(texts)
+
+    async def _filled(self, step: Step) -> Step:
+        """Return *step* with the numbers of now, or as no wait at all while one of them is unknown."""
+        if not isinstance(step, Do | Wait) or not step.pieces:
+            return step
+        devices = await self._owner.devices.find()
+        values = [piece if isinstance(piece, str) else value_of(piece, devices) for piece in step.pieces]
+        text = "".join(f"{value:.12g}" if isinstance(value, float) else str(value) for value in values)
+        try:
+            if None not in values:
+                return read_step(text)
+            problem = "one of its values is unknown"
+        except UsageError as exc:
+            problem = str(exc)
+        self._owner.log_failure(text, problem)
+        return Wait(0.0)
 
     def _left(self, seconds: float, until: float) -> float:
         """Return how long a wait of *seconds* still lasts; the clock may have been set back since it began."""

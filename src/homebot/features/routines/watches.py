@@ -317,12 +317,17 @@ def _text_at(payload: bytes, path: Sequence[str]) -> str | None:
 
 @final
 class ComparisonWatch(HouseWatcher):
-    """Calls a function when a comparison of two values begins to hold: it must have been known not to."""
+    """Calls a function when a comparison of two values begins to hold: it must have been known not to.
+
+    With a length of time it must hold for so long, and be known.
+    """
 
     def __init__(self, node: Node, trigger: ValuePasses, on_start: OnStart) -> None:
-        self._comparison = trigger.comparison
+        self._node = node
+        self._trigger = trigger
         self._on_start = on_start
         self._held: bool | None = None
+        self._wait = anyio.CancelScope()
         self._view = HouseView.of(node)
         self._view.add(self)
         for value in (trigger.comparison.first, trigger.comparison.second):
@@ -330,24 +335,38 @@ class ComparisonWatch(HouseWatcher):
 
     def close(self) -> None:
         """End the calls; idempotent."""
+        self._wait.cancel()
         self._view.remove(self)
 
     def on_device(self, change: DeviceChange) -> None:
         """Compare the values of a new device, or those that a removed one leaves."""
         if any(self._is_meant(state) for state in change.device.states):
-            self._compare()
+            self._begins()
 
     def on_values(self, change: StateChange) -> None:
         """Start the routine if one of the values is meant, and the comparison begins to hold."""
-        if any(map(self._is_meant, change.readings)) and self._compare():
+        if not any(map(self._is_meant, change.readings)) or not self._begins():
+            return
+        if self._trigger.lasting:
+            self._wait = anyio.CancelScope()
+            self._node.create_task(partial(self._start_later, self._wait, change))
+        else:
+            self._on_start(change)
+
+    async def _start_later(self, wait: anyio.CancelScope, change: StateChange) -> None:
+        with wait:
+            await anyio.sleep(self._trigger.lasting)
             self._on_start(change)
 
     def _is_meant(self, reading: State | Reading) -> bool:
-        return reading.capability in {self._comparison.first.capability, self._comparison.second.capability}
+        comparison = self._trigger.comparison
+        return reading.capability in {comparison.first.capability, comparison.second.capability}
 
-    def _compare(self) -> bool:
+    def _begins(self) -> bool:
         """Return whether the comparison begins to hold; what is unknown in between begins nothing."""
-        holds = compared(self._comparison, tuple(self._view.devices))
+        holds = compared(self._trigger.comparison, tuple(self._view.devices))
+        if not holds:
+            self._wait.cancel()
         if holds is None:
             return False
         before, self._held = self._held, holds

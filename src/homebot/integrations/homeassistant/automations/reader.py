@@ -232,6 +232,9 @@ class Actions:
             least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
             fields.take("delay")
             return [f"wait {least or '0s'} to {most}"]
+        if node is not None and (length := templates_of(self._automation).length(node)):
+            fields.take("delay")
+            return [f"wait {length}"]
         length = fields.duration("delay")
         return [f"wait {length}"] if length else []
 

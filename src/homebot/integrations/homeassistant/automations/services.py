@@ -1,6 +1,8 @@
 """Calls of services as steps of routines. Pure."""
 
 import colorsys
+import math
+import re
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Final, NamedTuple
@@ -192,7 +194,7 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         automation.notes.append(
             "a code is kept by no routine: write it in Home Assistant as the default code of the entity"
         )
-    settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
+    settings, over = [*_settings(automation, name, data)], data.duration("transition") if domain == "light" else ""
     data.end()
     if any(word.words[:1] == "-" or str(word.value)[:1] == "-" for word in settings) and domain == "light":
         automation.notes.append("a lamp stays on at 1 % where a step would turn it off in Home Assistant")
@@ -335,11 +337,11 @@ def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:
     return templates_of(automation).message(node.value)
 
 
-def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
+def _settings(automation: Automation, name: str, data: UnreadFields) -> Iterator[_Setting]:
     """Yield the values that a service sets."""
     keys = [key for key in _DATA.get(name, ()) if key in data]
-    if name == "timer.start" and (length := data.duration("duration")):
-        yield _Setting("number", value=parse_duration(length) / 60)
+    if name == "timer.start" and "duration" in data:
+        yield _Setting("number", value=_minutes(automation, data))
     elif name in _WORDS:
         capabilities, _, words = _WORDS[name].partition(" ")
         yield _Setting(capabilities, words)
@@ -356,6 +358,14 @@ def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
         if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
             yield row._replace(value=data.text(key))
             continue
+        node = data.left[key]
+        if isinstance(node.value, str) and "{{" in node.value and not key.startswith("brightness_step"):
+            data.take(key)
+            text, factor = templates_of(automation).number(node.value)
+            if not math.isclose(factor * row.factor, 1.0) or key == "color_temp":
+                raise NotCarriedError(f"data: `{key}` is calculated; a step takes a number of the house as it is")
+            yield row._replace(value=text)
+            continue
         for number in data.numbers(key):
             value = number * row.factor
             if key.startswith("brightness_step"):
@@ -364,6 +374,16 @@ def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
                 yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
     if name == "light.turn_on" and (color := _color(data)) is not None:
         yield _Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
+
+
+def _minutes(automation: Automation, data: UnreadFields) -> str | float:
+    """Return the minutes of a timer."""
+    if text := templates_of(automation).length(data.left["duration"]):
+        data.take("duration")
+        if not text.endswith("}m"):
+            raise NotCarriedError("data: `duration` of a timer is a number of the house in minutes")
+        return text[:-1]
+    return parse_duration(data.duration("duration") or "0s") / 60
 
 
 def _of_light(key: str, number: float) -> int:
@@ -439,6 +459,10 @@ def _words(entity: KnownEntity, name: str, setting: _Setting) -> str:
     return words
 
 
+_VALUE: Final = re.compile(r"\{[^{}]*\}")
+"""A number of the house in a step."""
+
+
 def _step(target: str, words: Sequence[str]) -> str:
     """Return a step that homebot reads as a command to *target*."""
     count = len([word for word in words[1:] if not word.startswith("over ")])
@@ -447,6 +471,7 @@ def _step(target: str, words: Sequence[str]) -> str:
             step = read_step(text)
         except UsageError:
             continue
-        if isinstance(step, Do) and (step.target, step.command, len(step.values)) == (target, words[0], count):
+        command = _VALUE.sub("1", words[0])
+        if isinstance(step, Do) and (step.target, step.command, len(step.values)) == (target, command, count):
             return text
     raise NotCarriedError(f"{target!r} and {', '.join(words)!r} cannot be written as a step")

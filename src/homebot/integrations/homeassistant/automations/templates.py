@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple, Self, TypeAlias, TypeVar, cast
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.query.terms import Operator
-from homebot.integrations.homeassistant.automations.entities import Automation, StartTrigger
+from homebot.integrations.homeassistant.automations.entities import Automation, StartTrigger, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import (
     attribute_of,
@@ -47,6 +47,9 @@ _DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 _MONTHS: Final = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _CLOCK: Final = re.compile(r"([01]\d|2[0-3]):[0-5]\d(:[0-5]\d)?")
 _MAX_SHOWN: Final = 60
+_SECONDS: Final = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+_CLOCK_OF_ONE: Final = re.compile(r"(?:00?:)*(\{\{[^{}]*\}\})(?P<after>(?::00)*)")
+"""A length of time such as ``00:{{ … }}:00``."""
 _NodeT = TypeVar("_NodeT", bound=nodes.Node)
 
 
@@ -224,6 +227,49 @@ class Templates:
             case nodes.Getattr(attr="state") if entity := _states_path(node.node):
                 return self._state_value(entity, "")
         raise _refused(_text_of(node), "a message has states, {name}, {room}, {routine} and {time}")
+
+    def number(self, text: str) -> tuple[str, float]:
+        """Return the number of an entity for a step, and the factor with which the template *text* takes it."""
+        node, factor = expression_of(text), 1.0
+        while True:
+            match node:
+                case nodes.Filter(name="float" | "int" | "round", node=inner) if inner is not None:
+                    node = inner
+                case nodes.Mul(left=inner, right=nodes.Const(value=int() | float() as times)) if times:
+                    node, factor = inner, factor * times
+                case nodes.Div(left=inner, right=nodes.Const(value=int() | float() as parts)) if parts:
+                    node, factor = inner, factor / parts
+                case nodes.Call(node=nodes.Name(name="float" | "int"), args=[inner, *_]):
+                    node = inner
+                case _:
+                    break
+        number = _number_of(node)
+        entity, capability, own = number_of(self._automation.entities, number.entity, number.attribute)
+        if number.offset or entity.unit or not capability:
+            raise _refused(text, "a step takes a number of the house as it is")
+        self._automation.notes.append(
+            "a number of the house is taken as it is, and the step left out while it is unknown"
+        )
+        return f"{{{capability} of name={text_value(entity.name)}}}", factor / own
+
+    def length(self, node: Located) -> str:
+        """Return a length of time that a number of the house tells, such as ``{number of pause}m``; else empty."""
+        text, seconds = node.value, 1.0
+        if isinstance(text, dict):
+            given = {unit: inner for unit, inner in text.items() if str(inner.value) not in {"0", "00"}}
+            unit = next(iter(given), "")
+            if len(given) != 1 or unit not in _SECONDS:
+                return ""
+            text, seconds = given[unit].value, _SECONDS[unit]
+        elif isinstance(text, str) and (clock := _CLOCK_OF_ONE.fullmatch(text)):
+            text, seconds = clock[1], 60.0 ** clock["after"].count(":")
+        if not isinstance(text, str) or "{{" not in text:
+            return ""
+        value, factor = self.number(text)
+        letter = next((name[0] for name, length in _SECONDS.items() if math.isclose(length, factor * seconds)), "")
+        if not letter:
+            raise _refused(text, "a length of time is a number of seconds, minutes or hours of the house")
+        return f"{value}{letter}"
 
     def _state_value(self, entity_id: str, attribute: str) -> tuple[str, str]:
         name, capability = value_name(self._automation.entities, entity_id, attribute)

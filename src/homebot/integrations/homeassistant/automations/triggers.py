@@ -81,10 +81,6 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
             lasting = _lasting(fields)
             ids = fields.texts_of("entity_id")
             texts = STATES[kind](automation.entities, fields, "to")
-            if lasting and any(" of name=" in text for some in texts for text in some):
-                raise NotCarriedError(
-                    "`for` of two values; start without it, and write `wait` and a condition as steps"
-                )
             return [
                 StartTrigger(_moved(text, lasting, is_leave=is_leave), entity=entity)
                 for entity, entity_texts in zip(ids, texts, strict=True)
