@@ -18,6 +18,7 @@ LIMIT: Final = Phrase(
 PRESS: Final = Phrase("{query} press|pressed|presses [{value:one}]")
 
 CHANGES: Final = Phrase("{what} changes")
+AT_TIME_OF: Final = Phrase("at text of {what}")
 MESSAGE: Final = Phrase("message on {topic} with {value}", "message on {topic}")
 
 # Times.

@@ -20,6 +20,7 @@ from homebot.words.people import HOME_FACTS, check_known, read_move, read_person
 from homebot.words.phrases import (
     ALL,
     ARRIVAL,
+    AT_TIME_OF,
     CHANGES,
     CROSSES,
     INTERVAL,
@@ -195,6 +196,19 @@ class MessageComes:
 
 
 @dataclass(frozen=True, slots=True)
+class AtTimeOf:
+    """The time of day that a text of the house tells, such as a helper's; each day.
+
+    Attributes:
+        words: The query as text, in which names of devices count.
+    """
+
+    text: str
+    query: Query
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
 class ValuePasses:
     """A value passes another one: the comparison begins to hold, and did not before.
 
@@ -213,6 +227,7 @@ Trigger: TypeAlias = (
     | Changes
     | ValuePasses
     | MessageComes
+    | AtTimeOf
     | RobotArrival
     | PersonMoves
     | DaysAndTime
@@ -268,6 +283,8 @@ def _read_other(plain: str) -> Trigger | None:
         return moment
     if (message := _read_message(plain)) is not None:
         return message
+    if (timed := AT_TIME_OF.match(plain)) is not None:
+        return AtTimeOf(plain, parse_query(timed["what"]), timed["what"])
     if STARTS.match(plain) is not None:
         return HomebotStarts()
     person = read_move(plain) or read_person(plain)

@@ -37,6 +37,7 @@ ROUTINES: list[dict[str, object]] = [
     {"name": "Often", "when": ["visits number above 1"], "do": ["notify Twice, {visits number}"]},
     {"name": "Oven", "when": ["oven press finished"], "do": ["notify Done"]},
     {"name": "Timers", "when": ["08:20"], "do": ["egg number 1.5", "tea on", "wait 1m", "tea off"]},
+    {"name": "Early", "when": ["at text of wake up"], "do": ["notify Up at {time}", "wake up: 08:22"]},
     {"name": "Timed", "when": ["egg press finished", "tea press finished"], "do": ["notify {name} at {time}"]},
 ]
 
@@ -51,7 +52,7 @@ async def values(node: Node) -> dict[str, object]:
 @pytest.mark.slow
 async def test_routines_read_and_set_helpers_as_devices() -> None:
     world = hall(("08:01", "hall"), ("08:03", "outside"), ("08:10", "hall"))
-    timers = {"egg": {"timer": "10m"}, "tea": {"timer": "90s"}}
+    timers = {"egg": {"timer": "10m"}, "tea": {"timer": "90s"}, "wake_up": {"time": "08:18:30"}}
     config: dict[str, object] = {"routines": ROUTINES, "home": {"zone": "UTC"}, "notify": {}}
     config["helpers"] = HELPERS | timers
     async with virtual_house_of(world=world, config=config, start="2026-01-01 08:00") as house:
@@ -59,7 +60,13 @@ async def test_routines_read_and_set_helpers_as_devices() -> None:
         assert await values_of(house) == {
             "vacation": True, "lux limit": 30.0, "mode": "night", "visits": 2.0, "oven": True,
         }  # fmt: skip
-        assert [one.message for one in house.notifications] == ["Twice, 2", "Night", "egg at 08:21"]
+        assert [one.message for one in house.notifications] == [
+            "Twice, 2",
+            "Up at 08:18",
+            "Night",
+            "egg at 08:21",
+            "Up at 08:22",
+        ]
         await house.run_until("08:31")
         assert (await values_of(house))["oven"] is False
         assert house.notifications[-1].message == "Done"

@@ -17,7 +17,14 @@ from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.features.helpers import KEEP_VALUES
 from homebot.features.helpers.messages import KeepHelperValues, KeepHelperValuesRequest
-from homebot.features.helpers.settings import MAX_TIMER_S, HelperSetting, HelpersSettings, NumberHelper, TimerHelper
+from homebot.features.helpers.settings import (
+    MAX_TIMER_S,
+    HelperSetting,
+    HelpersSettings,
+    NumberHelper,
+    TimeHelper,
+    TimerHelper,
+)
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
@@ -129,6 +136,8 @@ def _helper(setting: HelperSetting) -> _Helper:
             minutes = Capability(name=_MINUTES, settable=True, unit="min", bounds=(1 / 60, MAX_TIMER_S / 60))
             part = _part(Capability(name="on_off", settable=True), finished, minutes)
             return _Helper(part, first=False, seconds=setting.timer)
+        case TimeHelper():
+            return _Helper(_part(Capability(name="text", settable=True)), setting.time)
         case NumberHelper():
             step = (0.0, 1.0) if setting.counter is not None else ()
             bounds = (setting.low, setting.high)

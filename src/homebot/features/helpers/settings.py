@@ -7,10 +7,11 @@ from typing import Annotated, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
 
 from homebot.config import parse_settings
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 from homebot.gateways.base import GatewaySettings
 from homebot.support.folding import fold
 from homebot.units import Seconds
+from homebot.words.times import read_time
 
 _MAX_HELPERS = 100
 _MAX_CHOICES = 50
@@ -68,14 +69,30 @@ class TimerHelper(BaseModel):
     timer: Annotated[Seconds, Field(gt=0, le=MAX_TIMER_S)]
 
 
-HelperSetting = bool | float | tuple[str, ...] | NumberHelper | TimerHelper
-"""A value that is true or false, a number, texts of which the first is chosen, or one with limits."""
+def _time(text: object) -> str:
+    try:
+        read_time(text)
+    except UsageError as exc:
+        raise ValueError(str(exc)) from exc
+    return str(text)
+
+
+class TimeHelper(BaseModel):
+    """A time of day, ``{ time = "07:00" }``."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    time: Annotated[str, PlainValidator(_time)]
+
+
+HelperSetting = bool | float | tuple[str, ...] | NumberHelper | TimerHelper | TimeHelper
+"""A value that is true or false, a number, texts of which the first is chosen, or a table with limits or a time."""
 
 
 def _setting(value: object) -> HelperSetting:
     """Check a helper here, because the errors of a union would name all of its members."""
     match value:
-        case bool() | NumberHelper() | TimerHelper():
+        case bool() | NumberHelper() | TimerHelper() | TimeHelper():
             return value
         case int() | float() if math.isfinite(value):
             return float(value)
@@ -83,6 +100,8 @@ def _setting(value: object) -> HelperSetting:
             try:
                 if "timer" in value:
                     return parse_settings(TimerHelper, value, "", "")
+                if "time" in value:
+                    return parse_settings(TimeHelper, value, "", "")
                 return parse_settings(NumberHelper, value, "", "")
             except ConfigError as exc:
                 raise ValueError(f"{exc.key}: {exc.reason}".removeprefix(": ")) from exc

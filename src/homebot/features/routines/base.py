@@ -29,6 +29,7 @@ from homebot.features.routines.watches import (
     OnStart,
     PersonWatch,
     PressWatch,
+    TimeOfWatch,
     ValueWatch,
     begun,
     compared,
@@ -41,6 +42,7 @@ from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays,
 from homebot.words.message_values import Comparison
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
 from homebot.words.triggers import (
+    AtTimeOf,
     Becomes,
     Changes,
     EachInterval,
@@ -81,6 +83,7 @@ _Watched = (
     | Changes
     | ValuePasses
     | MessageComes
+    | AtTimeOf
     | PersonMoves
     | RobotArrival
 )
@@ -201,6 +204,8 @@ class RoutineBase(App[SettingsT_co]):
                 return ValueWatch(self.node, trigger, on_start).close
             case MessageComes():
                 return self._messages.add(trigger, on_start)
+            case AtTimeOf():
+                return TimeOfWatch(self.node, trigger, partial(self._daily_at, start, name or trigger.text)).close
             case ValuePasses():
                 return ComparisonWatch(self.node, trigger, on_start).close
             case PersonMoves():
@@ -209,6 +214,9 @@ class RoutineBase(App[SettingsT_co]):
                 return ArrivalWatch(self.node, trigger, on_start).close
             case _:
                 assert_never(trigger)
+
+    def _daily_at(self, start: Callable[[], None], name: str, at: str) -> Callable[[], None]:
+        return self.daily(at, start, name=f"{name} at {at}").cancel
 
     async def _follow(self, trigger: Becomes, on_start: OnStart, store: MutableMapping[str, Any]) -> None:
         async for one in begun(self.node, trigger, store, is_new=True):

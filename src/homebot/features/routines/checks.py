@@ -36,6 +36,7 @@ from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitFor, WaitUn
 from homebot.words.suitable_parts import part_name, settings_by_part
 from homebot.words.tokens import quoted
 from homebot.words.triggers import (
+    AtTimeOf,
     Becomes,
     Changes,
     PersonMoves,
@@ -214,7 +215,7 @@ class HouseChecks:
 
     async def _resolved(self, asked: _AskedT) -> _AskedT:
         match asked:
-            case Becomes() | Changes() | Press():
+            case AtTimeOf() | Becomes() | Changes() | Press():
                 return replace(asked, query=await self._meant(asked.words, asked.query))
             case Matches(state=state):
                 return replace(asked, state=replace(state, query=await self._meant(state.words, state.query)))
@@ -341,11 +342,11 @@ class HouseChecks:
 
 def _states(
     routine: RoutineSettings,
-) -> Iterator[tuple[str, Becomes | Changes | MessageValue | PersonMoves | Press, Press | None]]:
+) -> Iterator[tuple[str, AtTimeOf | Becomes | Changes | MessageValue | PersonMoves | Press, Press | None]]:
     """Yield the text of each state, compared value and press, with what it asks for."""
     for text, one in routine.asked():
         match one:
-            case (Becomes() | Changes() | PersonMoves()) as state:
+            case (AtTimeOf() | Becomes() | Changes() | PersonMoves()) as state:
                 yield text, state, None
             case Matches(state=state):
                 yield text, state, None

@@ -21,7 +21,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import Query, lasting
 from homebot.devices.robot_messages import RobotPose
 from homebot.devices.value import PlainValue, Reading
-from homebot.errors import HomebotError
+from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.support.bounded_map import BoundedMap
@@ -29,13 +29,24 @@ from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
 from homebot.words.house_queries import WordsQuery
 from homebot.words.message_values import Comparison, MessageValue
-from homebot.words.triggers import Becomes, Changes, MessageComes, PersonMoves, Press, RobotArrival, ValuePasses
+from homebot.words.times import read_time
+from homebot.words.triggers import (
+    AtTimeOf,
+    Becomes,
+    Changes,
+    MessageComes,
+    PersonMoves,
+    Press,
+    RobotArrival,
+    ValuePasses,
+)
 
 NOT_HEARD: Final = "routine.topic_not_heard"
 
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
 
+_TEXT: Final = "text"
 _MAX_ROBOTS: Final = 100
 _MAX_PEOPLE: Final = 100
 _MAX_VALUES: Final = 10_000
@@ -313,6 +324,50 @@ def _text_at(payload: bytes, path: Sequence[str]) -> str | None:
     if isinstance(value, float):
         return f"{value:.12g}"
     return str(value).casefold() if isinstance(value, bool | int | str) else None
+
+
+@final
+class TimeOfWatch(HouseWatcher):
+    """Keeps a daily call at the time of day that the text of a device tells; another text makes no call."""
+
+    def __init__(self, node: Node, trigger: AtTimeOf, call_at: Callable[[str], Callable[[], None]]) -> None:
+        self._words = WordsQuery(trigger.words)
+        self._call_at = call_at
+        self._at = ""
+        self._cancel: Callable[[], None] = lambda: None
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        self._view.names.add(trigger.query, trigger.text)
+
+    def close(self) -> None:
+        """End the calls; idempotent."""
+        self._cancel()
+        self._view.remove(self)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Record the names that the words of the trigger may be, and the text of a new device."""
+        self._words.record(change.device, is_gone=change.kind == "removed")
+        self._read(change.device, change.device.states)
+
+    def on_values(self, change: StateChange) -> None:
+        """Call at another time if the text is meant."""
+        if any(reading.capability == _TEXT for reading in change.readings) and change.live:
+            known = self._view.get(change.device)
+            self._read(None if known is None else known.current(), change.readings)
+
+    def _read(self, device: Device | None, readings: Sequence[State | Reading]) -> None:
+        if device is None or not fits(self._words.query, facets_of(device)):
+            return
+        texts = [str(reading.value.plain()) for reading in readings if reading.capability == _TEXT]
+        if not texts or texts[0] == self._at:
+            return
+        self._cancel()
+        self._at, self._cancel = texts[0], lambda: None
+        try:
+            read_time(self._at)
+        except UsageError:
+            return
+        self._cancel = self._call_at(self._at)
 
 
 @final

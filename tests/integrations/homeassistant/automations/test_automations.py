@@ -31,7 +31,7 @@ SOURCE = "automations.yaml"
 SETTABLE = {
     "on_off", "level", "color", "color_temperature", "movement", "position", "lock", "heating_setpoint",
     "thermostat_mode", "playback", "volume", "vacuum", "alarm", "scene", "fan_speed",
-    "option", "number",
+    "option", "number", "text",
 }  # fmt: skip
 OPTIONS = {
     "press": ("single", "double", "hold", "long", "remote_button_short_press turn_on"),
@@ -97,6 +97,7 @@ HOUSE = (
             "mode": ["option"],
             "visits": ["number"],
             "oven": ["on_off", "press"],
+            "wake up": ["text"],
         }.items()
     ),
     device("Household", part("", "x_household", "at_home", "all_at_home")),

@@ -23,7 +23,9 @@ _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\)
 _ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re.IGNORECASE)
 """Parts of names that mean something else in texts of routines."""
 
-_HELPERS: Final = frozenset({"input_boolean", "input_number", "input_select", "input_button", "counter", "timer"})
+_HELPERS: Final = frozenset(
+    {"input_boolean", "input_number", "input_select", "input_button", "input_datetime", "counter", "timer"}
+)
 
 _SENSORS: Final = {"binary_sensor": True, "sensor": False}
 """Whether they measure what is true or false."""
@@ -67,6 +69,8 @@ _CONTROLS: Final = {
     "input_select": ("x_setting", "option"),
     "input_number": ("x_setting", "number"),
     "counter": ("x_setting", "number"),
+    "input_datetime": ("x_setting", "text"),
+    "time": ("x_setting", "text"),
     "timer": ("x_setting", "on_off"),
     "sensor": ("", "value"),
 }

@@ -65,6 +65,8 @@ ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
 
 _ITS_VALUE: Final = re.compile(r"\{\{state\.(?:state|attributes\.(?P<attribute>\w+))(?:\|float(?:\(0\))?)?\}\}")
 
+_LEAST: Final = -1_000_000.0
+
 UNKNOWN: Final = frozenset({"unknown", "unavailable", "none", ""})
 
 SUN: Final = {
@@ -151,6 +153,18 @@ def attribute_of(entities: Entities, entity_id: str, attribute: str, value: obje
     if type(value) in (int, float) and factor == 1.0:
         return f"({limits_text(entity, capability, [('=', float(str(value)))])})"
     raise NotCarriedError(f"the attribute {attribute!r} of {entity_id} is compared with {value!r}")
+
+
+def known_texts(entities: Entities, entity_id: str) -> tuple[str, ...]:
+    """Return the texts of the condition that the state of an entity is known: a number, or one of two."""
+    entity = entities.find(entity_id)
+    capability = number_of(entities, entity_id, "")[1] or next(iter(entity.controls), "")
+    if CAPABILITIES.get(capability, OWN).kind == "number" and not entity.unit:
+        return (f"({limits_text(entity, capability, [('>', _LEAST)])})",)
+    if CAPABILITIES.get(capability, OWN).kind == "bool" and entity.has(capability):
+        either = (_text(entity, [StateIs(capability, "=", value)]) for value in (True, False))
+        return tuple(f"({text})" for text in either)
+    raise NotCarriedError(f"whether {entity_id} is known; ask for the states that it must have")
 
 
 def attribute_text(entities: Entities, entity_id: str, attribute: str, text: str) -> str:
@@ -276,7 +290,9 @@ def limits_text(entity: KnownEntity, capability: str, limits: Sequence[tuple[Ope
 
 def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     if fold(state) in UNKNOWN:
-        raise NotCarriedError(f"{entity.id}: {state!r} is no state that a routine can ask for")
+        raise NotCarriedError(
+            f"{entity.id}: {state!r} is no state that a routine can ask for; homebot tells itself what is unreachable"
+        )
     if state in _FLAGS and (flag := _flag_of(entity, state)):
         return flag, "=", _FLAGS[state]
     if entity.domain == "timer" and state in _TIMER:

@@ -16,8 +16,10 @@ from homebot.devices.query.terms import Operator
 from homebot.integrations.homeassistant.automations.entities import Automation, StartTrigger, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import (
+    UNKNOWN,
     attribute_of,
     elevation_text,
+    known_texts,
     limits_text,
     number_of,
     state_texts,
@@ -279,6 +281,8 @@ class Templates:
     def _read(self, node: nodes.Expr) -> list[Condition]:
         if (days := days_of(node)) is not None:
             return days
+        if (known := self._known(node)) is not None:
+            return known
         match node:
             case nodes.And():
                 return [*self._read(node.left), *self._read(node.right)]
@@ -310,6 +314,35 @@ class Templates:
             case nodes.Filter(name="bool", node=inner) if inner is not None:
                 return self._read(inner)
         raise _refused(_text_of(node))
+
+    def _known(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the conditions of a guard against unknown states; None for another expression.
+
+        A routine starts by no unknown state.
+        """
+        match node:
+            case nodes.Compare(expr=left, ops=[nodes.Operand(op="notin" | "ne", expr=right)]):
+                if isinstance(right, nodes.Const | nodes.List | nodes.Tuple):
+                    states = {str(value) for value in _values_of(right)}
+                    if states <= UNKNOWN and _path_of(left) == ("trigger", "to_state", "state"):
+                        return self._by_a_state()
+                    if states <= UNKNOWN and _path_of(left) == ("trigger", "from_state", "state"):
+                        self._automation.notes.append("a state that differs from that before it was unknown starts it")
+                        return self._by_a_state()
+                    if entity := _state_of(left) if states <= UNKNOWN and states - {""} else "":
+                        return [known_texts(self._automation.entities, entity)]
+                paths = {_path_of(left), _path_of(right)}
+                if paths == {("trigger", "to_state", "state"), ("trigger", "from_state", "state")}:
+                    return self._by_a_state()
+            case nodes.Call(node=nodes.Name(name="has_value"), args=[nodes.Const(value=str(entity))]):
+                return [known_texts(self._automation.entities, entity)]
+            case nodes.Call(node=nodes.Name(name="is_number"), args=[inner]) if entity := _state_of(inner):
+                return [known_texts(self._automation.entities, entity)]
+        return None
+
+    def _by_a_state(self) -> list[Condition]:
+        """Return the condition that a state started it: any other trigger has none, and ends with an error."""
+        return self.started_by([trigger for trigger in self._automation.triggers if trigger.entity])
 
     def _state(self, entity: str, state: str) -> Condition:
         (text,) = state_texts(self._automation.entities, entity, [state])

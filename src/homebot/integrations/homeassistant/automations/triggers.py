@@ -21,8 +21,9 @@ from homebot.integrations.homeassistant.automations.states import (
     sun_moment,
 )
 from homebot.integrations.homeassistant.automations.templates import bracketed
+from homebot.support.located import Located
 from homebot.words.steps import MAX_LINES
-from homebot.words.triggers import Changes, MessageComes, Press, button_names, read_trigger
+from homebot.words.triggers import AtTimeOf, Changes, MessageComes, Press, button_names, read_trigger
 
 _OPPOSITES: Final = {
     "on": "off",
@@ -54,10 +55,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
     match kind:
         case "time":
             days = fields.days()
-            times = [f"{time} {days}".rstrip() for time in fields.clock_times("at")]
-            if not times:
-                raise NotCarriedError("trigger time: `at` is missing")
-            return [*map(StartTrigger, times)]
+            return [StartTrigger(text) for text in _times(automation, fields, days)]
         case "time_pattern":
             return [*map(StartTrigger, _pattern(automation, fields))]
         case "homeassistant":
@@ -103,6 +101,29 @@ _ADVICE: Final = {
     "geo_location": "; homebot knows only who is at home: 'Anna arrives'",
     "sentence": "; a routine of a button does the same",
 }
+
+
+def _times(automation: Automation, fields: UnreadFields, days: str) -> list[str]:
+    """Return the times of day of ``at``, of which some may be those of helpers."""
+    nodes = fields.items("at")
+    entities = [node for node in nodes if "." in str(node.value)]
+    given = UnreadFields(Located({"at": Located([node for node in nodes if node not in entities], 0)}, 0), "trigger")
+    times = [f"{time} {days}".rstrip() for time in given.clock_times("at")]
+    for node in entities:
+        if not isinstance(node.value, str):
+            raise NotCarriedError("trigger time: `offset` from the time of an entity; write the time itself")
+        if days:
+            raise NotCarriedError("trigger time: `weekday` with the time of a helper; ask for the days in a condition")
+        entity = automation.entities.find(node.value)
+        text = f"at text of name={text_value(entity.name)}"
+        if not entity.has("text") or not isinstance(read_trigger(text), AtTimeOf):
+            raise NotCarriedError(f"trigger time: {entity.id} has no time of day in homebot; write the time itself")
+        automation.notes.append(f"{entity.id} starts it each day at its time; one with a date starts nothing")
+        times.append(text)
+    if not times:
+        raise NotCarriedError("trigger time: `at` is missing; write each time as a trigger")
+    return times
+
 
 _MAX_MINUTES: Final = 20
 """Minutes of an hour that are written, each as a trigger."""
