@@ -35,7 +35,7 @@ class Loop:
             self.delays.append(time.perf_counter() - due)
 
     def report(self) -> str:
-        delays = sorted(self.delays) or [0.0]
+        delays = sorted(self.delays)
         cpu = (time.process_time() - self.spent) / (time.perf_counter() - self.since)
         self.delays = []
         self.since, self.spent = time.perf_counter(), time.process_time()

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from typing import Any
 
 import pytest
@@ -29,6 +30,16 @@ let skipped = 0;
 performance.now = () => now() + skipped;
 window.skip = (length) => (skipped += length);
 """
+LOCKS = """
+window.locks = [];
+const request = navigator.wakeLock.request.bind(navigator.wakeLock);
+navigator.wakeLock.request = async (kind) => {
+  const lock = await request(kind);
+  window.locks.push(lock);
+  return lock;
+};
+"""
+AWAKE = "return window.locks.filter((one) => !one.released).length"
 BACK, REST = 121_000, 301_000  # ms
 
 
@@ -78,6 +89,22 @@ async def test_a_screen_goes_back_and_rests_until_a_touch_motion_the_doorbell_or
             await wakes(own)  # it burns
             own.become_computer()
             assert own.problems() == []
+
+
+@pytest.mark.parametrize(("hour", "dimmed"), [(2, 1), (14, 0)])
+async def test_a_screen_at_a_wall_is_dimmed_by_night_and_kept_awake_until_it_is_at_none(
+    browser: Any, hour: int, dimmed: int
+) -> None:
+    ahead = (hour - datetime.now(UTC).hour + 12) % 24 - 12
+    tables: dict[str, object] = {"home": {"name": "villa", "zone": f"Etc/GMT{-ahead:+d}"}}
+    browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": LOCKS})
+    async with opened_page(browser, tables=tables) as own:
+        await own.open("?wall=home#/more", shows="After five minutes")
+        await to_thread.run_sync(own.until, lambda: browser.execute_script(AWAKE) == 1)
+        await to_thread.run_sync(own.until, lambda: len(browser.find_elements("css selector", ".night")) == dimmed)
+        await own.click("[name=wall] option[value='']")
+        await to_thread.run_sync(own.until, lambda: browser.execute_script(AWAKE) == 0)
+        assert not browser.find_elements("css selector", ".night")
 
 
 async def rest(page: Page) -> None:

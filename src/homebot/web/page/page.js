@@ -1,1 +1,1 @@
-import"./chunk-M3XDOTV3.js";
+import"./chunk-XMAA5WJE.js";

@@ -49,13 +49,6 @@ const isNight = computed(() => {
   return Math.sin(latitude) * Math.sin(tilt) + Math.cos(latitude) * Math.cos(tilt) * Math.cos(turn) < DUSK;
 });
 
-/** Keep the screen awake, where the browser allows it: it asks again when the page is seen again. */
-async function stayAwake(isOn) {
-  if (document.hidden || !isOn()) return;
-  const lock = await navigator.wakeLock?.request("screen").catch(() => null);
-  if (!isOn()) lock?.release();
-}
-
 /** What rings, or moves in the room of this screen. */
 function notice({ device: id, readings }) {
   const device = deviceOf(id)?.peek();
@@ -69,7 +62,11 @@ function notice({ device: id, readings }) {
 /** Live as a screen at the wall; returns the function that ends it. */
 function begin() {
   let isOn = true;
-  const seen = () => stayAwake(() => isOn);
+  let lock = null; // keeps the screen awake, where the browser allows it, until the page is hidden
+  const seen = async () => {
+    if (!document.hidden) lock = await navigator.wakeLock?.request("screen").catch(() => null);
+    if (!isOn) lock?.release();
+  };
   const look = () => {
     minute.value = Math.floor(now() / 60);
     if (calm() > BACK) {
@@ -98,6 +95,7 @@ function begin() {
   look();
   return () => {
     isOn = rests.value = false;
+    lock?.release();
     clearInterval(timer);
     for (const end of ends) end();
     document.documentElement.classList.remove("wall");
