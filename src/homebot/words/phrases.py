@@ -17,7 +17,7 @@ LIMIT: Final = Phrase(
 )
 PRESS: Final = Phrase("{query} press|pressed|presses [{value:one}]")
 
-CHANGES: Final = Phrase("{what} changes")
+CHANGES: Final = Phrase("{what} changes from {before} to {after}", "{what} changes")
 AT_TIME_OF: Final = Phrase("at text of {what}")
 MESSAGE: Final = Phrase("message on {topic} with {value}", "message on {topic}")
 

@@ -173,12 +173,16 @@ class Changes:
     Attributes:
         capability: The capability with the value; empty for any.
         words: The query as text, in which names of devices count.
+        before: The text of the value before, in small letters; empty for any.
+        after: The text of the new value, likewise.
     """
 
     text: str
     query: Query
     capability: str
     words: str
+    before: str = ""
+    after: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -371,12 +375,15 @@ def _read_change(text: str) -> Changes | None:
     """Return the change ``hall thermostat setpoint changes``: words for devices, and those of a capability.
 
     Raises:
-        UsageError: Its device is not a query.
+        UsageError: Its device is not a query, or values are named without a capability.
     """
     if (found := CHANGES.match(text)) is None:
         return None
     query, capability = split_capability(found["what"])
-    return Changes(text, parse_query(query), capability, query)
+    before, after = (fold(found.get(key, "").strip("\"'")) for key in ("before", "after"))
+    if before and not capability:
+        raise UsageError(f"{text!r}: name the value, like 'front door lock changes from locked to unlocked'")
+    return Changes(text, parse_query(query), capability, query, before, after)
 
 
 def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:

@@ -33,6 +33,8 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("hom
         ("every 10m", "not sun elevation below 9.5° or before 8:15", "09:45", 7),
         ("hall motion changes", "", "10:00", 4),
         ("hall motion occupancy changes", "", "10:00", 4),
+        ("size number changes from 61 to 50", "", "09:05", 2),
+        ("size number changes from 60 to 50", "", "09:05", 0),
         ("every 10m", "number of size below number of limit", "09:05", 6),
         ("every 10m", "number of size above number of limit minus 99", "09:05", 6),
         ("every 10m", "not number of size below number of limit or after 9:00", "09:05", 1),

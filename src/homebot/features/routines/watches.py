@@ -21,6 +21,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import Query, lasting
 from homebot.devices.robot_messages import RobotPose
 from homebot.devices.value import PlainValue, Reading
+from homebot.devices.value_comparison import value_text
 from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -264,7 +265,9 @@ class ValueWatch(HouseWatcher):
         key, value = (device, reading.part, reading.capability), reading.value.plain()
         before = self._values.get(key)
         self._values[key] = value
-        return before is not None and before != value
+        meant = (self._trigger.before, self._trigger.after)
+        is_meant = not any(meant) or meant == (fold(value_text(before)), fold(value_text(value)))
+        return before is not None and before != value and is_meant
 
 
 @final

@@ -392,6 +392,7 @@ class Automation:
         notes: Small differences, for people.
         triggers: Its triggers, once they are read.
         constants: The values of its variables.
+        has_waited: Whether its actions waited so far.
         own_ids: The ends of the ids that it may have in Home Assistant.
         expressions: Templates of its variables, until the first step.
     """
@@ -402,6 +403,7 @@ class Automation:
     notes: list[str] = field(default_factory=list)
     triggers: list[StartTrigger] = field(default_factory=list)
     constants: dict[str, object] = field(default_factory=dict)
+    has_waited: bool = False
     own_ids: frozenset[str] = frozenset()
     expressions: dict[str, str] = field(default_factory=dict)
 

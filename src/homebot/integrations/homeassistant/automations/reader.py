@@ -69,7 +69,6 @@ class Actions:
         self._mode = mode
         self._scripts = scripts
         self._in_scripts: list[str] = []
-        self._has_waited = False
         self._snapshots: dict[str, set[str]] = {}
         self._commanded: set[str] = set()
 
@@ -79,7 +78,7 @@ class Actions:
         A new run ends the one before it, or waits for it, before its actions ask for anything.
         """
         first, steps = self._read(nodes)
-        if first and self._has_waited and self._mode in {"restart", "queued"}:
+        if first and self._automation.has_waited and self._mode in {"restart", "queued"}:
             with self._automation.in_line(nodes[0].line):
                 first, steps = [], _choice(first, steps, [])
         return first, steps
@@ -227,7 +226,7 @@ class Actions:
 
     def _delay(self, fields: UnreadFields) -> list[Step]:
         node = fields.left.get("delay")
-        self._has_waited = True
+        self._automation.has_waited = True
         if node is not None and (ends := random_ends(node)):
             least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
             fields.take("delay")
@@ -259,7 +258,7 @@ class Actions:
                 raise NotCarriedError("action wait_for_trigger: these triggers cannot be written as one step")
         else:
             text = f"wait until {self._awaited(fields, kind)}{end}"
-        self._has_waited = True
+        self._automation.has_waited = True
         self._automation.forget_values()
         return [text]
 

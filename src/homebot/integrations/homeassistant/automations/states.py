@@ -33,7 +33,8 @@ _ALARM: Final = (
     *("disarmed", "armed_home", "armed_away", "armed_night", "armed_vacation"),
     *("arming", "disarming", "pending", "triggered"),
 )
-_SAME: Final = {"alarm": _ALARM, "place": ("home", "not_home"), "playback": ("playing", "paused")}
+_VACUUM: Final = ("cleaning", "docked", "paused", "idle", "returning", "error")
+_SAME: Final = {"alarm": _ALARM, "place": ("home", "not_home"), "playback": ("playing", "paused"), "vacuum": _VACUUM}
 """States of capabilities of which others differ, or are not known."""
 
 ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
@@ -285,7 +286,7 @@ def limits_text(entity: KnownEntity, capability: str, limits: Sequence[tuple[Ope
         raise NotCarriedError(f"{entity.id} has no limits: homebot reads no number from it")
     if entity.unit:
         raise NotCarriedError(f"the limits of {entity.id} are in {entity.unit}, and homebot has it in {own.unit}")
-    return _text(entity, [StateIs(capability, operator, limit) for operator, limit in limits])
+    return _text(entity, [StateIs(capability, operator, float(f"{limit:.8g}")) for operator, limit in limits])
 
 
 def _meaning(entity: KnownEntity, state: str) -> _Meaning:
@@ -303,6 +304,12 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     if entity.has(capability) and state in _told(entity, capability):
         return capability, "=", state
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
+
+
+def state_capability(entity: KnownEntity, state: str) -> str:
+    """Return the capability that has *state* in the same word; empty for none."""
+    capability, operator, value = _meaning(entity, state)
+    return capability if operator == "=" and value == state else ""
 
 
 def _flag_of(entity: KnownEntity, state: str) -> str:

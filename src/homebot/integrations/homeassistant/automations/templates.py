@@ -86,7 +86,15 @@ class Templates:
         expression = expression_of(text)
         if isinstance(expression, nodes.Name) and expression.name in self._automation.expressions:
             expression = expression_of(self._automation.expressions[expression.name])
-        return self._read(self._inlined(expression))
+        return self._read(self._of_its_state(self._inlined(expression)))
+
+    def _of_its_state(self, node: nodes.Expr) -> nodes.Expr:
+        """Return *node* with the state of the only entity that starts the automation, whatever it becomes."""
+        triggers = self._automation.triggers
+        entities = {trigger.entity for trigger in triggers}
+        if len(entities) != 1 or "" in entities or any(trigger.state for trigger in triggers):
+            return node
+        return cast("nodes.Expr", _of_trigger(node, triggers[0], is_state=not self._automation.has_waited))
 
     def _inlined(self, node: _NodeT) -> _NodeT:
         """Put the templates of variables into *node*."""
@@ -354,7 +362,9 @@ class Templates:
             return states if sign == "in" else self._denied(states)
         if isinstance(left, nodes.Const) and not isinstance(right, nodes.Const):
             left, right, sign = right, left, _SWAPPED[sign]
-        if not isinstance(right, nodes.Const | nodes.Neg) or (_is_of_two(left) and not self._since_last_run(left)):
+        if not isinstance(right, nodes.Const | nodes.Neg) or (
+            _is_of_two(left) and not self._since_last_run(left) and not _last_changed(left)
+        ):
             return [(self._of_two_values(left, sign, right),)]
         (value,) = _values_of(right)
         if sign == "eq":
@@ -393,8 +403,12 @@ class Templates:
                 return self.started_by(
                     [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
                 )
-            case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id" | "state"):
+            case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
                 return self._started_where(lambda trigger: trigger.value(path) == value)
+            case ("trigger", "to_state", "state"):
+                if any(trigger.entity and not trigger.state for trigger in self._automation.triggers):
+                    raise _refused(_text_of(left), "not each trigger names its state; ask for the state of the entity")
+                return self._started_where(lambda trigger: trigger.state == value)
             case ("wait", "trigger") if value is None:
                 return [("wait timed out",)]
         if (unit := _unit_of_now(left)) and type(value) is int:
@@ -429,6 +443,10 @@ class Templates:
     def _limited(self, left: nodes.Expr, sign: Operator, value: object) -> list[Condition]:
         if unit := _unit_of_now(left):
             return _of_time(unit, sign, value)
+        if (changed := _last_changed(left)) and sign[0] == ">" and type(value) in (int, float):
+            texts = known_texts(self._automation.entities, changed)
+            if len(texts) > 1:
+                return [tuple(f"{text[:-1]} for {value}s)" for text in texts)]
         if self._since_last_run(left) and type(value) in (int, float):
             return [(f"last run {'over' if sign[0] == '>' else 'under'} {value}s ago",)]
         if type(value) not in (int, float):
@@ -477,6 +495,25 @@ class Templates:
                     path[:2] == ("states", "automation") and path[2] in self._automation.own_ids
                 )
         return False
+
+
+def _last_changed(node: nodes.Node | None) -> str:
+    """Return the entity if *node* is the time in seconds since its last change; else empty."""
+    while isinstance(node, nodes.Filter) and node.name in {"int", "float"}:
+        node = node.node
+    match node:
+        case nodes.Call(node=nodes.Getattr(node=nodes.Sub(left=now, right=last), attr="total_seconds"), args=[]):
+            pass
+        case nodes.Sub(
+            left=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[now]),
+            right=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[last, *_]),
+        ):
+            pass
+        case _:
+            return ""
+    if not _is_now(now) or not isinstance(last, nodes.Getattr) or last.attr != "last_changed":
+        return ""
+    return _states_path(last.node)
 
 
 def expression_of(text: str) -> nodes.Expr:

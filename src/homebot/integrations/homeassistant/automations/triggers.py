@@ -17,10 +17,12 @@ from homebot.integrations.homeassistant.automations.states import (
     UNKNOWN,
     attribute_text,
     number_of,
+    state_capability,
     state_texts,
     sun_moment,
 )
 from homebot.integrations.homeassistant.automations.templates import bracketed
+from homebot.support.folding import fold
 from homebot.support.located import Located
 from homebot.words.steps import MAX_LINES
 from homebot.words.triggers import AtTimeOf, Changes, MessageComes, Press, button_names, read_trigger
@@ -183,6 +185,8 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     texts = [text[1:-1] if text[:1] == "(" else text for condition in conditions for text in condition]
     if any(len(condition) != 1 for condition in conditions) or not texts:
         raise NotCarriedError("trigger template: `or`; write each as a trigger")
+    if len(texts) == 1 and texts[0].startswith("sun elevation ") and not lasting:
+        return [StartTrigger(texts[0])]
     if any("name=" not in text or text.startswith("not ") for text in texts):
         raise NotCarriedError("trigger template: only states of devices start a routine; write the times as triggers")
     if lasting and any(" for " in text for text in texts):
@@ -304,6 +308,8 @@ def _state(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
     asked = _AskedState(fields.texts("to"), fields.texts("from"), has_states, attribute, _lasting(fields))
     for key in ("not_to", "not_from"):
         if others := {*fields.texts(key)} - UNKNOWN:
+            if key == "not_to" and len(others) == 1 and len(ids) == 1 and not (asked.states or asked.before):
+                return [_left(automation, ids[0], min(others), asked)]
             raise NotCarriedError(f"trigger state: `{key}` {min(others)}; name the states with `to`")
     if not ids:
         raise NotCarriedError("trigger state: `entity_id` is missing")
@@ -337,6 +343,14 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
     return _begun(automation, entity_id, asked)
 
 
+def _left(automation: Automation, entity_id: str, state: str, asked: _AskedState) -> StartTrigger:
+    """Return the trigger of an entity that leaves a state for any other one."""
+    (text,) = state_texts(automation.entities, entity_id, [state], "to")
+    if "name=" not in text or asked.attribute:
+        raise NotCarriedError(f"trigger state: `not_to` {state}; name the states with `to`")
+    return StartTrigger(f"not {text}{asked.lasting}", entity=entity_id)
+
+
 def _of_two_states(asked: _AskedState) -> _AskedState:
     """Return *asked* without the state before: of two it can only be the other."""
     if len(asked.before) == 1 and not asked.states and not asked.attribute and asked.before[0] in _OPPOSITES:
@@ -348,6 +362,13 @@ def _of_two_states(asked: _AskedState) -> _AskedState:
 
 def _begun(automation: Automation, entity_id: str, asked: _AskedState) -> list[StartTrigger]:
     """Return the triggers of states, or of the values of an attribute, that begin."""
+    if asked.before and asked.states and not asked.attribute and not asked.lasting:
+        entity = automation.entities.find(entity_id)
+        return [
+            StartTrigger(_change_between(entity, before, after), entity=entity_id, state=after)
+            for before in asked.before
+            for after in asked.states
+        ]
     if asked.before:
         raise NotCarriedError(
             f"trigger state: `from` {', '.join(asked.before)}; routines know only the new state: leave it out, or keep "
@@ -361,6 +382,19 @@ def _begun(automation: Automation, entity_id: str, asked: _AskedState) -> list[S
         StartTrigger(_moved(text, asked.lasting, is_leave=False), entity=entity_id, state=state)
         for text, state in zip(texts, asked.states, strict=True)
     ]
+
+
+def _change_between(entity: KnownEntity, before: str, after: str) -> str:
+    """Return the change of an entity from one state to another, which homebot has in the same words."""
+    capability, other = (state_capability(entity, state) for state in (before, after))
+    if not capability or capability != other:
+        raise NotCarriedError(f"trigger state: `from` {before}: homebot has another word for it; leave it out")
+    values = (text_value(value) for value in (before, after))
+    text = f"name={text_value(entity.name)} {capability.replace('_', ' ')} changes from {' to '.join(values)}"
+    trigger = read_trigger(text)
+    if not isinstance(trigger, Changes) or (trigger.before, trigger.after) != (fold(before), fold(after)):
+        raise NotCarriedError(f"the change of {entity.id} cannot be written as a trigger")
+    return text
 
 
 def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> str:
