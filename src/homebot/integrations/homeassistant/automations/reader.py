@@ -257,24 +257,15 @@ class Actions:
             if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, texts)):
                 raise NotCarriedError("action wait_for_trigger: these triggers cannot be written as one step")
         else:
-            text = f"wait until {self._awaited(fields, kind)}{end}"
+            node = fields.take(kind)
+            held = templates_of(self._automation).conditions(str(node.value if node else ""))
+            return self._waited(_awaited(held, end, is_limited=bool(most)))
+        return self._waited([text])
+
+    def _waited(self, steps: list[Step]) -> list[Step]:
         self._automation.has_waited = True
         self._automation.forget_values()
-        return [text]
-
-    def _awaited(self, fields: UnreadFields, kind: str) -> str:
-        """Return the state that a template waits for."""
-        node = fields.take(kind)
-        match templates_of(self._automation).conditions(str(node.value if node else "")):
-            case [(text,)] if text.startswith("not (name="):
-                return f"no {text[5:-1]}"
-            case [(text,)] if text.startswith("(name="):
-                return text[1:-1]
-            case [(text,)] if text.endswith((" is home", " is away")):
-                return text
-        raise NotCarriedError(
-            "action wait_template: a routine waits for the state of one device; write a loop with `until`"
-        )
+        return steps
 
     def _parallel(self, fields: UnreadFields) -> list[Step]:
         """Read simultaneous actions, which may be given in a row for different devices: first the one that asks."""
@@ -376,6 +367,25 @@ def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: S
         return [{"if": [*texts, *cast("list[str]", inner["if"])], "do": inner["do"]}]
     choice: dict[str, object] = {"if": texts, "do": [*steps]}
     return [{**choice, "else": [*otherwise]} if otherwise else choice]
+
+
+def _awaited(held: Sequence[Condition], end: str, *, is_limited: bool) -> list[Step]:
+    """Return the steps that wait until *held*: for the state of one device, or for the next change of several."""
+    texts = [text for condition in held for text in condition]
+    states = [text.replace("(name=", "name=").removesuffix(")") if "(name=" in text else text for text in texts]
+    if not texts or not all("name=" in text or text.endswith((" is home", " is away")) for text in texts):
+        raise NotCarriedError("action wait_template: a routine waits for states; write a loop with `until`")
+    if len(states) == 1:
+        return [f"wait until {states[0].replace('not ', 'no ', 1) if states[0].startswith('not ') else states[0]}{end}"]
+    text = f"wait for {' or '.join(states)}{end}"
+    step = read_step(text)
+    if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, states)):
+        raise NotCarriedError("action wait_template: these states cannot be written as one step")
+    if len(held) == 1:
+        return _choice(denied(held), [text], [])
+    if is_limited:
+        raise NotCarriedError("action wait_template: several states with `timeout`; wait for one after the other")
+    return [{"while": texts_of(denied(held)), "do": [text]}]
 
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})

@@ -48,6 +48,9 @@ _TURNED: Final[Mapping[str, Operator]] = {">": "<", "<": ">", ">=": "<=", "<=": 
 _DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 _MONTHS: Final = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _CLOCK: Final = re.compile(r"([01]\d|2[0-3]):[0-5]\d(:[0-5]\d)?")
+_TIME_FORM: Final = re.compile(r"%-?[HI]:%M(:%S)?( ?%p)?|%[TRX]")
+"""A time of day, however it is written."""
+
 _MAX_SHOWN: Final = 60
 _SECONDS: Final = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 _CLOCK_OF_ONE: Final = re.compile(r"(?:00?:)*(\{\{[^{}]*\}\})(?P<after>(?::00)*)")
@@ -230,8 +233,12 @@ class Templates:
                 return self._state_value(entity, str(attribute))
             case nodes.Call(node=nodes.Name(name="area_name"), args=[inner]) if _path_of(inner)[:1] == ("trigger",):
                 return "{room}", ""
-            case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H:%M")]) if (
-                _is_now(inner)
+            case nodes.Call(node=nodes.Name(name="state_attr"), args=[inner, nodes.Const(value="friendly_name")]) if (
+                _path_of(inner) == ("trigger", "entity_id")
+            ):
+                return "{name}", ""
+            case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
+                _TIME_FORM.fullmatch(form) and _is_now(inner)
             ):
                 return "{time}", ""
             case nodes.Getattr(attr="state") if entity := _states_path(node.node):
@@ -287,10 +294,9 @@ class Templates:
         return f"{{{capability} of {name}}}", CAPABILITIES.get(capability, OWN).unit
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
-        if (days := days_of(node)) is not None:
-            return days
-        if (known := self._known(node)) is not None:
-            return known
+        for read in (days_of, self._known, _any_light):
+            if (special := read(node)) is not None:
+                return special
         match node:
             case nodes.And():
                 return [*self._read(node.left), *self._read(node.right)]
@@ -495,6 +501,33 @@ class Templates:
                     path[:2] == ("states", "automation") and path[2] in self._automation.own_ids
                 )
         return False
+
+
+_ANY_OR_NONE: Final = {"gt": "", "ne": "", "eq": "not "}
+
+
+def _any_light(node: nodes.Expr) -> list[Condition] | None:
+    """Return the condition that some light is on, or none; None for another expression."""
+    match node:
+        case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=0))]) if (
+            sign in _ANY_OR_NONE and _is_count_of_lights(left)
+        ):
+            return [(f"{_ANY_OR_NONE[sign]}(light on)",)]
+    return None
+
+
+def _is_count_of_lights(node: nodes.Node | None) -> bool:
+    """Return whether *node* is the number of lights that are on."""
+    names = []
+    while isinstance(node, nodes.Filter):
+        names.append((node.name, *(value.value for value in node.args if isinstance(value, nodes.Const))))
+        node = node.node
+    counts, chosen = (
+        {("count",), ("length",)},
+        {("selectattr", "state", sign, "on") for sign in ("eq", "==", "equalto")},
+    )
+    is_counted = len(names) > 1 and names[0] in counts and names[-1] in chosen
+    return is_counted and {*names[1:-1]} <= {("list",)} and _path_of(node) == ("states", "light")
 
 
 def _last_changed(node: nodes.Node | None) -> str:
