@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device
 from homebot.errors import UsageError
-from homebot.integrations.homeassistant.automations.conditions import templates_of
+from homebot.integrations.homeassistant.automations.conditions import denied, templates_of
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, StartTrigger, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import (
@@ -183,24 +183,40 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     lasting = _lasting(fields)
     conditions = templates_of(automation).conditions(str(node.value if node else ""))
     texts = [text[1:-1] if text[:1] == "(" else text for condition in conditions for text in condition]
+    if len(conditions) == 1 and len(texts) > 1 and not lasting:  # one begins while none of the others is so
+        return [
+            trigger._replace(needs=tuple(denied([tuple(other for other in conditions[0] if text not in other)])))
+            for text in texts
+            for trigger in _one_state(text)
+        ]
     if any(len(condition) != 1 for condition in conditions) or not texts:
-        raise NotCarriedError("trigger template: `or`; write each as a trigger")
-    if len(texts) == 1 and texts[0].startswith("sun elevation ") and not lasting:
-        return [StartTrigger(texts[0])]
-    if any("name=" not in text or text.startswith("not ") for text in texts):
-        raise NotCarriedError("trigger template: only states of devices start a routine; write the times as triggers")
-    if lasting and any(" for " in text for text in texts):
-        raise NotCarriedError("trigger template: `for` of what lasts already; write one of both")
-    needs = [*conditions] if len(texts) > 1 else []
-    if lasting and len(texts) > 1:
-        needs = [(bracketed(f"{text}{lasting}"),) for text in texts]
+        raise NotCarriedError("trigger template: `or` of several, or with `for`; write each as a trigger")
+    if len(texts) == 1 and not lasting:
+        return _one_state(texts[0])
+    begins = [_one_state(text)[0].text for text in texts]
+    if lasting and any(" for " in text or text in _SUN_BEGINS for text in texts):
+        raise NotCarriedError("trigger template: `for` of the sun, or of what lasts already; write it without")
+    needs = [(bracketed(f"{text}{lasting}"),) for text in texts] if len(texts) > 1 else []
     return [
         StartTrigger(
-            f"{text}{lasting}",
+            f"{begin}{lasting}",
             needs=tuple(need for need, other in zip(needs, texts, strict=False) if not lasting or other != text),
         )
-        for text in texts
+        for begin, text in zip(begins, texts, strict=True)
     ]
+
+
+def _one_state(text: str) -> list[StartTrigger]:
+    """Return the trigger of a state that begins."""
+    is_state = "name=" in text and not text.startswith("not ")
+    is_person = text.endswith((" is home", " is away"))
+    if not is_state and not is_person and not text.startswith("sun elevation ") and text not in _SUN_BEGINS:
+        raise NotCarriedError("trigger template: only states start a routine; write the times as triggers")
+    return [StartTrigger(_SUN_BEGINS.get(text, text))]
+
+
+_SUN_BEGINS: Final = {"sun is up": "sunrise", "sun is down": "sunset"}
+"""The triggers with which these conditions begin to hold."""
 
 
 def _message(automation: Automation, fields: UnreadFields) -> str:
