@@ -203,6 +203,22 @@ async def test_a_form_writes_the_text_of_a_routine_which_is_edited_and_removed(
         assert own.problems() == []
 
 
+async def test_a_ready_made_routine_asks_for_its_devices_and_is_saved(browser: Any, world: World) -> None:
+    async with opened_page(browser, world, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="heating")
+        await own.open("#/routines", shows="There is no routine yet.")
+        await own.click(".choices button:nth-of-type(2)")
+        await own.shows("A plug goes off at night")
+        await own.click("[name=heating_night]")
+        await own.shows("heating", "[name=heater]")
+        await own.click("form .buttons button")
+        await own.shows("the text", "form")
+        await own.click("form .buttons button")
+        await own.shows("added", "[role=alert]")
+        await own.shows("'heating' to 18 °C", "main")
+        assert own.problems() == []
+
+
 @pytest.mark.parametrize("hand", HANDS)
 async def test_a_scene_is_applied_and_undone_on_home(browser: Any, world: World, hand: str) -> None:
     async with opened_page(browser, world, {"scenes": SCENES}) as own:

@@ -14,6 +14,7 @@ from homebot.devices.client_rights import ASK, CLIENT_RIGHTS, HARMLESS
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.wording.values import flag_texts
+from homebot.features.routines.gallery import gallery
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 REASONS: dict[str, list[str]] = json.loads((SOURCE / "reasons.json").read_text())
@@ -41,6 +42,12 @@ def test_every_text_of_the_page_is_translated() -> None:
     said = {text for found in SAID.findall(TEXTS) for text in found if text}
     assert len(said) > 100
     assert said - TABLE.keys() == set()
+
+
+def test_ready_made_routines_are_translated() -> None:
+    texts = {one.about for one in gallery().values()}
+    texts |= {key.replace("_", " ") for one in gallery().values() for key in one.inputs}
+    assert texts - TABLE.keys() == set()
 
 
 def test_a_label_for_a_screen_reader_has_no_words_of_its_own() -> None:

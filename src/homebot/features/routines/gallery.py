@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from homebot.config import parse_settings
 from homebot.errors import UsageError
+from homebot.features.routines.messages import ReadyMadeInput, ReadyMadeRoutine
 from homebot.support.names import resolve_name
 from homebot.support.toml_file import parse_toml
 from homebot.words.routine_text import routine_text
@@ -89,6 +90,18 @@ def ready_made(name: str) -> GalleryRoutine:
         UsageError: There is none; the message has the nearest name.
     """
     return gallery()[resolve_name("ready-made routine", name, gallery(), "`homebot routine gallery` lists them")]
+
+
+def listed() -> tuple[ReadyMadeRoutine, ...]:
+    """Return the gallery for clients."""
+    return tuple(
+        ReadyMadeRoutine(
+            name=name,
+            about=one.about,
+            inputs=tuple(ReadyMadeInput(key=key, **own.model_dump()) for key, own in one.inputs.items()),
+        )
+        for name, one in gallery().items()
+    )
 
 
 def _read(name: str) -> GalleryRoutine:

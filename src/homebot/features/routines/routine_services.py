@@ -7,6 +7,8 @@ from contextlib import ExitStack, suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, final
 
+from anyio import to_thread
+
 from homebot.apps.grants import ACT, queries_of
 from homebot.clock import zone_name
 from homebot.config import Config
@@ -25,8 +27,9 @@ from homebot.devices.app_messages import (
 from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
 from homebot.devices.device import KeyValue
 from homebot.errors import ConfigError, HomebotError, UsageError
-from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES
+from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES, ROUTINE_GALLERY
 from homebot.features.routines.kept_routines import KeptRoutines
+from homebot.features.routines.messages import ReadRoutineGallery, RoutineGalleryRequest, RoutineGalleryResponse
 from homebot.features.routines.routine import Routine
 from homebot.features.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.graph import Node
@@ -63,6 +66,8 @@ class RoutineServices:
             self._node.create_service(ListRoutines, name, self.list)
         elif name == CHANGE_ROUTINE.name:
             self._node.create_service(ChangeRoutine, name, self.change)
+        elif name == ROUTINE_GALLERY.name:
+            self._node.create_service(ReadRoutineGallery, name, _read_gallery)
         else:
             self._node.create_service(ProposeRoutine, name, self.propose)
 
@@ -318,6 +323,20 @@ class RoutineServices:
             if app not in running:
                 problem = self.problems.get(app, "it does not run; `homebot app list` says why")
                 yield RoutineInfo(name=app, app=app, is_kept=True, text=self._kept.text(app), problem=problem)
+
+
+async def _read_gallery(request: RoutineGalleryRequest) -> RoutineGalleryResponse:
+    """Return the ready-made routines, or the text of one."""
+    from homebot.features.routines.gallery import gallery, listed, ready_made  # noqa: PLC0415 - reads its files
+
+    await to_thread.run_sync(gallery)
+    if not request.name:
+        return RoutineGalleryResponse(success=True, routines=listed())
+    try:
+        text = ready_made(request.name).filled({one.key: one.value for one in request.inputs})
+    except UsageError as exc:
+        return RoutineGalleryResponse(success=False, message=str(exc))
+    return RoutineGalleryResponse(success=True, text=text)
 
 
 def _failure(error: HomebotError) -> ChangeRoutineResponse:

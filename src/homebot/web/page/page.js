@@ -1,1 +1,1 @@
-import"./chunk-XMAA5WJE.js";
+import"./chunk-I6UU6Z42.js";

@@ -5,9 +5,11 @@ import { Added } from "../../added.js";
 import { ask, call, connection, may } from "../../door.js";
 import { html } from "../../html.js";
 import { say } from "../../language.js";
+import { later } from "../../later.js";
 import { Managing, Remove } from "../../managing.js";
 import { seconds, spoken, timeIn, timeText } from "../../words.js";
 
+const Gallery = later(async () => (await import("./gallery.js")).Gallery);
 const AGAIN = 5000; // ms
 const MODES = ["single", "restart", "queued", "parallel"];
 
@@ -38,8 +40,9 @@ export function Routines() {
   return html`
     ${found.problem && html`<p class="bad">${found.problem}</p>`}
     ${!found.routines.length && html`<p class="empty">${say("There is no routine yet.")}</p>`}
-    <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}<//>
-    ${written && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
+    <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button> <button type="button" onClick=${() => setWritten({ isReadyMade: true })}>${say("ready-made routines")}</button></p>`}<//>
+    ${written?.isReadyMade && html`<${Gallery} onText=${(text) => setWritten({ draft: text })} onClose=${() => setWritten(null)} />`}
+    ${written && !written.isReadyMade && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
     <div class="columns">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>
     <${Added} at="routines" zone=${found.zone} onChange=${look} Parts=${Parts} />`;
 }
@@ -88,7 +91,7 @@ function textOf({ name, when, conditions, steps, mode }) {
 /** Fields that write the text of a new routine; a known one is edited as text. */
 function Form({ routine, change, onClose }) {
   const isNew = !routine.text;
-  const [text, setText] = useState(routine.text ?? "");
+  const [text, setText] = useState(routine.text ?? routine.draft ?? "");
   const [problem, setProblem] = useState("");
   const area = useRef(null); // of the text
   const write = (event) => setText(textOf(Object.fromEntries(new FormData(event.currentTarget))));
@@ -102,7 +105,7 @@ function Form({ routine, change, onClose }) {
   };
   const field = (name, title, example) => html`<label>${title} <textarea name=${name} rows="2" placeholder=${example} required=${name !== "conditions"}></textarea></label>`;
   return html`<form class="card fields" onSubmit=${submit}>
-    ${isNew && html`<div onInput=${(event) => write({ currentTarget: event.currentTarget.closest("form") })}>
+    ${isNew && !routine.draft && html`<div onInput=${(event) => write({ currentTarget: event.currentTarget.closest("form") })}>
       <label><span>${say("Name")}</span> <input name="name" required maxlength="100" /></label>
       ${field("when", say("when: what starts it, a line each"), "hall motion occupied\n22:30 on weekdays")}
       ${field("conditions", say("if: what must hold then, all of it"), "sun is down")}

@@ -1,0 +1,52 @@
+"""Messages about the gallery of ready-made routines."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from homebot.devices.value import ShortText
+from homebot.messages.key_value import KeyValue
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
+
+
+class ReadyMadeInput(Message):
+    """A device or value that a ready-made routine asks for.
+
+    Attributes:
+        find: The devices to choose from, as a query; empty for a value.
+        default: The value unless another is stated.
+    """
+
+    key: str
+    find: str = ""
+    default: str = ""
+
+
+class ReadyMadeRoutine(Message):
+    """A ready-made routine: its name in the gallery, its purpose, and what it asks for."""
+
+    name: str
+    about: str
+    inputs: tuple[ReadyMadeInput, ...] = ()
+
+
+class RoutineGalleryRequest(Message):
+    """Request for the ready-made routines, or for the text of one.
+
+    Attributes:
+        name: The one to fill in; empty for the list.
+        inputs: Its devices and values, by their keys.
+    """
+
+    name: ShortText = ""
+    inputs: Annotated[tuple[KeyValue, ...], Field(max_length=20)] = ()
+
+
+class RoutineGalleryResponse(ServiceAnswer):
+    """The ready-made routines, or the text of one with its inputs."""
+
+    routines: tuple[ReadyMadeRoutine, ...] = ()
+    text: str = ""
+
+
+ReadRoutineGallery = ServiceType("homebot/srv/ReadRoutineGallery", RoutineGalleryRequest, RoutineGalleryResponse)
