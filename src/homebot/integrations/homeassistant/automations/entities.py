@@ -196,7 +196,7 @@ class Entities:
         return known[0]
 
     def device_called(self, slug: str) -> Device:
-        """Return the device with buttons whose name is *slug* in ids, perhaps with the kind of the button behind it."""
+        """Return the device with buttons and the name *slug* in ids, perhaps with the kind of the button behind it."""
         names = {slug, slug.removesuffix("_button")}
         known = [device for device in self._devices if names & {*map(slug_of, _names(device))} and _has_event(device)]
         if len(known) != 1:
@@ -428,7 +428,7 @@ class Automation:
         }
 
     def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:
-        """Return what *read* returns for each of *nodes* that is switched on and carried over."""
+        """Return the results of *read* for each of *nodes* that is switched on and carried over."""
         results: list[T] = []
         for node in nodes:
             with self.in_line(node.line):
@@ -440,7 +440,7 @@ class Automation:
 
     @contextmanager
     def in_line(self, line: int) -> Iterator[None]:
-        """Add what is refused to the problems, by default with *line*."""
+        """Add refusals to the problems, by default with *line*."""
         try:
             yield
         except UsageError as exc:

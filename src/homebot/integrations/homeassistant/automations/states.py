@@ -253,8 +253,10 @@ def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[s
     return [state_texts(entities, entity_id, ["home"]) for entity_id in _ids(fields)]
 
 
-def _of_device(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
+def _of_device(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
     kind, _, _ = fields.text("type"), fields.take("domain"), fields.take("device_id")
+    if "above" in fields or "below" in fields:  # a measurement
+        return _of_limits(entities, fields, key)
     word = kind.removeprefix("is_").removeprefix("turned_")
     if {word, word.removeprefix("not_"), word.removeprefix("no_")}.isdisjoint(_ON | {"off"}):
         raise NotCarriedError(f"device: {kind!r} of an entity; use its state")
@@ -316,7 +318,7 @@ def _flag_of(entity: KnownEntity, state: str) -> str:
     """Return the capability that is true or false in *state*, ``on`` or ``off``; empty for none."""
     if entity.domain == "binary_sensor":
         return entity.capability
-    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot, what plays is on as well
+    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot a playing one is on as well
     return "on_off" if "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle else ""
 
 

@@ -92,7 +92,7 @@ class Templates:
         return self._read(self._of_its_state(self._inlined(expression)))
 
     def _of_its_state(self, node: nodes.Expr) -> nodes.Expr:
-        """Return *node* with the state of the only entity that starts the automation, whatever it becomes."""
+        """Return *node* with the state of the only entity that starts the automation."""
         triggers = self._automation.triggers
         entities = {trigger.entity for trigger in triggers}
         if len(entities) != 1 or "" in entities or any(trigger.state for trigger in triggers):
@@ -154,7 +154,7 @@ class Templates:
         """Return the texts, values and choices of the template *text*, with those of variables."""
         if isinstance(text, _LeftTemplate):
             return text.parts
-        return [self._inlined_name(part) for part in _parts_of(_tree_of(text).body, text)]
+        return [self._inlined_name(part) for part in _parts_of(_without_sets(_tree_of(text).body), text)]
 
     def _inlined_name(self, node: nodes.Node) -> nodes.Node:
         if isinstance(node, nodes.Name) and node.name in self._automation.expressions:
@@ -319,7 +319,7 @@ class Templates:
                 args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute), nodes.Const(value=value)],
             ):
                 return [(attribute_of(self._automation.entities, entity, str(attribute), value),)]
-            case nodes.Getattr() if _path_of(node) == ("wait", "completed"):
+            case nodes.Getattr() if _path_of(node) in {("wait", "completed"), ("wait", "trigger")}:
                 return [("not wait timed out",)]
             case nodes.Test(name="none", node=inner) if _path_of(inner) == ("wait", "trigger"):
                 return [("wait timed out",)]
@@ -586,7 +586,7 @@ def _parts_of(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
 
 
 def _output_of(text: str) -> list[nodes.Output]:
-    body = _tree_of(text).body
+    body = _without_sets(_tree_of(text).body)
     outputs = [node for node in body if isinstance(node, nodes.Output)]
     if len(outputs) == len(body):
         return outputs
@@ -635,12 +635,36 @@ def _of_trigger(node: nodes.Node, trigger: StartTrigger, *, is_state: bool) -> n
     if (value := trigger.value(path)) is not None:
         return nodes.Const(value)
 
+    return _rebuilt(node, lambda inner: _of_trigger(inner, trigger, is_state=is_state))
+
+
+def _rebuilt(node: nodes.Node, change: Callable[[nodes.Node], nodes.Node]) -> nodes.Node:
+    """Return *node* with its changed parts."""
+
     def of(field: object) -> object:
         if isinstance(field, nodes.Node):
-            return _of_trigger(field, trigger, is_state=is_state)
+            return change(field)
         return [*map(of, field)] if isinstance(field, list) else field
 
     return type(node)(*(of(field) for _, field in node.iter_fields()), environment=node.environment)
+
+
+def _without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
+    """Return *body* with the expressions of its ``{% set … %}`` where they are used."""
+    known: dict[str, nodes.Node] = {}
+
+    def put(node: nodes.Node) -> nodes.Node:
+        if isinstance(node, nodes.Name) and node.name in known:
+            return known[node.name]
+        return _rebuilt(node, put)
+
+    rest: list[nodes.Node] = []
+    for node in body:
+        if isinstance(node, nodes.Assign) and isinstance(node.target, nodes.Name):
+            known[node.target.name] = put(node.node)
+        else:
+            rest.append(put(node) if known else node)
+    return rest
 
 
 def _folded(node: nodes.Node) -> nodes.Node:

@@ -385,6 +385,8 @@ def _begun(automation: Automation, entity_id: str, asked: _AskedState) -> list[S
             for before in asked.before
             for after in asked.states
         ]
+    if len(asked.before) == 1 and not asked.states and not asked.attribute:
+        return [_left(automation, entity_id, asked.before[0], asked)]
     if asked.before:
         raise NotCarriedError(
             f"trigger state: `from` {', '.join(asked.before)}; routines know only the new state: leave it out, or keep "
