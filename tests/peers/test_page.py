@@ -618,6 +618,21 @@ async def test_a_summary_has_no_measurement_without_a_name_beside_a_known_one() 
     assert await printed_by(script) == "1840 | measurement 1850 | 40\u00a0% 33.5\u00a0%"
 
 
+async def test_the_meter_of_the_house_counts_what_the_others_count_too(page: OpenPage) -> None:
+    """The power of the house was the sum of all meters, that of the house among them."""
+    other = {
+        topic.replace("plug", "oven"): text.replace("plug", "oven").replace("Plug", "Oven")
+        for topic, text in PLUG.items()
+    }
+    tables: dict[str, object] = {"places": {"devices": {"plug": {"tags": ["house meter"]}}}}
+    async with (
+        keeping(PLUG | other | {"oven/power": "30"}) as (broker, _),
+        page(tables=tables, services=(broker,)) as own,
+    ):
+        await own.open("#/energy", shows="most by Oven")
+        await own.shows("42", ".number b")
+
+
 async def test_the_reason_of_a_refusal_is_said_in_the_language_of_the_page() -> None:
     held = {
         "outcome": "refused",

@@ -1,1 +1,1 @@
-import"./chunk-I6UU6Z42.js";
+import"./chunk-AHFXYAKF.js";

@@ -48,5 +48,10 @@ export const openText = (open) => (open.length ? say(open[0].type === "door_lock
 /** What opens, of those that are open: a door before a window. */
 export const openOf = (devices) => devices.filter(isOpen).sort((a, b) => (thingOf(a) === "window") - (thingOf(b) === "window"));
 
-/** Watts that are drawn now: of the meter of most, as that of the house has all others behind it. */
-export const powerOf = (devices) => devices.filter((one) => readingOf(one, "power") && toneOf(one) !== "silent").reduce((sum, one) => sum + Math.max(0, read(one, "power")), 0);
+/** Whether a device is the meter of the house, which counts the others too, by the owner's tag. */
+export const isHouseMeter = (device) => Boolean(device?.tags.includes("house meter"));
+/** Those that are counted in a sum: the meter of the house alone, where there is one. */
+export const counted = (rows, isWhole = isHouseMeter) => (rows.some(isWhole) ? rows.filter(isWhole) : rows);
+
+/** Watts that are drawn now. */
+export const powerOf = (devices) => counted(devices.filter((one) => readingOf(one, "power") && toneOf(one) !== "silent")).reduce((sum, one) => sum + Math.max(0, read(one, "power")), 0);

@@ -2,13 +2,13 @@
 import { useEffect, useState } from "preact/hooks";
 import { now, zone } from "../../clock.js";
 import { call, connection } from "../../door.js";
-import { read, shown } from "../../house.js";
+import { deviceOf, read, shown } from "../../house.js";
 import { html } from "../../html.js";
 import { Sign } from "../../icons.js";
 import { signOf } from "../../kinds.js";
 import { locale, say } from "../../language.js";
 import { Mini } from "./mini.js";
-import { powerOf } from "../../summaries.js";
+import { counted, isHouseMeter, powerOf } from "../../summaries.js";
 import { openSheet } from "../../tile.js";
 import { titled, valueText } from "../../words.js";
 
@@ -30,7 +30,7 @@ export function Energy() {
     const since = { sec: Math.floor(now() - DAYS * DAY), nanosec: 0 };
     call("/history/energy", { query: [{ key: "capability", value: "energy" }], since }).then((answer) => setDays(answer.days), () => setDays([]));
   }, [isOpen, metered.length]);
-  const users = metered.filter((one) => read(one, "power") >= LEAST).sort((a, b) => read(b, "power") - read(a, "power"));
+  const users = metered.filter((one) => read(one, "power") >= LEAST && !isHouseMeter(one)).sort((a, b) => read(b, "power") - read(a, "power"));
   const most = Math.max(1, ...users.map((one) => read(one, "power")));
   if (!metered.length) return html`<h1>${say("Energy")}</h1><p class="empty">${say("No device tells its power or energy yet.")}</p>`;
   const largest = users[0];
@@ -43,7 +43,8 @@ export function Energy() {
     </div>`;
 }
 
-const sum = (days) => days.reduce((total, one) => total + one.used, 0);
+const isOfHouse = (day) => isHouseMeter(deviceOf(day.device)?.value);
+const sum = (days) => counted(days, isOfHouse).reduce((total, one) => total + one.used, 0);
 
 function Today({ days }) {
   const today = dateOf(now());
@@ -51,15 +52,17 @@ function Today({ days }) {
   const same = [1, 2, 3, 4].map((weeks) => dateOf(now() - weeks * 7 * DAY)).map((date) => days.filter((one) => one.day === date)).filter((found) => found.length);
   const usual = same.length ? same.reduce((total, found) => total + sum(found), 0) / same.length : undefined;
   const rooms = new Map();
-  for (const one of own) {
+  const parts = own.filter((one) => !isOfHouse(one));
+  for (const one of parts) {
     const room = shown.value.find(({ id }) => id === one.device)?.room ?? "";
     rooms.set(room, (rooms.get(room) ?? 0) + one.used);
   }
-  const order = [...rooms].sort(([, a], [, b]) => b - a);
+  const rest = parts.length < own.length ? sum(own) - sum(parts) : 0;
+  const order = [...[...rooms].map(([room, used]) => [room ? titled(room) : say("Without a room"), used]), ...(rest > 0 ? [[say("No meter of its own"), rest]] : [])].sort(([, a], [, b]) => b - a);
   return html`<section class="card" aria-labelledby="today"><h2 id="today">${say("Today")}</h2>
     <p class="number"><b>${kilowatts(sum(own))}</b> kWh</p>
     ${usual !== undefined && html`<p class="compare">${say("{energy} kWh on other days like this", { energy: kilowatts(usual) })}</p>`}
-    <ul class="shares">${order.map(([room, used]) => html`<li key=${room}><span>${room ? titled(room) : say("Without a room")}</span><i><i style=${{ inlineSize: `${(100 * used) / (order[0][1] || 1)}%` }}></i></i><b>${kilowatts(used)}</b></li>`)}</ul></section>`;
+    <ul class="shares">${order.map(([room, used]) => html`<li key=${room}><span>${room}</span><i><i style=${{ inlineSize: `${(100 * used) / (order[0][1] || 1)}%` }}></i></i><b>${kilowatts(used)}</b></li>`)}</ul></section>`;
 }
 
 function Week({ days }) {
