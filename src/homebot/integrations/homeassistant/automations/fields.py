@@ -26,6 +26,17 @@ _FLAGS: Final = {
 _FOR_PEOPLE: Final = frozenset({"alias", "metadata", "continue_on_error"})
 """Keys that change nothing: a routine goes on after an error."""
 
+_ADVICE: Final = {
+    "flash": "; write the steps `toggle`, `wait 1s` and `toggle`",
+    "profile": "; write `brightness_pct` and `color_temp_kelvin`",
+    "response_variable": "; write an app, see docs/apps.md",
+    "white": "; write `brightness_pct`",
+    "date": "; a helper has a time of day, and `last run over 20h ago` asks for the last run",
+    "datetime": "; a helper has a time of day, and `last run over 20h ago` asks for the last run",
+    "timestamp": "; a helper has a time of day, and `last run over 20h ago` asks for the last run",
+}
+"""By the field: the text to write instead."""
+
 _MAX_SHOWN_CHARACTERS: Final = 60
 
 
@@ -69,7 +80,9 @@ class UnreadFields:
     def end(self) -> None:
         """Check that all fields were read."""
         for key, node in self.left.items():
-            raise NotCarriedError(f"{self._what}: `{key}` has no counterpart in routines", node.line)
+            raise NotCarriedError(
+                f"{self._what}: `{key}` has no counterpart in routines{_ADVICE.get(key, '')}", node.line
+            )
 
     def take(self, key: str) -> Located | None:
         """Return the value of *key*, which counts as read; None if it is missing."""

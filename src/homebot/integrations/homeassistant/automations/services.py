@@ -215,7 +215,13 @@ _DEVICE_DATA: Final = frozenset({"brightness_pct", "position", "hvac_mode", "pre
 """The fields of actions of devices that are data."""
 
 _ADVICE: Final = {
-    "tts": "; write it as a message, `notify …`",
+    "camera": "; homebot sends no pictures",
+    "mqtt": "; command the device itself, or write an app, see docs/apps.md",
+    "pyscript": "; write an app, see docs/apps.md",
+    "python_script": "; write an app, see docs/apps.md",
+    "remote": "; command the device itself",
+    "scene": "; write the scene in homebot, see docs/scenes.md",
+    "weather": "; use a sensor of the forecast",
     "media_player": "; homebot plays no media",
     "shell_command": "; write an app, see docs/apps.md",
     "rest_command": "; write an app, see docs/apps.md",
@@ -348,6 +354,7 @@ def _settings(automation: Automation, name: str, data: UnreadFields) -> Iterator
         capabilities, _, words = _WORDS[name].partition(" ")
         yield _Setting(capabilities, words)
     elif not keys:
+        data.end()  # it names the field that is there instead
         raise NotCarriedError(f"data: `{_DATA[name][0]}` is missing")
     for key in keys:
         row = _FIELDS[key]
