@@ -203,6 +203,18 @@ async def test_a_form_writes_the_text_of_a_routine_which_is_edited_and_removed(
         assert own.problems() == []
 
 
+async def test_a_thermostat_tells_the_next_change_of_its_schedule(browser: Any, world: World) -> None:
+    routines = [
+        {"name": name, "when": [when], "do": [f"heating to {warm} °C"]}
+        for name, when, warm in (("Night", "22:30 on mondays", 18), ("Day", "6:00 on tuesdays", 21))
+    ]
+    async with opened_page(browser, world, {"routines": routines}) as own:
+        text = await own.open("#/climate", shows="heating to")
+        assert text.count("heating to") == 1
+        await own.click(".climate .link")
+        await own.shows("heating to", ".sheet")
+
+
 async def test_a_ready_made_routine_asks_for_its_devices_and_is_saved(browser: Any, world: World) -> None:
     async with opened_page(browser, world, token=OWNER) as own:
         await own.open(f"#token={OWNER}", shows="heating")

@@ -1,1 +1,1 @@
-import"./chunk-AHFXYAKF.js";
+import"./chunk-HQLDBEBG.js";

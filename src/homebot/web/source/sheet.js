@@ -55,6 +55,7 @@ function Opened({ id }) {
         <${LastKnown} device=${device} />
         ${(hasPicture(device) || EXTRA.has(device.type)) && html`<${Picture} of=${id} text=${device.name} isExtra=${!hasPicture(device)} />`}
         ${device.may_act && (kind.Main ? html`<${kind.Main} device=${device} />` : kind.act?.(device) && html`<div class="solo"><${ActButton} device=${device} act=${kind.act(device)} /></div>`)}
+        ${kind.group === "climate" && html`<${Added} at="next" device=${device} />`}
         <${Why} device=${device} isShort />
         <${Rest} device=${device} main=${kind.main} />
         ${may("manage") && html`<details class="part"><summary>${say("Name, room and tags")}</summary><${Owner} device=${device} /></details>`}
