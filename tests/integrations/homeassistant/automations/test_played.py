@@ -1,0 +1,304 @@
+"""Imported automations do in a house, in virtual time, what they do in Home Assistant, and nothing more.
+
+What is expected was written after Home Assistant's documentation, and not after what homebot does.
+"""
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import anyio
+import pytest
+from tests.integrations.homeassistant.automations.test_automations import HERE, HOUSE, read
+
+from homebot.clock import read_zone
+from homebot.devices import Devices
+from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
+from homebot.devices.device import Device
+from homebot.devices.gateway_messages import Command
+from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.value import PlainValue
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
+from homebot.graph import Node
+from homebot.testing import VirtualHouse, virtual_house_of
+
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
+
+read_zone("UTC")  # read from the disk before any loop runs
+HELPERS: dict[str, Any] = {
+    "vacation": False,
+    "lux_limit": 30,
+    "mode": ["day", "night"],
+    "visits": {"counter": 0},
+    "oven": {"timer": "10m"},
+}
+DEVICES = {one.name: one for one in HOUSE if one.endpoints[0].gateway != "helpers"}
+FIRST = """
+Hall lamp on_off false
+Hall lamp level 50
+Floor lamp on_off false
+Hall motion occupancy false
+Hall motion illuminance 10
+Hall motion battery 80
+Stairs motion occupancy false
+Bath window contact false
+Bath window battery 80
+Front door contact false
+Front door lock lock locked
+Bath heating heating_setpoint 20
+Bath heating thermostat_mode heat
+Washer on_off true
+Washer power 1
+Kitchen plug on_off false
+Living blind position 0
+Kitchen radio on_off true
+Kitchen radio volume 40
+Kitchen radio playback stopped
+Anna place home
+House alarm alarm disarmed
+Rosie vacuum docked
+Bath climate temperature 20
+Bath climate humidity 50
+Bath fan on_off false
+Bath fan fan_speed 0
+Bath leak water_leak false
+Household at_home true
+Household all_at_home true
+"""
+"""What is so at first, each a device with a capability and its value."""
+
+FRIDAY, SATURDAY = "2026-01-02", "2026-01-03"
+
+
+class Play(NamedTuple):
+    """What happens in the house, and what an automation does then.
+
+    Attributes:
+        events: Each a time and a line as in :data:`FIRST`, a helper with a command, or ``topic``, one of MQTT, and a
+            message.
+        expected: Each the time and a command or message, and at the end the helpers that changed.
+        time: The begin and the end.
+    """
+
+    automation: str
+    events: Sequence[str]
+    expected: Sequence[str] = ()
+    time: str = "08:00 09:00"
+    day: str = FRIDAY
+
+
+BLINK = [f"08:10:{second} Hall lamp on_off {state}" for second, state in ((30, True), (32, False), (34, True))]
+PLAYS: tuple[Play, ...] = (
+    Play(
+        "Bathroom fan by humidity",
+        ["08:10 Bath climate humidity 70", "08:30 Bath climate humidity 50"],
+        ["08:15:00 Bath fan fan_speed 70", "08:30:00 Bath fan on_off False"],
+    ),
+    Play("Bathroom fan by humidity", ["08:10 Bath climate humidity 70"],
+         ["08:15:00 Bath fan fan_speed 70", "09:15:00 Bath fan on_off False"], "08:00 10:00"),
+    Play("Bathroom fan by humidity", ["08:10 Bath climate humidity 70", "08:14 Bath climate humidity 65"]),
+    Play("Doorbell with picture", ["08:10 Bell press single"],
+         ["08:10:00 notify Doorbell: Somebody is at the door at 08:10"]),
+    Play("Doorbell with picture", ["08:10 Hall button press single"]),
+    Play("Freezer door nag", ["08:10 Front door contact true", "08:25 Front door contact false"],
+         ["08:13:00 notify Front door is still open", "08:23:00 notify Front door is still open"]),
+    Play("Freezer door nag", ["08:10 Front door contact true", "08:12 Front door contact false"]),
+    Play("Presence simulation", ["08:05 vacation on"],
+         ["16:04:17 Floor lamp on_off True", "16:04:17 Hall lamp on_off True", "16:05:28 Floor lamp on_off False",
+          "vacation True"], "08:00 20:00"),
+    Play("Presence simulation", [], [], "08:00 20:00"),
+    Play("Motion light by time of day", ["08:10 Hall motion occupancy true", "08:12 Hall motion occupancy false"],
+         ["08:10:00 Hall lamp color_temperature 4000", "08:10:00 Hall lamp level 100",
+          "08:13:30 Hall lamp on_off False"]),
+    Play("Motion light by time of day",
+         ["23:10 Hall motion occupancy true", "23:12 Hall motion occupancy false", "23:13 Hall motion occupancy true",
+          "23:20 Hall motion occupancy false"],
+         ["23:10:00 Hall lamp color_temperature 2200", "23:10:00 Hall lamp level 5",
+          "23:13:00 Hall lamp color_temperature 2200", "23:13:00 Hall lamp level 5",
+          "23:21:30 Hall lamp on_off False"], "23:00 23:50"),
+    Play("Motion light by time of day", ["08:05 Hall motion illuminance 40", "08:10 Hall motion occupancy true"]),
+    Play("Remote with three presses",
+         ["08:10 Hall button press single", "08:11 Hall button press double", "08:12 Hall button press hold"],
+         ["08:10:00 Hall lamp on_off True", "08:11:00 Hall lamp level 70", "08:12:00 Floor lamp on_off False",
+          "08:12:00 Hall lamp on_off False"]),
+    Play("Remote with three presses", ["08:10 Hall button press long", "08:11 Remote press single"]),
+    Play("Heating plan", [],
+         ["08:15:00 Bath heating heating_setpoint 19", "17:00:00 Bath heating heating_setpoint 21.5",
+          "22:30:00 Bath heating thermostat_mode heat", "22:30:00 Bath heating heating_setpoint 17"], "08:00 23:00"),
+    Play("Heating plan", [], [], day=SATURDAY),
+    Play("Heating plan", ["08:10 Bath heating thermostat_mode off"], [], "08:00 23:00"),
+    Play("Last one leaves", ["08:10 Household all_at_home false", "08:20 Household at_home false"],
+         ["08:20:00 Floor lamp on_off False", "08:20:00 Hall lamp on_off False", "08:20:00 Rosie vacuum cleaning",
+          "08:20:00 House alarm alarm armed_away"]),
+    Play("Last one leaves", ["08:10 Household all_at_home false"]),
+    Play("Film", ["18:10 Kitchen radio playback playing"],
+         ["18:10:10 Hall lamp color (30.0, 84.0)", "18:10:10 Hall lamp level 16"], "18:00 19:00"),
+    Play("Film", ["18:10 Kitchen radio playback playing", "18:10:09 Kitchen radio playback paused"], [], "18:00 19:00"),
+    Play("Film", ["12:10 Kitchen radio playback playing"], [], "12:00 13:00"),
+    Play("Battery report", ["17:30 Bath window battery 14"],
+         ["18:00:00 notify Batteries: Hall motion 80 %, bath window 14 %"], "17:00 19:00"),
+    Play("Battery report", ["17:30 Bath window battery 15"], [], "17:00 19:00"),
+    Play("Forgotten lamp", ["08:10 Hall lamp on_off true"], ["08:45:00 Hall lamp on_off False"]),
+    Play("Forgotten lamp",
+         ["08:10 Hall lamp on_off true", "08:20 Hall motion occupancy true", "08:41 Hall motion occupancy false"]),
+    Play("Leak", ["08:10 Bath leak water_leak true"],
+         ["08:10:00 Washer on_off False",
+          *(f"08:10:0{second} Hall lamp on_off {state}" for second in (0, 1, 2) for state in (True, False)),
+          "08:10:00 notify Water in the bath"]),
+    Play("Leak", ["08:10 Bath leak water_leak false"]),
+    Play("Wake-up light", [],
+         [f"06:2{minute}:00 Hall lamp level {10 * minute or 5}" for minute in range(10)], "06:00 07:00"),
+    Play("Wake-up light", ["06:10 Anna place away"], [], "06:00 07:00"),
+    Play("Wake-up light", [], [], "06:00 07:00", SATURDAY),
+    Play("House helpers", ["08:10 vacation on"],
+         ["lux limit 20.0", "mode night", "oven True", "visits 1.0"], "08:00 08:15"),
+    Play("House helpers", ["08:10 lux_limit number 51"],
+         ["lux limit 20.0", "mode night", "oven True", "visits 2.0"], "08:00 08:21"),
+    Play("House helpers", ["08:05 oven on", "08:10 vacation on"], ["oven True", "vacation True"], "08:00 08:11"),
+    Play("House helpers", ["08:10 visits number 3", "08:11 vacation on"], ["vacation True", "visits 3.0"]),
+    Play("Porch from dusk to eleven", [], ["15:46:06 Hall lamp level 35", "23:00:00 Hall lamp on_off False"],
+         "08:00 23:30"),
+    Play("Porch from dusk to eleven", [], [], "08:00 15:00"),
+    Play("Extractor with two limits",
+         [f"08:{at} Bath climate humidity {value}" for at, value in ((10, 70), (20, 59), (21, 61), (30, 59))],
+         ["08:10:00 Bath fan on_off True", "08:32:00 Bath fan on_off False"]),
+    Play("Extractor with two limits", ["08:10 Bath climate humidity 68", "08:20 Bath climate humidity 60"]),
+    Play("Battery of the window", ["08:10 Bath window battery 9"],
+         ["09:10:00 notify Bath window has only 9 % left."], "08:00 10:00"),
+    Play("Battery of the window", ["08:10 Bath window battery 9", "08:50 Bath window battery 10"], [], "08:00 10:00"),
+    Play("Speed by temperature",
+         ["08:05 Kitchen plug on_off true",
+          *(f"08:{at} Bath climate temperature {value}" for at, value in ((10, 25), (20, 29), (30, 20)))],
+         ["08:10:00 Bath fan fan_speed 50", "08:20:00 Bath fan fan_speed 100"]),
+    Play("Speed by temperature", ["08:10 Bath climate temperature 25"]),
+    Play("Welcome in the dark", ["07:10 Anna place away", "07:20 Anna place home"],
+         ["07:20:00 Kitchen radio volume 25", "07:20:00 Movie scene True", "07:20:03 Kitchen radio playback playing"],
+         "07:00 08:00"),
+    Play("Welcome in the dark", ["12:10 Anna place away", "12:20 Anna place home"], [], "12:00 13:00"),
+    Play("Motion with a limit of my own", ["08:10 Stairs motion occupancy true"], ["08:10:00 Hall lamp on_off True"]),
+    Play("Motion with a limit of my own", ["08:05 Hall motion illuminance 30", "08:10 Stairs motion occupancy true"]),
+    Play("Nobody there", ["08:10 Anna place away"],
+         ["08:20:00 Bath heating heating_setpoint 16", "08:20:00 Kitchen radio on_off False"]),
+    Play("Nobody there", ["08:10 Anna place away", "08:19 Anna place home"]),
+    Play("Nobody there", ["08:05 vacation on", "08:10 Anna place away"], ["vacation True"]),
+    Play("Armed", ["08:05 Front door lock lock unlocked", "08:10 House alarm alarm armed_away"],
+         ["08:10:00 Front door lock lock locked", "08:10:00 notify The alarm is armed_away"]),
+    Play("Armed", ["08:10 House alarm alarm armed_home"]),
+    Play("Blink until it is closed", ["08:10 Front door contact true", "08:10:35 Front door contact false"], BLINK),
+    Play("Blink until it is closed", ["08:10 Front door contact true", "08:10:29 Front door contact false"]),
+    Play("Laundry in two phases",
+         [f"{at} Washer power {value}" for at, value in (("08:10", 99), ("08:30", 2), ("08:32", 50), ("09:00", 1))],
+         ["09:05:00 notify Laundry: Done at 09:05", "visits 1.0"], "08:00 10:00"),
+    Play("Laundry in two phases", ["08:10 Washer power 99"], [], "08:00 13:00"),
+    Play("Blind by the hour", [],
+         [f"{hour:02}:00:00 Living blind position {30 if hour >= 12 else 100}" for hour in range(9, 19)],
+         "08:30 19:30", SATURDAY),
+    Play("Blind by the hour", [], [], "08:30 19:30"),
+    Play("The plug follows the lamp", ["08:10 Hall lamp on_off true", "08:20 Hall lamp on_off false"],
+         ["08:10:00 Kitchen plug on_off True", "08:20:00 Kitchen plug on_off False"]),
+    Play("The plug follows the lamp", ["08:10 Hall lamp level 20", "08:20 Floor lamp on_off true"]),
+    Play("Mqtt json", ['08:10 topic zigbee2mqtt/Hall button {"action": "double"}'], ["08:10:00 Hall lamp on_off True"]),
+    Play("Mqtt json",
+         ['08:10 topic zigbee2mqtt/Hall button {"action": "single"}', "08:11 topic zigbee2mqtt/Hall button double"]),
+)  # fmt: skip
+
+
+class PlayedGateway(MemoryGateway):
+    """Records each command with its time; what has a speed is on."""
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node, MemoryGatewaySettings(act=True))
+        self.done: list[tuple[float, str]] = []
+
+    async def _perform(self, command: Command) -> None:
+        await super()._perform(command)
+        value = command.value.plain()
+        if command.capability == "fan_speed":
+            await self.devices.report(command.key, {"on_off": value != 0.0}, command.part)
+        text = f"{value:.4g}" if isinstance(value, float) else str(value)
+        self.done.append((self.node.graph.clock.now(), f"{command.key} {command.capability} {text}"))
+
+    async def tell(self, line: str) -> None:
+        """Report a value as its device."""
+        name = max((name for name in DEVICES if line.startswith(f"{name} ")), key=len)
+        capability, _, text = line.removeprefix(f"{name} ").partition(" ")
+        value: PlainValue = float(text) if text.isdecimal() else {"true": True, "false": False}.get(text, text)
+        for part in DEVICES[name].parts:
+            if capability in {can.name for can in part.part.capabilities}:
+                await self.devices.report(name, {capability: value}, part.id)
+
+
+@lru_cache
+def routines() -> Mapping[str, dict[str, Any]]:
+    """Return the routines of all files by name."""
+    texts = [text for name in ("forum", "asked", "unseen") for text in read((HERE / f"{name}.yaml").read_text()).texts]
+    return {table["name"]: table for text in texts for table in tomllib.loads(text)["routines"]}
+
+
+def described(device: Device) -> GatewayDevice:
+    facts = {fact.name: fact.value for fact in device.facts}
+    return GatewayDevice(device.name, device.name, tuple(one.part for one in device.parts), facts, area=device.area)
+
+
+async def happens(event: str, house: VirtualHouse, gateway: PlayedGateway) -> None:
+    at, _, line = event.partition(" ")
+    await house.run_until(at)
+    first, _, rest = line.partition(" ")
+    if first == "topic":
+        topic, brace, payload = rest.partition(" {")
+        await house.says(*((topic, f"{{{payload}") if brace else rest.rsplit(" ", 1)))
+    elif first in HELPERS:
+        commands = gateway.node.create_client(CommandDevices, COMMAND_DEVICES)
+        assert (await commands.call(CommandDevicesRequest(target=first, command=rest))).success
+    else:
+        await gateway.tell(line)
+
+
+async def changed_helpers(node: Node) -> list[str]:
+    first = {"vacation": False, "lux limit": 30.0, "mode": "day", "visits": 0.0, "oven": False}
+    found = {one.name: one.states[0].value.plain() for one in await Devices(node).find() if one.name in first}
+    return sorted(f"{name} {value}" for name, value in found.items() if value != first[name])
+
+
+def stamped(lines: Sequence[tuple[float, str]]) -> Iterator[str]:
+    for at, text in lines:
+        yield f"{datetime.fromtimestamp(at, UTC):%H:%M:%S} {text}"
+
+
+@pytest.mark.parametrize("play", PLAYS, ids=lambda play: f"{play.automation}, {len(play.expected)}")
+async def test_an_automation_does_in_the_house_what_it_did(play: Play) -> None:
+    home = {"zone": "UTC", "latitude": 48.0, "longitude": 8.0}
+    config = {"routines": [routines()[play.automation]], "home": home, "helpers": HELPERS, "notify": {}}
+    begin, end = play.time.split()
+    async with (
+        virtual_house_of(config=config, start=f"{play.day} {begin}") as house,
+        Node(house.runtime.graph, "homeassistant", namespace="/gateway") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = PlayedGateway(node)
+        await tasks.start(gateway.serve)
+        for device in DEVICES.values():
+            gateway.devices.put(described(device), "it is played")
+        for line in FIRST.strip().splitlines():
+            await gateway.tell(line)
+        await house.run_for("30s")
+        for event in play.events:
+            await happens(event, house, gateway)
+        await house.run_until(end)
+        helpers = await changed_helpers(node)
+        told = [
+            (one.time.timestamp(), f"notify {one.message}")
+            for one in house.notifications
+            if not one.app.endswith("alerts")
+        ]
+        tasks.cancel_scope.cancel()
+    assert [*sorted(stamped([*gateway.done, *told])), *helpers] == sorted(play.expected)
+
+
+def test_each_automation_is_also_played_so_that_it_does_nothing_or_less() -> None:
+    counts = {name: {len(play.expected) for play in PLAYS if play.automation == name} for name, *_ in PLAYS}
+    assert len(counts) >= 25
+    assert all(len(each) > 1 for each in counts.values())
