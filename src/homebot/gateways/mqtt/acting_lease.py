@@ -72,6 +72,7 @@ class ActingLease:
         self._is_candidate = False
         self._answer = anyio.Event()
         self._restate = anyio.Event()
+        self._doubt = anyio.Event()
         self.rival = ""
 
     @property
@@ -104,6 +105,7 @@ class ActingLease:
         is_first = self._id < word.id
         if word.says == "act" and not (self._is_sure and is_first):
             self._is_candidate, self._sure_of = False, None
+            self._doubt.set()
             self._yield_to(word)
         elif self._is_sure or (self._is_candidate and is_first):
             self._answer.set()
@@ -128,20 +130,25 @@ class ActingLease:
             tasks.start_soon(self._restate_status)
             if self._wants:
                 tasks.start_soon(self._answer_others)
-                tasks.start_soon(self._ask_on_each_link)
+                tasks.start_soon(self._doubt_on_each_link)
+                tasks.start_soon(self._ask_in_doubt)
 
     @property
     def _is_sure(self) -> bool:
         """True if no answer came on this link; while the last one was down, another homebot may have begun to act."""
         return self._sure_of is not None and self._sure_of is self._connection.state
 
-    async def _ask_on_each_link(self) -> None:
-        async for state in self._connection.states():
-            if state.phase is not LinkPhase.CONNECTED:
-                continue
-            while self._connection.state is state:
-                if not self._is_sure:
-                    await self._ask(state)
+    async def _doubt_on_each_link(self) -> None:
+        async for _ in self._connection.states():
+            self._doubt.set()
+
+    async def _ask_in_doubt(self) -> None:
+        """Ask until no other answers; who is sure, on a link that stays, wakes the computer for nothing."""
+        while True:
+            await self._doubt.wait()
+            self._doubt = anyio.Event()
+            while not self._is_sure and (state := self._connection.state).phase is LinkPhase.CONNECTED:
+                await self._ask(state)
                 await anyio.sleep(ASK_EVERY)
 
     async def _ask(self, state: ConnectionState) -> None:
