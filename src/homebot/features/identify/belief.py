@@ -10,7 +10,7 @@ are followed beside each other, each by a Gaussian-sum filter: a few alternative
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import erf, exp, inf, log, pi, sqrt
@@ -48,6 +48,7 @@ _CERTAINTY: Final = 3.0
 """Standard deviations by which effects are smaller than what is excluded, and larger than the least in view."""
 
 _TINY: Final = 1e-9
+_ROOT_2: Final = sqrt(2)
 _ALTERNATIVES: Final = 5
 _MAX_FAMILIES: Final = 8
 
@@ -245,8 +246,10 @@ class _Family:
         self._mean = strongest / 2
         self._variance = (_SCATTER * strongest) ** 2
         self._limits = [
-            (limit, _log_below(limit, self._mean, self._variance)) for limit in (least, _IN_VIEW[0] * effect)
+            (limit, _log_below((limit - self._mean) / sqrt(self._variance))) for limit in (least, _IN_VIEW[0] * effect)
         ]
+        self._in_view = _IN_VIEW[0] * effect, _IN_VIEW[1] * effect
+        self._supposed = 1 / self._variance, self._mean / self._variance
         self.usual, self._last = first.variance, first.value
         self._looks, count = 0, len(first.levels)
         covariance = [[0.0] * count + [-level * self._variance] for level in first.levels]
@@ -264,10 +267,11 @@ class _Family:
         drift = (_DRIFT * self._effect) ** 2 * seen.seconds
         jump = drift + max(_JUMP * self._effect, abs(seen.value - self._last)) ** 2
         self._last = seen.value
+        alternatives = ((drift, log(1 - _JUMPS), ()), (jump, log(_JUMPS), (self._looks,)))
         tracks = [
-            self._weighed(_followed(track, seen, self.usual, moved, log(chance), (*track.jumps, *jumps)))
+            self._weighed(followed)
             for track in self.tracks
-            for jumps, moved, chance in (((), drift, 1 - _JUMPS), ((self._looks,), jump, _JUMPS))
+            for followed in _follow(track, seen, self.usual, alternatives)
         ]
         tracks.sort(key=lambda one: _log_sum(one.hypotheses), reverse=True)
         self.tracks = tracks[:_ALTERNATIVES]
@@ -305,15 +309,16 @@ class _Family:
         yield from map(_log_sum, each)
 
     def _weighed(self, track: _Track) -> _Track:
-        known = [
-            (mean, row[place]) for place, (mean, row) in enumerate(zip(track.mean[:-1], track.covariance, strict=False))
-        ]
+        means, variances = track.mean[:-1], [row[place] for place, row in enumerate(track.covariance[:-1])]
+        spreads = [sqrt(variance) for variance in variances]
         none, others = (
-            [_log_below(limit, one, spread) - supposed for one, spread in known] for limit, supposed in self._limits
+            [_log_below((limit - mean) / spread) - supposed for mean, spread in zip(means, spreads, strict=True)]
+            for limit, supposed in self._limits
         )
-        ratios = (self._ratio(one, spread) for one, spread in known)
         reflected = track.weight + sum(others)
-        each = (reflected - other + ratio for other, ratio in zip(others, ratios, strict=True))
+        each = [
+            reflected - other + ratio for other, ratio in zip(others, map(self._ratio, means, variances), strict=True)
+        ]
         track.hypotheses = [track.weight + sum(none), *each]
         return track
 
@@ -323,11 +328,11 @@ class _Family:
         Args:
             mean: Of its effect, if it is a reflection.
         """
-        least, most = (share * self._effect for share in _IN_VIEW)
-        learnt = 1 / max(variance, 1e-12 * self._variance) - 1 / self._variance
+        (least, most), (precision, weighted) = self._in_view, self._supposed
+        learnt = 1 / max(variance, 1e-12 * self._variance) - precision
         if learnt * self._variance < 1e-6:
             return 0.0
-        seen = (mean / variance - self._mean / self._variance) / learnt  # without what was assumed before
+        seen = (mean / variance - weighted) / learnt  # without what was assumed before
         spread = sqrt(1 / learnt)
         in_view = (_below((most - seen) / spread) - _below((least - seen) / spread)) / (most - least)
         reflected = _density(seen, self._mean, self._variance + spread**2)
@@ -338,20 +343,28 @@ def _nearer(level: float, wanted: float, step: float) -> float:
     return level + max(-step, min(step, wanted - level))
 
 
-def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: float, jumps: tuple[int, ...]) -> _Track:
-    """Return the track after *seen*, by a step of a Kalman filter; *moved* is the variance of the base since."""
+def _follow(
+    track: _Track, seen: Seen, noise: float, alternatives: Iterable[tuple[float, float, tuple[int, ...]]]
+) -> Iterator[_Track]:
+    """Yield the track after *seen*, by a step of a Kalman filter, for each alternative of the base since.
+
+    Args:
+        alternatives: The variance of the base, the logarithm of its likelihood, and the looks before which it jumped.
+    """
     weights = (*seen.levels, 1.0)
-    gains = _times(track.covariance, weights)
-    gains[-1] += moved
-    variance = sum(weight * gain for weight, gain in zip(weights, gains, strict=True)) + noise
-    error = seen.value - sum(weight * one for weight, one in zip(weights, track.mean, strict=True))
-    mean = [one + gain * error / variance for one, gain in zip(track.mean, gains, strict=True)]
-    covariance = [
-        [one - gain * other / variance for one, other in zip(row, gains, strict=True)]
-        for row, gain in zip(track.covariance, gains, strict=True)
-    ]
-    covariance[-1][-1] += moved
-    return _Track(track.weight + chance + log(max(_density(error, 0.0, variance), 1e-300)), mean, covariance, [], jumps)
+    *lamps, base = _times(track.covariance, weights)
+    error = seen.value - sum(map(mul, weights, track.mean))
+    for moved, chance, jumps in alternatives:
+        gains = [*lamps, base + moved]
+        variance = sum(map(mul, weights, gains)) + noise
+        mean = [one + gain * error / variance for one, gain in zip(track.mean, gains, strict=True)]
+        covariance = [
+            [one - gain * other / variance for one, other in zip(row, gains, strict=True)]
+            for row, gain in zip(track.covariance, gains, strict=True)
+        ]
+        covariance[-1][-1] += moved
+        weight = track.weight + chance + log(max(_density(error, 0.0, variance), 1e-300))
+        yield _Track(weight, mean, covariance, [], (*track.jumps, *jumps))
 
 
 def _times(matrix: list[list[float]], weights: Sequence[float]) -> list[float]:
@@ -361,11 +374,11 @@ def _times(matrix: list[list[float]], weights: Sequence[float]) -> list[float]:
 
 def _below(deviations: float) -> float:
     """Return the share of a normal distribution below so many deviations."""
-    return 0.5 * (1 + erf(deviations / sqrt(2)))
+    return 0.5 * (1 + erf(deviations / _ROOT_2))
 
 
-def _log_below(limit: float, mean: float, variance: float) -> float:
-    return log(max(_below((limit - mean) / sqrt(variance)), 1e-300))
+def _log_below(deviations: float) -> float:
+    return log(max(_below(deviations), 1e-300))
 
 
 def _density(value: float, mean: float, variance: float) -> float:
