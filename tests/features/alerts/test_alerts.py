@@ -322,7 +322,7 @@ async def test_weak_batteries_are_told_together_once_a_day_but_not_that_of_a_vac
 async def test_a_battery_that_wavers_is_weak_until_it_has_thirty_percent(house: VirtualHouse) -> None:
     await announce_battery(house, "Sink")
     await house.run_for("5s")
-    for hour in range(15 * 24):
+    for hour in range(24 * size(3, nightly=15)):
         await house.says("Sink/battery", str((19, 22, 18, 26)[hour % 4]))
         await house.run_for("1h")
     assert [one.partition(" (")[0] for one in told(house)] == ["Alert: Sink has a weak battery"]
