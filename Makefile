@@ -149,9 +149,10 @@ $(VENV)/.dev: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
 	@$(BIN)/python $(PIP) $(OWN)
 	@touch $@ $(VENV)/.run
 
-# Most modules of the packages are never imported, so none is compiled.
+# Most modules of the packages are never imported, so none is compiled; half of the packages beside the other half.
 $(VENV)/.peers: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
-	@$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,run all dev peers)
+	@$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,run all peers) & others=$$!; \
+		$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,dev) && wait $$others
 	@$(BIN)/python $(PIP) $(OWN)
 	@touch $@ $(VENV)/.run $(VENV)/.dev
 
