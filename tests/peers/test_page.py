@@ -127,6 +127,19 @@ socket.onopen = () => socket.send(JSON.stringify(call));
 socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).values.outcome);
 """
 
+HOLD = """
+const done = arguments[0];
+const socket = new WebSocket(location.origin.replace(/^http/, "ws"), "homebot.log_in");
+const setting = { capability: "on_off", value: false };
+const held = { device: "lights/philips165", setting, lease: "x", by: "rosie", ttl: 600 };
+socket.onopen = () => {
+  socket.send(JSON.stringify({ op: "auth", token: sessionStorage.getItem("homebot.token") }));
+  socket.send(JSON.stringify({ op: "call_service", service: "/control/hold", args: held }));
+};
+socket.onmessage = (event) => JSON.parse(event.data).service === "/control/hold" && done();
+"""
+"""Holds a lamp off, as a robot does."""
+
 HISTORY = """
 const done = arguments[0];
 const socket = new WebSocket(location.origin.replace(/^http/, "ws"));
@@ -253,6 +266,18 @@ async def test_a_routine_gets_the_right_that_it_lacks_and_is_run_once_the_person
             assert world.devices["front_door"].device.state() == "locked"
             await (own.hold if answer == yes else own.click)(answer)
         await own.open("#/device/locks%2Ffront_door", shows="unlocked")
+        assert own.problems() == []
+
+
+async def test_a_person_outranks_the_lease_of_a_robot_once_asked(page: OpenPage) -> None:
+    """The token of the owner, which may be any robot too, was refused as one."""
+    async with page(token="hunter2") as own:
+        await own.open("#token=hunter2", shows="philips165")
+        await to_thread.run_sync(own.browser.execute_async_script, HOLD)
+        await own.click(f"{SWITCH}[aria-checked=false]")
+        await own.shows("held off by rosie", "[role=alert]")
+        await own.click("[role=alert] button")
+        await own.shows("philips165", ".tile.lit")
         assert own.problems() == []
 
 

@@ -19,7 +19,7 @@ from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
-from homebot.devices.client_rights import LOCAL_RIGHTS
+from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
@@ -119,6 +119,8 @@ def test_a_persons_client_may_override_leases_and_a_robots_may_not() -> None:
     wanted = {"target": "door", "command": "close", "override": True}
     assert phone.stamped(CommandDevicesRequest, wanted)["override"] is True
     assert robot.stamped(CommandDevicesRequest, wanted)["override"] is False
+    owner = ClientAccess("owner", ALL_RIGHTS, RobotOwners())
+    assert owner.stamped(CommandDevicesRequest, wanted)["override"] is True
 
 
 @pytest.mark.parametrize("service", ["/control/perform", "/devices/command", "/gateway/mqtt/send_command", "/rosapi/x"])

@@ -99,7 +99,9 @@ class ClientAccess:
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
         own["rights"] = sorted(kind.value for kind in self.rights.kinds)
-        own["override"] = values.get("override") is True and not self.rights.robots
+        own["override"] = values.get("override") is True and (
+            not self.rights.robots or Right.MANAGE in self.rights.kinds  # the owner, who may be any robot too
+        )
         own["trigger"] = {"kind": "program"} if self.is_program else {}  # only homebot's own nodes know more
         return {**values, **{name: own[name] for name in fields}} if fields else values
 

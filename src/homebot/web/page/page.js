@@ -1,1 +1,1 @@
-import"./chunk-HQLDBEBG.js";
+import"./chunk-MOF4PBBB.js";

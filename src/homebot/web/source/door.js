@@ -6,6 +6,7 @@ const FIRST_DELAY = 500; // ms until the first attempt to connect again, twice a
 const LONGEST_DELAY = 10_000;
 const ANSWER_WITHIN = 15; // seconds
 const ASK_EVERY = 25; // seconds between two questions whether homebot is there
+const PATIENCE = 5; // seconds for the answer to one
 const TOKEN = "homebot.token";
 const CODE = /^[2-9A-Z]{4}-?[2-9A-Z]{4}$/i;
 export const EXPIRED = "This code is not valid any more: homebot prints another when it starts.";
@@ -157,7 +158,7 @@ function open() {
   if (connection.value.state !== "connecting") become("connecting");
   const own = new WebSocket(location.origin.replace(/^http/, "ws"), "homebot.log_in");
   socket = own;
-  expectAnswer(own);
+  expectAnswer(own, ANSWER_WITHIN);
   own.onopen = () => {
     own.send(JSON.stringify({ op: "auth", token: code || token.value }));
     for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
@@ -184,7 +185,7 @@ function lose(own, { code: status, reason } = {}) {
 }
 
 /** Give up a link on which nothing comes in time, and ask again on one that works: a link that breaks may never be closed. */
-function expectAnswer(own) {
+function expectAnswer(own, within) {
   isHeard = false;
   watch = setTimeout(() => {
     if (!isHeard) {
@@ -193,10 +194,10 @@ function expectAnswer(own) {
       return;
     }
     watch = setTimeout(() => {
-      expectAnswer(own);
+      expectAnswer(own, PATIENCE);
       askTime();
-    }, 1000 * (ASK_EVERY - ANSWER_WITHIN));
-  }, 1000 * ANSWER_WITHIN);
+    }, 1000 * (ASK_EVERY - within));
+  }, 1000 * within);
 }
 
 const askTime = () => send({ op: "call_service", service: "/rosapi/get_time", id: "page-time" });

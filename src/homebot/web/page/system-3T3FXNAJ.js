@@ -1,4 +1,4 @@
-import{E as v,L as b,P as k,Q as x,Sa as N,Ya as S,a as $,b as h,da as A,ha as m,ia as t,j as g,k as y,m as u,n as d,p as f,t as w,v as n}from"./chunk-HQLDBEBG.js";var I=5e3,L=50,T=30;function q(){let[e,i]=$(null),[s,c]=$(0),p=g.value.state==="open";return h(()=>{if(!p)return;let a=0,r=!0,o=async()=>{let l=await F();r&&(i(l),a=setTimeout(o,I))};return o(),()=>{r=!1,clearTimeout(a)}},[p,s]),e?t`
+import{E as v,L as b,P as k,Q as x,Sa as N,Ya as S,a as $,b as h,da as A,ha as m,ia as t,j as g,k as y,m as u,n as d,p as f,t as w,v as n}from"./chunk-MOF4PBBB.js";var I=5e3,L=50,T=30;function q(){let[e,i]=$(null),[s,c]=$(0),p=g.value.state==="open";return h(()=>{if(!p)return;let a=0,r=!0,o=async()=>{let l=await F();r&&(i(l),a=setTimeout(o,I))};return o(),()=>{r=!1,clearTimeout(a)}},[p,s]),e?t`
     <p class="choices"><a href="#/setup/devices">${n("Set up")}</a> <a href="#/graph">${n("Graph")}</a> <a href="#/rates">${n("Rates")}</a></p>
     <${G} devices=${e.waiting} onApproved=${()=>c(s+1)} />
     <section>
