@@ -211,15 +211,15 @@ class CommandTargets:
         if answer.total > MAX_DEVICES:
             raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MAX_DEVICES:,} may be commanded")
         if not answer.total and (near := (await self._ask(text, _MAX_SIMILAR, is_spelled=False)).results):
-            similar = " or ".join(one.device.name or one.device.id for one in near)
+            similar = " or ".join(result.device.name or result.device.id for result in near)
             raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
-        query, devices = read_terms(answer.query), [one.device for one in answer.results]
+        query, devices = read_terms(answer.query), [result.device for result in answer.results]
         numbers = {word for word in _texts(query) if word.isdecimal()}  # a room may have a number too
-        devices = [one for one in devices if numbers <= _called(one)] or devices
-        found = [(one, _parts(one, query)) for one in devices]
-        is_one = _texts(query) and not any(isinstance(one, TypeIs | CanDo | StateIs) for one in leaves(query))
-        question = f"{text!r} could be {_names(found)}; give the name of one, or a type"
-        return _Matches(found, question if is_one and len(found) > 1 and not phrase.is_alternative else "")
+        devices = [device for device in devices if numbers <= _called(device)] or devices
+        targets = [(device, _parts(device, query)) for device in devices]
+        if len(targets) < 2 or phrase.is_alternative or not _names_one(query):
+            return _Matches(targets)
+        return _Matches(targets, f"{text!r} could be {_names(targets)}; give the name of one, or a type")
 
     async def _ask(self, text: str, limit: int, *, is_spelled: bool = True) -> QueryDevicesResponse:
         request = QueryDevicesRequest(query=query_words(text), limit=limit, is_spelled=is_spelled)
@@ -234,6 +234,11 @@ _MAX_SIMILAR = 3
 
 _MAX_NEAR = 10
 """The number of nearest devices that are tried."""
+
+
+def _names_one(query: Query) -> bool:
+    """Return whether *query* is of words alone, which mean one device."""
+    return bool(_texts(query)) and not any(isinstance(term, TypeIs | CanDo | StateIs) for term in leaves(query))
 
 
 def _without_groups(found: list[Target]) -> list[Target]:

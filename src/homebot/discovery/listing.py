@@ -1,10 +1,11 @@
 """Devices in short form, as screens and agents list them: without the values of settings and diagnostics. Pure."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from homebot.devices.always_ask import waits_for_approval, why_it_asks
 from homebot.devices.client_rights import ALL_RIGHTS, ClientRights
-from homebot.devices.device import Device
+from homebot.devices.device import Device, DevicePart, State
 from homebot.devices.harmless import why_not_covered
 from homebot.devices.services import ListDevicesRequest, ListedDevice, ListedReading
 from homebot.discovery.description import position_of
@@ -34,12 +35,6 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
     """
     position = position_of(device.facts)
     used = {part.id: part for part in device.parts if not part.part.category}
-    codes = {
-        capability.name: capability.code
-        for part in used.values()
-        for capability in part.part.capabilities
-        if capability.code
-    }
     settable = {
         part.id: [capability.name for capability in part.part.capabilities if capability.settable]
         for part in used.values()
@@ -53,25 +48,30 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
         freshness=device.freshness,
         is_reachable=device.reachable.state != "no",
         waits=needs_approval and waits_for_approval(device),
-        states=tuple(
-            ListedReading(
-                part=state.part,
-                capability=state.capability,
-                value=state.value,
-                since=_UNKNOWN if state.is_first else state.since,
-            )
-            for state in device.states
-            if state.part in used
-        ),
+        states=tuple(_list_state(state) for state in device.states if state.part in used),
         position=() if position is None else (position.x, position.y),
         settable=tuple(dict.fromkeys(name for names in settable.values() for name in names)),
         tags=device.tags,
         asks_first=tuple(dict.fromkeys(name for part, why in asks.items() if why for name in settable[part])),
-        codes=tuple(KeyValue(key=name, value=code) for name, code in codes.items()),
+        codes=_list_codes(used.values()),
         kind=opening_kind(device),
-        may_act=any(
-            (rights.acts_on_harmless and used[part].part.members)  # as far as these allow
-            or why_not_covered(rights, device, used[part], why) is None
-            for part, why in asks.items()
-        ),
+        may_act=any(_may_act(rights, device, used[part], why) for part, why in asks.items()),
     )
+
+
+def _list_state(state: State) -> ListedReading:
+    since = _UNKNOWN if state.is_first else state.since
+    return ListedReading(part=state.part, capability=state.capability, value=state.value, since=since)
+
+
+def _list_codes(parts: Iterable[DevicePart]) -> tuple[KeyValue, ...]:
+    """Return the code of each capability of *parts* that has one."""
+    capabilities = [capability for part in parts for capability in part.part.capabilities]
+    codes = {capability.name: capability.code for capability in capabilities if capability.code}
+    return tuple([KeyValue(key=name, value=code) for name, code in codes.items()])
+
+
+def _may_act(rights: ClientRights, device: Device, part: DevicePart, why_asks: str) -> bool:
+    """Return whether *rights* allow some command to *part*; to a group, as far as its members allow it."""
+    is_group = rights.acts_on_harmless and bool(part.part.members)
+    return is_group or why_not_covered(rights, device, part, why_asks) is None

@@ -351,13 +351,7 @@ class DeviceMerger:
             new = None
         sources = tuple(entry.sources.values()) if new is None else (new,)
         if new is None:
-            entry.is_shared = len(sources) > 1 and len(entry.gateways()) > 1
-            if entry.stale_gateways:
-                entry.stale_gateways &= entry.gateways()
-            entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
-            entry.doubts = self._doubts(sources) if self.identities.told_apart > 1 else ()
-            entry.silence_allowed = 0.0
-            entry.is_denied = bool(table.lost or any(map(_REACH, sources))) and is_denied(sources)
+            self._describe_again(entry, sources)
         else:
             entry.is_shared |= new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
@@ -375,6 +369,16 @@ class DeviceMerger:
         table.mark_unsaved(entry.id)
         if table.topics.denied or entry.topic_owner:
             self._refresh_topic_owner(entry, sources, is_whole=new is None)
+
+    def _describe_again(self, entry: Entry, sources: tuple[SourceRecord, ...]) -> None:
+        """Update what follows from all announcements of *entry* together."""
+        entry.is_shared = len(sources) > 1 and len(entry.gateways()) > 1
+        if entry.stale_gateways:
+            entry.stale_gateways &= entry.gateways()
+        entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
+        entry.doubts = self._doubts(sources) if self.identities.told_apart > 1 else ()
+        entry.silence_allowed = 0.0
+        entry.is_denied = bool(self._table.lost or any(map(_REACH, sources))) and is_denied(sources)
 
     def _refresh_topic_owner(self, entry: Entry, sources: Iterable[SourceRecord], *, is_whole: bool) -> None:
         """Look for a device that claims a topic of *sources* of *entry*; *is_whole* if these are all its sources."""

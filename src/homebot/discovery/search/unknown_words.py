@@ -138,30 +138,35 @@ def _begins(word: str, words: Iterable[str]) -> bool:
 
 def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
     may = lasting(query)
-    if any(isinstance(one, TypeIs) and one.types & _PEOPLE and not postings.find(one) for one in leaves(may)):
+    if any(_is_unknown_person(term, postings) for term in leaves(may)):
         return "nobody is known; add [people.NAME] with what tells where that person is"
-    places = [one for one in leaves(may) if isinstance(one, InArea | AreaIs) and one.text]
+    places = [term for term in leaves(may) if isinstance(term, InArea | AreaIs) and term.text]
     for place in places:
         if not postings.find(place):
-            area = place.text
-            known = sorted(postings.values_of("area"))
-            hint = (
-                f"areas are {', '.join(known[:_SHOWN])}"
-                if known
-                else "state the room of a device with `homebot place DEVICE ROOM`"
-            )
-            return area_problem(area, postings, plan) or f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
+            return _explain_place(place.text, postings, plan)
     if (able := postings.find(may)) and may != query:
         return f"none now; in another state there would be {_names(able, postings)}"
-    areas = [one.text for one in places]
-    if areas and (elsewhere := postings.find(_without(InArea, _without(AreaIs, may)))):
-        rooms = sorted({area for one in elsewhere for area in postings.facets(one).areas[:1]})
-        return f"none is in {' or '.join(areas)}; there is in {', '.join(rooms[:_SHOWN]) or 'no room'}"
-    is_named = any(isinstance(one, HasText | NameIs) for one in leaves(may))
-    others = postings.find(_without(CanDo, may)) if is_named else ()
-    if others:
+    if places and (elsewhere := postings.find(_without(InArea, _without(AreaIs, may)))):
+        return f"none is in {' or '.join([place.text for place in places])}; there is in {_rooms(elsewhere, postings)}"
+    is_named = any(isinstance(term, HasText | NameIs) for term in leaves(may))
+    if others := postings.find(_without(CanDo, may)) if is_named else ():
         return f"what is called so has no such value: {_names(others, postings)}"
-    return next(filter(None, (_missing(one, postings) for one in leaves(may) if not postings.find(one))), "")
+    return next(filter(None, (_missing(term, postings) for term in leaves(may) if not postings.find(term))), "")
+
+
+def _is_unknown_person(term: Query, postings: Postings) -> bool:
+    return isinstance(term, TypeIs) and bool(term.types & _PEOPLE) and not postings.find(term)
+
+
+def _explain_place(area: str, postings: Postings, plan: HousePlan) -> str:
+    """Return why no device is in *area*, with the areas that have devices."""
+    if problem := area_problem(area, postings, plan):
+        return problem
+    known = sorted(postings.values_of("area"))
+    hint = f"areas are {', '.join(known[:_SHOWN])}"
+    if not known:
+        hint = "state the room of a device with `homebot place DEVICE ROOM`"
+    return f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
 
 
 def _missing(term: Query, postings: Postings) -> str:
@@ -179,8 +184,13 @@ def _missing(term: Query, postings: Postings) -> str:
     return f"{problem}; {did_you_mean(name, known, f'{key} are {some}')}"
 
 
-def _names(found: Iterable[str], postings: Postings) -> str:
-    names = sorted(postings.facets(one).name or one for one in found)
+def _rooms(devices: Iterable[str], postings: Postings) -> str:
+    rooms = {area for device in devices for area in postings.facets(device).areas[:1]}
+    return ", ".join(sorted(rooms)[:_SHOWN]) or "no room"
+
+
+def _names(devices: Iterable[str], postings: Postings) -> str:
+    names = sorted(postings.facets(device).name or device for device in devices)
     return f"{', '.join(names[:_SHOWN])}{', …' if len(names) > _SHOWN else ''}"
 
 

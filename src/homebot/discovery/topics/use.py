@@ -181,10 +181,6 @@ class TopicUse(NamedTuple):
         return place.levels | place.leads
 
 
-def _owned_below(base: str, sighting: Sighting) -> tuple[str, ...]:
-    return tuple([f"{base}/{address}" for address in (sighting.name, *_addresses_of(sighting.identifiers))])
-
-
 def topic_use(source: SourceRecord, device: str) -> TopicUse:
     """Return the topics that the announcement *source* of *device* uses."""
     sighting = source.sighting
@@ -203,10 +199,8 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     commands = (parts[0].service_type, parts[0].payloads) if len(parts) == 1 and parts[0].payloads and writes else ()
     bridge, owns = bridge_of(sighting), sighting.owns
     base, aliasing = "", aliasing_bridge(bridge, sighting.identifiers)
-    if aliasing and _asks(sighting):
-        base = _base_of(sighting, owns or writes)
-    if base and not owns:  # a bridge that is known only by its announcements to Home Assistant
-        owns = _owned_below(base, sighting)
+    if aliasing:
+        base, owns = _topics_of_bridge(sighting, owns, writes)
     return TopicUse(
         source.key,
         device,
@@ -224,8 +218,16 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     )
 
 
-def _asks(sighting: Sighting) -> bool:
-    return bool(matching_words(sighting.name, ALL_THAT_ASK)) or any(map(asks_by_itself, sighting.parts))
+def _topics_of_bridge(
+    sighting: Sighting, owns: tuple[str, ...], writes: tuple[str, ...]
+) -> tuple[str, tuple[str, ...]]:
+    """Return the base topic of the bridge of *sighting*, empty if no part asks, and the topics that it owns then."""
+    if not matching_words(sighting.name, ALL_THAT_ASK) and not any(map(asks_by_itself, sighting.parts)):
+        return "", owns
+    base = _base_of(sighting, owns or writes)
+    if base and not owns:  # a bridge that is known only by its announcements to Home Assistant
+        owns = tuple([f"{base}/{address}" for address in (sighting.name, *_addresses_of(sighting.identifiers))])
+    return base, owns
 
 
 def _base_of(sighting: Sighting, topics: Sequence[str]) -> str:

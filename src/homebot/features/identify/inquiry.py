@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise, starmap, takewhile
 from math import inf, log2, sqrt
 from operator import itemgetter
@@ -166,8 +166,7 @@ class Inquiry:
         *_, before, latest = self._looks
         if self._is_prompt and self._may_fade(latest) and not belief.fades:
             return None
-        repeats = sum(1 for _ in takewhile(lambda seen: seen.levels == latest.levels, reversed(self._looks))) - 1
-        can_repeat = self._is_prompt and repeats < _MAX_REPEATS
+        can_repeat = self._is_prompt and self._count_repeats() < _MAX_REPEATS
         if self._waits and can_repeat:
             return None
         best = max(range(self._count), key=belief.each.__getitem__)
@@ -175,10 +174,20 @@ class Inquiry:
         is_turn = len(self._looks) % 5 > 0  # what is tied may be untied by other codes
         if is_turn and belief.each[best] >= _LIKELY and (others := belief.tied(best) - self._dropped):
             return tuple(is_bright != (number in others) for number, is_bright in enumerate(last))
-        drawn = ([self._random.random() < 0.5 for _ in range(self._count)] for _ in range(_TRIED))
         rivals = [best, *belief.alike(best)] if belief.each[best] >= _LIKELY else []
-        gain, code = max((belief.gain([*map(float, code)], rivals), code) for code in drawn)
+        gain, code = self._draw_code(belief, rivals)
         if latest.levels != before.levels:
             self._cost = latest.seconds
         is_worth = can_repeat and belief.gain(latest.levels, rivals) * self._cost > gain
-        return None if is_worth else tuple(code)
+        return None if is_worth else code
+
+    def _count_repeats(self) -> int:
+        """Return how often the last look was repeated with the same levels."""
+        levels = self._looks[-1].levels
+        return sum(1 for _ in takewhile(lambda seen: seen.levels == levels, reversed(self._looks))) - 1
+
+    def _draw_code(self, belief: Belief, rivals: Sequence[int]) -> tuple[float, tuple[bool, ...]]:
+        """Return the drawn code by which most is learnt about *rivals*, with that gain."""
+        drawn = ([self._random.random() < 0.5 for _ in range(self._count)] for _ in range(_TRIED))
+        gain, code = max((belief.gain([*map(float, code)], rivals), code) for code in drawn)
+        return gain, tuple(code)

@@ -100,11 +100,11 @@ class SceneApplying:
             listed = tuple(KeyValue(key=name, value=why) for name, why in asks.items())
             return CommandDevicesResponse(success=False, message="", asks=listed)
         answer = await self._command(request, scene, house, wanted)
-        bad = {target_of(one.device, one.part) for one in answer.results if one.result.outcome in _NOT_DONE}
-        for key, entry in entries.items() if bad else ():
-            if key.rpartition(" ")[0] in bad:
-                applied.before.setdefault(key, entry)
-                applied.is_undone = False
+        failed = {target_of(part.device, part.part) for part in answer.results if part.result.outcome in _NOT_DONE}
+        left = {key: entry for key, entry in entries.items() if key.rpartition(" ")[0] in failed}
+        if left:
+            applied.before.update({**left, **applied.before})
+            applied.is_undone = False
         return answer
 
     async def _command(

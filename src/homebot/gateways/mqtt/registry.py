@@ -207,10 +207,7 @@ class AnnouncementRegistry(DeviceRegistry):
         replayed: _Readings = []
         only_remembering = before is not None and stored.publishes_the_same(before)
         availabilities = _availabilities(stored)
-        readings: list[tuple[str, AnnouncedPart]] = []  # a list, so that a plug-in fails early
-        for part in stored.parts.values() if stored.described.text is None else ():
-            readings += zip(dict.fromkeys(part.described.codec.topics()), repeat(part))
-        for topic_filter, part in readings:
+        for topic_filter, part in _read_topics(stored):
             count = self._topics.users.get(topic_filter, 0)
             if count >= self._limits.readers:
                 refused.append(
@@ -361,6 +358,14 @@ def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hasha
     except TypeError:  # of a plug-in
         return device, id(availability)
     return device, availability
+
+
+def _read_topics(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
+    """Return each topic that a part of *stored* reads, with the part; a list, so that a plug-in fails early."""
+    topics: list[tuple[str, AnnouncedPart]] = []
+    for part in stored.parts.values() if stored.described.text is None else ():
+        topics += zip(dict.fromkeys(part.described.codec.topics()), repeat(part))
+    return topics
 
 
 def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:

@@ -10,7 +10,7 @@ shared ``encoding``, ``qos`` and ``message_expiry_interval`` are from 2026.11.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from importlib import import_module
 from operator import attrgetter
@@ -21,6 +21,7 @@ from pydantic_core import to_json
 from homebot.conventions.description import (
     TRACKER_SILENCE,
     AnnouncementEvent,
+    Availability,
     DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
@@ -372,21 +373,24 @@ def _with_members(described: DescribedPart, config: DiscoveryConfig) -> Describe
     return described._replace(part=described.part.model_copy(update={"members": named}))
 
 
+def _share_availability(
+    parts: Sequence[DescribedPart], whole: Availability | None
+) -> tuple[tuple[DescribedPart, ...], Availability | None]:
+    """Return *parts*, and the availability of the *whole* device: the stated one, or that which all parts have."""
+    if whole is None and all(part.availability == parts[0].availability for part in parts):
+        whole = parts[0].availability
+    if whole is None:
+        return tuple(parts), None
+    own = [part._replace(availability=None) if part.availability == whole else part for part in parts]
+    return tuple(own), whole
+
+
 def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
     common = announced.common
     device = cached_device(common.get("device"), common.get("origin"))
     if config_topic.component == DEVICE:
         whole = read_availability(DiscoveryConfig(config_topic.component, config_topic.object_id, announced.common))
-        described = tuple([part for part, _ in parts.values()])
-        if whole is None and all(part.availability == described[0].availability for part in described):
-            whole = described[0].availability
-        if whole is not None:
-            described = tuple(
-                [
-                    announced._replace(availability=None) if announced.availability == whole else announced
-                    for announced in described
-                ]
-            )
+        described, whole = _share_availability([part for part, _ in parts.values()], whole)
         key = config_topic.key
     else:
         ((part, config),) = parts.values()
