@@ -178,15 +178,10 @@ def _routes(
     approved = [route for route in part.routes if route.approved] or part.routes
     routes: Sequence[Route] = [route for route in approved if route.can(capability)] or approved
     if ineffective:
-        routes = _working_first(routes, device, ineffective)
+        facts = [fact.value.split(", ") for fact in device.facts if (fact.name, fact.convention) == (PREFER, OWNER)]
+        prefer = facts[0] if facts else ()
+        routes = sorted(routes, key=lambda route: route.name in ineffective and route.gateway not in prefer)
     return (*routes[1:], routes[0]) if is_repeated else tuple(routes)
-
-
-def _working_first(routes: Sequence[Route], device: Device, ineffective: Collection[str]) -> Sequence[Route]:
-    """Return *routes*, the *ineffective* ones last, unless the owner prefers their gateway."""
-    facts = [fact.value.split(", ") for fact in device.facts if (fact.name, fact.convention) == (PREFER, OWNER)]
-    prefer = facts[0] if facts else ()
-    return sorted(routes, key=lambda route: route.name in ineffective and route.gateway not in prefer)
 
 
 _DEPTH = 1000
@@ -237,7 +232,10 @@ class TextSender:
                     continue
                 raise problem
             if not peer.unavailable and peer.out.reaches(peer.node):
-                return _target(device, endpoint, payload)
+                if len(device.parts) == 1 and len(device.parts[0].routes) == 1:
+                    return TextTarget(payload, endpoint.gateway, endpoint.command_address)
+                address = command_address(device, endpoint, payload)
+                return TextTarget(payload, endpoint.gateway, address, others_at(device, address, payload))
             gateway = gateway or endpoint.gateway
         if gateway:
             raise _away(gateway, self._gateways[gateway].unavailable)
@@ -304,13 +302,6 @@ class GatewayOutput:
             self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""
             self._refusal = "" if state.acts else ONLY_OBSERVES if self.unavailable else state.reason or ONLY_OBSERVES
         return self._refusal
-
-
-def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:
-    if len(device.parts) == 1 and len(device.parts[0].routes) == 1:
-        return TextTarget(payload, endpoint.gateway, endpoint.command_address)
-    address = command_address(device, endpoint, payload)
-    return TextTarget(payload, endpoint.gateway, address, others_at(device, address, payload))
 
 
 def _away(gateway: str, unavailable: str = "") -> LinkError:

@@ -16,7 +16,13 @@ def current_trigger() -> Trigger:
         case None:
             return NO_TRIGGER
         case StateChange() as change:
-            return _of_report(change)
+            return Trigger(
+                kind="report",
+                id=f"report-{change.sequence}",
+                device=change.device,
+                readings=change.readings[:MAX_READINGS],
+                at=change.told_at,
+            )
         case DeviceChange() as change:
             return _of_device(change)
         case Timer() as timer:
@@ -31,16 +37,6 @@ def current_trigger() -> Trigger:
         case (str(device), RawMessage() as message):
             return _of_message(device, message)
     return NO_TRIGGER
-
-
-def _of_report(change: StateChange) -> Trigger:
-    return Trigger(
-        kind="report",
-        id=f"report-{change.sequence}",
-        device=change.device,
-        readings=change.readings[:MAX_READINGS],
-        at=change.told_at,
-    )
 
 
 def _of_device(change: DeviceChange) -> Trigger:

@@ -8,7 +8,7 @@ from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
-from homebot.devices.device import Device, Endpoint, check_gateway
+from homebot.devices.device import Device, check_gateway
 from homebot.devices.device_types import wanted_types
 from homebot.devices.exposure import ExposedDevice, Exposure
 from homebot.devices.follow import Follow
@@ -172,7 +172,10 @@ class Devices:
         problem: RefusedError | ServiceError | None = None
         for endpoint in device.endpoints:
             try:
-                await self._listen_at(device.id, endpoint, handler)
+                check_gateway(endpoint)
+                if endpoint.address not in self._listened.get(endpoint.gateway, ()):
+                    await self._listen_to(endpoint.gateway, endpoint.address)
+                self._handlers[endpoint.gateway, endpoint.key] = device.id, handler
             except (RefusedError, ServiceError) as exc:
                 problem = problem or exc
         if problem is not None:
@@ -207,12 +210,6 @@ class Devices:
                 sent.
         """
         return await self._view.commander.send_text(device, payload)
-
-    async def _listen_at(self, device_id: str, endpoint: Endpoint, handler: MessageHandler) -> None:
-        check_gateway(endpoint)
-        if endpoint.address not in self._listened.get(endpoint.gateway, ()):
-            await self._listen_to(endpoint.gateway, endpoint.address)
-        self._handlers[endpoint.gateway, endpoint.key] = device_id, handler
 
     def handles(self, device: Device, kind: HandleType[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
         """Return the handles of *kind* that *device* has, without asking the directory.

@@ -68,16 +68,13 @@ class NearWatch:
             while True:
                 await self._due.wait()
                 self._due, self._urgent = anyio.Event(), anyio.Event()
-                await self._ask()
+                before, self.ids = self.ids, frozenset()
+                try:
+                    self.ids = frozenset([device.id for device in (await self._view.find_near(self._query)).devices])
+                except (RefusedError, ServiceError) as exc:
+                    if self._limit.allows(NOT_KNOWN) is not None:
+                        self._node.log.warning(NOT_KNOWN, message=f"nothing counts as near: {exc}")
+                if changed := before ^ self.ids:
+                    self._changed(sorted(changed))
                 with anyio.move_on_after(_PAUSE):
                     await self._urgent.wait()
-
-    async def _ask(self) -> None:
-        before, self.ids = self.ids, frozenset()
-        try:
-            self.ids = frozenset([device.id for device in (await self._view.find_near(self._query)).devices])
-        except (RefusedError, ServiceError) as exc:
-            if self._limit.allows(NOT_KNOWN) is not None:
-                self._node.log.warning(NOT_KNOWN, message=f"nothing counts as near: {exc}")
-        if changed := before ^ self.ids:
-            self._changed(sorted(changed))

@@ -70,7 +70,11 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
         case tuple(), tuple():
             return _fits_numbers(capability, wanted, seen)
         case float(), float():
-            return _fits_number(capability, wanted, seen)
+            if capability == "fan_speed" and _is_next_speed(wanted, seen):
+                return True
+            known = _obedience(capability)
+            slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
+            return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
         case _:
             return wanted is None and seen is None
 
@@ -105,14 +109,6 @@ def _is_same_moment(wanted: str, seen: str) -> bool:
         with suppress(ValueError):
             return kind.fromisoformat(wanted) == kind.fromisoformat(seen)
     return False
-
-
-def _fits_number(capability: str, wanted: float, seen: float) -> bool:
-    if capability == "fan_speed" and _is_next_speed(wanted, seen):
-        return True
-    known = _obedience(capability)
-    slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
-    return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
 
 
 def _fits_numbers(capability: str, wanted: tuple[float, ...], seen: tuple[float, ...]) -> bool:

@@ -31,7 +31,15 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     if lost and not linked:
         newest = max(lost, key=lambda one: one.since.to_seconds())
         return Reachability(state="no", since=newest.since, why=newest.why)
-    return _combined(_source_reaches(linked))
+    found: list[_SourceReach] = []
+    for source in linked:
+        if len(source.reach) == 1 and "" in source.reach:
+            found.append((source, "", source.reach[""]))
+        elif not source.reach:
+            found.append((source, "", None))
+        else:
+            found += [(source, part.id, source.reach_of(part.id)) for part in source.sighting.parts]
+    return _combined(found)
 
 
 def offline_parts(
@@ -50,18 +58,6 @@ def offline_parts(
     )
 
 
-def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:
-    found: list[_SourceReach] = []
-    for source in sources:
-        if len(source.reach) == 1 and "" in source.reach:
-            found.append((source, "", source.reach[""]))
-        elif not source.reach:
-            found.append((source, "", None))
-        else:
-            found += [(source, part.id, source.reach_of(part.id)) for part in source.sighting.parts]
-    return found
-
-
 def _combined(reports: list[_SourceReach]) -> Reachability:
     """Return the newest of *reports* that say yes; else of those that say no; else of those that do not know."""
     for value in (True, False, None):
@@ -71,21 +67,21 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
             label = source.label if source.sighting.convention else "it"  # the key of a gateway means nothing to people
             is_all_of_it = all(one is not None and one.value is value for other, _, one in reports if other is source)
             label = label if is_all_of_it or part in label else f"{label} ({part})"
-            return _answer(label, source, reach, reports)
+            if reach.value is None:
+                why = f"{label} was reported offline, but it sends messages"
+                return Reachability(state="unknown", since=reach.since, why=why)
+            if reach.value:
+                return Reachability(
+                    state="yes", since=reach.since, why=f"{label} is online, {_according(source, reach)}"
+                )
+            later = _reported_later(reports, reach.heard_at)
+            if later is None:
+                return Reachability(
+                    state="no", since=reach.since, why=f"{label} is offline, {_according(source, reach)}"
+                )
+            why = f"{label} is offline, but {later.label} reported since"
+            return Reachability(state="unknown", since=later.seen_at, why=why)
     return NOT_REPORTED
-
-
-def _answer(label: str, source: SourceRecord, reach: Reach, reports: list[_SourceReach]) -> Reachability:
-    if reach.value is None:
-        why = f"{label} was reported offline, but it sends messages"
-        return Reachability(state="unknown", since=reach.since, why=why)
-    if reach.value:
-        return Reachability(state="yes", since=reach.since, why=f"{label} is online, {_according(source, reach)}")
-    later = _reported_later(reports, reach.heard_at)
-    if later is None:
-        return Reachability(state="no", since=reach.since, why=f"{label} is offline, {_according(source, reach)}")
-    why = f"{label} is offline, but {later.label} reported since"
-    return Reachability(state="unknown", since=later.seen_at, why=why)
 
 
 def _according(source: SourceRecord, reach: Reach) -> str:

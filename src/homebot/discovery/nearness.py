@@ -105,7 +105,16 @@ class Nearness:
         return answer.pose[0], answer.age
 
     def _answer(self, near: IsNear, rest: Query, limit: int, pose: RobotPose, age: float) -> NearDevices:
-        start = self._start(pose)
+        start = self._in_room(pose.room) if pose.room else None
+        if pose.has_position:
+            start = self._floor_plan.place_of(Position(pose.x, pose.y, pose.floor, pose.error), pose.room)
+        elif problem := area_problem(fold(pose.room), self._index.postings, self._floor_plan.plan):
+            raise RefusedError(f"what is near {pose.robot}", problem)
+        if start is None:
+            has_no_floor = not pose.floor and len(self._floor_plan.plan.floors) > 1
+            problem = f"the house has several floors; state its floor in [robots.{pose.robot}]"
+            reason = problem if has_no_floor else "it is in no room of the plan; see [places]"
+            raise RefusedError(f"what is near {pose.robot}", reason)
         index = self._index
         wanted = index.find(rest)
         asks_for_them = any(term.kind == "unapproved" for term in query_terms(rest))
@@ -145,20 +154,6 @@ class Nearness:
             left_out=tuple(KeyValue(key=key, value=reason) for key, reason in left_out[:_MAX_LEFT_OUT]),
         )
         return NearDevices(best, why, answer)
-
-    def _start(self, pose: RobotPose) -> Spot:
-        """Return the place of a robot on the plan."""
-        place = self._in_room(pose.room) if pose.room else None
-        if pose.has_position:
-            place = self._floor_plan.place_of(Position(pose.x, pose.y, pose.floor, pose.error), pose.room)
-        elif problem := area_problem(fold(pose.room), self._index.postings, self._floor_plan.plan):
-            raise RefusedError(f"what is near {pose.robot}", problem)
-        if place is None:
-            has_no_floor = not pose.floor and len(self._floor_plan.plan.floors) > 1
-            problem = f"the house has several floors; state its floor in [robots.{pose.robot}]"
-            reason = problem if has_no_floor else "it is in no room of the plan; see [places]"
-            raise RefusedError(f"what is near {pose.robot}", reason)
-        return place
 
     def _in_room(self, room: str) -> Spot:
         name, _ = self._floor_plan.plan.locate(room)

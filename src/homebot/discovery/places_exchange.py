@@ -83,7 +83,10 @@ class PlacesExchange:
         before = owner.plan
         if places.rooms or places.doors:
             owner.import_rooms(places.rooms, SOURCE, places.doors)
-        added = _added_to_plan(places, before, owner.plan)
+        doors = [f"door {door.name}" for door in places.doors if door not in before.doors]
+        added = doors + [
+            f"room {room.name}" for room in places.rooms if before.room(room.name) != owner.plan.room(room.name)
+        ]
         kept: list[str] = []
         for names, facts in places.devices.items():
             yield
@@ -145,7 +148,21 @@ class PlacesExchange:
         owner = self._table.owner
         stated = owner.stated_of(names) if entry is None else self._editor.stated(entry)
         in_use = stated if entry is None else owner.of(entry.id, entry.sources.values())
-        merged = _merge(names[0] if entry is None else entry.id, stated, facts, in_use, kept, replaces=replaces)
+        device = names[0] if entry is None else entry.id
+        known = {(fact.name, fold(fact.value)) for fact in in_use}
+        single = {fact.name: fact.value for fact in reversed(in_use) if fact.name in {"area", "position"}}
+        found = list(stated)
+        for fact in facts:
+            if (fact.name, fold(fact.value)) in known:
+                continue
+            if fact.name in single:
+                if not replaces:
+                    where = "in" if fact.name == "area" else "at"
+                    kept.append(f"{device} stays {where} {single[fact.name]}; the file says {fact.value}")
+                    continue
+                found = [one for one in found if one.name != fact.name]
+            found.append(fact)
+        merged = tuple(found)
         if merged == stated:
             return False
         if entry is None:
@@ -179,11 +196,6 @@ class PlacesExchange:
         owners = self._table.owners
         keys = (key for name in names for key in by_identifier.get(name, ()) if key in owners)
         return tuple(dict.fromkeys(owners[key] for key in keys))
-
-
-def _added_to_plan(places: Places, before: HousePlan, now: HousePlan) -> list[str]:
-    doors = [f"door {door.name}" for door in places.doors if door not in before.doors]
-    return doors + [f"room {room.name}" for room in places.rooms if before.room(room.name) != now.room(room.name)]
 
 
 def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = ()) -> Places:
@@ -221,34 +233,3 @@ def _places_table(text: str, known: Iterable[HouseRoom]) -> Mapping[str, object]
     if not isinstance(places, dict):
         raise ConfigError(SOURCE, "places", f"must be a table, got {places!r}")
     return places
-
-
-def _merge(
-    device: str,
-    stated: tuple[OwnerFact, ...],
-    new: Iterable[OwnerFact],
-    in_use: tuple[OwnerFact, ...],
-    kept: list[str],
-    *,
-    replaces: bool,
-) -> tuple[OwnerFact, ...]:
-    """Return the statements of commands and imports about a device after an import.
-
-    Args:
-        in_use: All statements about it, including the configuration.
-        kept: Receives the room and position that were kept, in words.
-    """
-    known = {(fact.name, fold(fact.value)) for fact in in_use}
-    single = {fact.name: fact.value for fact in reversed(in_use) if fact.name in {"area", "position"}}
-    found = list(stated)
-    for fact in new:
-        if (fact.name, fold(fact.value)) in known:
-            continue
-        if fact.name in single:
-            if not replaces:
-                where = "in" if fact.name == "area" else "at"
-                kept.append(f"{device} stays {where} {single[fact.name]}; the file says {fact.value}")
-                continue
-            found = [one for one in found if one.name != fact.name]
-        found.append(fact)
-    return tuple(found)

@@ -180,7 +180,14 @@ class StateRecorder:
         """Record a reachability, an event, or the first value of a capability, which it returns."""
         stamp, live = report.received_at, not report.retained
         if reading.capability == REACHABLE:
-            self._record_reachability(entry, source, reading, report)
+            if not reading.value.flag:
+                source.absences = {**source.absences, reading.part: self._liveness.now}
+            if report.address:
+                if reading.part not in source.reach:
+                    self._table.changes.announced += 1  # the first one still belongs to its announcement
+                store_reachability(entry, source, reading, report, self._liveness.now)
+            else:  # the device reports it no longer
+                source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
             return None
         if reading.capability in EVENTS:
             if live:
@@ -210,16 +217,6 @@ class StateRecorder:
         change = number, reading.capability, value
         if agreeing := entry.agreement.record(change, endpoint_of(source), entry.claimed, self._liveness.now):
             self._trust(entry, agreeing)
-
-    def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
-        if not reading.value.flag:
-            source.absences = {**source.absences, reading.part: self._liveness.now}
-        if report.address:
-            if reading.part not in source.reach:
-                self._table.changes.announced += 1  # the first one still belongs to its announcement
-            store_reachability(entry, source, reading, report, self._liveness.now)
-        else:  # the device reports it no longer
-            source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
         """Return whether *entry* can be reached, its unreachable parts, and its reachability at each gateway."""

@@ -20,7 +20,7 @@ from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
-from homebot.mqtt.client import MqttClient, MqttSubscription, SessionGrant
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import Will
@@ -267,7 +267,14 @@ class MqttConnection:
         try:
             async with self._client.connected() as session:
                 try:
-                    await self._prepare(session)
+                    if refused := await self._standing.begin_link(resumed=session.resumed):
+                        _log.debug(
+                            "mqtt.subscriptions_refused",
+                            message=f"{self.url}: {_join(refused)}",
+                            broker=self.url,
+                            filters=list(refused),
+                        )
+                    await self._publish_status(ONLINE)
                     up_since = self._clock.monotonic()
                     self._protocol = session.protocol
                     self._enter(LinkPhase.CONNECTED)
@@ -280,21 +287,12 @@ class MqttConnection:
                     )
                     reason = await self._client.wait_lost()
                 except anyio.get_cancelled_exc_class():
-                    await self._publish_offline()
+                    with anyio.CancelScope(shield=True), anyio.move_on_after(_OFFLINE_WITHIN), suppress(LinkError):
+                        await self._publish_status(OFFLINE)
                     raise
         except (LinkError, RefusedError, UsageError) as error:  # UsageError: a certificate file
             reason = error
         return self._plan(reason, up_since)
-
-    async def _prepare(self, session: SessionGrant) -> None:
-        if refused := await self._standing.begin_link(resumed=session.resumed):
-            _log.debug(
-                "mqtt.subscriptions_refused",
-                message=f"{self.url}: {_join(refused)}",
-                broker=self.url,
-                filters=list(refused),
-            )
-        await self._publish_status(ONLINE)
 
     async def _publish_status(self, status: bytes) -> None:
         """Publish *status*; a refusal is only logged, because everything else still works."""
@@ -309,11 +307,6 @@ class MqttConnection:
                 broker=self.url,
                 reason=error.reason,
             )
-
-    async def _publish_offline(self) -> None:
-        """Publish "offline" at a clean close, even if cancelled; without a link the broker publishes the will."""
-        with anyio.CancelScope(shield=True), anyio.move_on_after(_OFFLINE_WITHIN), suppress(LinkError):
-            await self._publish_status(OFFLINE)
 
     def _plan(self, reason: HomebotError, up_since: float | None) -> float:
         refused = not isinstance(reason, LinkError)

@@ -88,7 +88,11 @@ class ManagedFile(Generic[F]):
                 await self._open()
                 yield self.file
             except WireError as exc:
-                await self._set_aside(exc)
+                self._record_failure(exc)
+                try:
+                    self._report_damage(await to_thread.run_sync(self.file.set_aside, self._now()))
+                except OSError as error:
+                    self._record_failure(LinkError(f"{self.file.path} cannot be moved aside: {error}"))
                 raise LinkError(str(exc)) from exc
             except LinkError as exc:
                 self._record_failure(exc) if retries else self._give_up(str(exc))
@@ -116,7 +120,10 @@ class ManagedFile(Generic[F]):
             if not await to_thread.run_sync(self.file.is_lost):
                 return
             await to_thread.run_sync(self.file.close)
-            self._report_removal()
+            self.loss = f"{self._title} {self.file.path} was removed or replaced while homebot ran"
+            message = f"{self.loss}; a new one is begun; stop homebot before you move it"
+            self._log.warning(REMOVED, message=message, file=str(self.file.path))
+            self._on_new()
         try:
             damaged = await to_thread.run_sync(self.file.open, self._now())
         except UsageError as exc:
@@ -124,13 +131,6 @@ class ManagedFile(Generic[F]):
             raise LinkError(str(exc)) from exc
         if damaged is not None:
             self._report_damage(damaged)
-
-    async def _set_aside(self, exc: WireError) -> None:
-        self._record_failure(exc)
-        try:
-            self._report_damage(await to_thread.run_sync(self.file.set_aside, self._now()))
-        except OSError as error:
-            self._record_failure(LinkError(f"{self.file.path} cannot be moved aside: {error}"))
 
     def _give_up(self, why: str) -> None:
         if not self.is_unusable:
@@ -147,12 +147,6 @@ class ManagedFile(Generic[F]):
         if (held_back := self._allows(NOT_WRITTEN)) is not None:
             message = f"{exc}; trying again"
             self._log.warning(NOT_WRITTEN, message=message, file=str(self.file.path), held_back=held_back)
-
-    def _report_removal(self) -> None:
-        self.loss = f"{self._title} {self.file.path} was removed or replaced while homebot ran"
-        message = f"{self.loss}; a new one is begun; stop homebot before you move it"
-        self._log.warning(REMOVED, message=message, file=str(self.file.path))
-        self._on_new()
 
     def _report_damage(self, where: Path) -> None:
         self.loss = f"{self._title} {self.file.path} was damaged; it was moved to {where}, and a new one is used"

@@ -242,7 +242,9 @@ class SqliteFile:
                 connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
-            _check(connection)
+            (problem,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
+            if problem != "ok":
+                raise sqlite3.DatabaseError(problem)
             schema = self._schema  # migrated step by step, each in a transaction, after making a copy
             if 0 < version < schema.version:
                 copy = self.path.with_name(f"{self.path.name}.version-{version}")
@@ -318,12 +320,6 @@ def _apply(connection: sqlite3.Connection, steps: Sequence[str], version: int) -
         connection.execute("ROLLBACK")
         raise
     connection.execute("COMMIT")
-
-
-def _check(connection: sqlite3.Connection) -> None:
-    (problem,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
-    if problem != "ok":
-        raise sqlite3.DatabaseError(problem)
 
 
 def _is_damage(exc: sqlite3.Error) -> bool:

@@ -159,16 +159,13 @@ class _JumpingSelector(selectors.DefaultSelector):
             return ready
         self._turns = 0
         if self.waiters:
-            self._wake_waiters()
+            while self.waiters:
+                waiter = self.waiters.popleft()
+                if not waiter.done():
+                    waiter.set_result(None)
         elif timeout is not None:
             self.now += timeout
         return ready
-
-    def _wake_waiters(self) -> None:
-        while self.waiters:
-            waiter = self.waiters.popleft()
-            if not waiter.done():
-                waiter.set_result(None)
 
     def _end_if_hot(self) -> None:
         """Count another :data:`SELDOM` turns in which no time passed."""

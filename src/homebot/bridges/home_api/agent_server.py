@@ -231,7 +231,18 @@ def _add_command(server: MCPServer, api: HouseApi) -> None:
     async def sure(
         device: Words | Several, do: Words, details: Annotated[list[Any], Resolve(details)], context: Context
     ) -> Sure | Elicit[Sure]:
-        return _question(_targets(details, device), details, do, context, is_of_house=api.is_of_house)
+        targets = _targets(details, device)
+        reasons = {
+            target: one["always_asks"] for target, one in zip(targets, details, strict=True) if "always_asks" in one
+        }
+        if not reasons:
+            return Sure(confirm=True)
+        can = context.client_capabilities
+        is_unable = api.is_of_house and (context.protocol_version or "") < _ASKS_IN_ANSWERS
+        if can is None or can.elicitation is None or is_unable:
+            return _Unasked()
+        why = "; ".join(dict.fromkeys(reasons.values()))
+        return Elicit(printable(f"{', '.join(reasons)}: {do}? It always asks: {why}.", 2000), Sure)
 
     async def command(
         device: Annotated[Words | Several, Field(description="ids or exact names, each with `#PART` or without")],
@@ -266,21 +277,6 @@ def _targets(details: list[Any], named: str | list[str]) -> list[str]:
         text if one.get("by_words") and "always_asks" not in one else f"{one['id']}{''.join(text.partition('#')[1:])}"
         for one, text in zip(details, [named] if isinstance(named, str) else named, strict=True)
     ]
-
-
-def _question(
-    targets: list[str], details: list[Any], do: str, context: Context, *, is_of_house: bool
-) -> Sure | Elicit[Sure]:
-    """Return the question to a person before *do* is sent to devices that always ask, or an answer without asking."""
-    reasons = {target: one["always_asks"] for target, one in zip(targets, details, strict=True) if "always_asks" in one}
-    if not reasons:
-        return Sure(confirm=True)
-    can = context.client_capabilities
-    is_unable = is_of_house and (context.protocol_version or "") < _ASKS_IN_ANSWERS
-    if can is None or can.elicitation is None or is_unable:
-        return _Unasked()
-    why = "; ".join(dict.fromkeys(reasons.values()))
-    return Elicit(printable(f"{', '.join(reasons)}: {do}? It always asks: {why}.", 2000), Sure)
 
 
 def _checked(status: int, text: str) -> str:

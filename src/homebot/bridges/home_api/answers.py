@@ -103,7 +103,12 @@ async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.Outc
 
     async def send(device: Device, target: str) -> None:
         try:
-            answers.append(await _commanded(home, device, target, asked))
+            request = {"target": target, "command": asked.do, "ask_first": asked.ask}
+            found = await home.call(names.COMMAND_DEVICES, request)
+            answer = cast("CommandDevicesResponse", found)
+            if not answer.results:
+                raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
+            answers.append(outcome_of(answer, device.id, lambda one: one.part))
         except ProblemError as exc:
             problems.append(exc)
             answers.append(shapes.OutcomeAnswer(id=device.id, outcome="refused", text=str(exc), reason=str(exc)))
@@ -115,17 +120,6 @@ async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.Outc
         raise problems[0]
     worst = max(answers, key=lambda answer: _BEST_FIRST.index(answer.outcome))
     return worst if len(answers) == 1 else worst.model_copy(update={"devices": tuple(answers)})
-
-
-async def _commanded(
-    home: HomeCalls, device: Device, target: str, asked: shapes.CommandQuestion
-) -> shapes.OutcomeAnswer:
-    request = {"target": target, "command": asked.do, "ask_first": asked.ask}
-    found = await home.call(names.COMMAND_DEVICES, request)
-    answer = cast("CommandDevicesResponse", found)
-    if not answer.results:
-        raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-    return outcome_of(answer, device.id, lambda one: one.part)
 
 
 def outcome_of(

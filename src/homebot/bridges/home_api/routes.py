@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 from functools import cache
 from http import HTTPStatus
 from typing import Any, Final, NamedTuple
-from urllib.parse import SplitResult, parse_qsl, unquote, urlsplit
+from urllib.parse import parse_qsl, unquote, urlsplit
 
 from pydantic import BaseModel, ValidationError
 from pydantic.json_schema import models_json_schema
@@ -170,7 +170,10 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
             return route, route.question.model_validate_json(request.body)
         if request.body:
             raise ProblemError(HTTPStatus.BAD_REQUEST, "fields of GET belong in the address, as in ?q=light")
-        return route, route.question.model_validate(_query_fields(route, url))
+        fields = dict(parse_qsl(url.query, keep_blank_values=True))
+        if route.path.endswith("{id}"):
+            fields["id"] = unquote(url.path[len(route.path) - len("{id}") :])
+        return route, route.question.model_validate(fields)
     except ValidationError as exc:
         raise _wrong_field(route, exc) from None
 
@@ -180,13 +183,6 @@ def _wrong_field(route: ApiRoute, exc: ValidationError) -> ProblemError:
     where = ".".join(map(str, first["loc"])) or "body"
     known = ", ".join(route.question.model_fields) or "none"
     return ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}")
-
-
-def _query_fields(route: ApiRoute, url: SplitResult) -> dict[str, str]:
-    fields = dict(parse_qsl(url.query, keep_blank_values=True))
-    if route.path.endswith("{id}"):
-        fields["id"] = unquote(url.path[len(route.path) - len("{id}") :])
-    return fields
 
 
 def _fits(pattern: str, path: str) -> bool:

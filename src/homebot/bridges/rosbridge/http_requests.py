@@ -84,7 +84,11 @@ class HttpRequests:
                 if exchange is None:
                     return await answer(asked, self._calls_of(client))
                 try:
-                    servers = await self._agent_servers()
+                    if (servers := self._agents) is None:
+                        check_extra("/mcp", "mcp", "mcp")
+                        module = await to_thread.run_sync(import_module, "homebot.bridges.rosbridge.agents")
+                        # Another request may have begun meanwhile.
+                        servers = self._agents = self._agents or module.AgentServers(self._calls_of, self._tasks)
                 except UsageError as exc:
                     return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
                 await servers.answer(client, exchange)
@@ -95,14 +99,6 @@ class HttpRequests:
 
     def _calls_of(self, client: OutsideClient) -> _Calls:
         return _Calls(client, self._home)
-
-    async def _agent_servers(self) -> AgentServers:
-        if (agents := self._agents) is None:
-            check_extra("/mcp", "mcp", "mcp")
-            module = await to_thread.run_sync(import_module, "homebot.bridges.rosbridge.agents")
-            # Another request may have begun meanwhile.
-            agents = self._agents = self._agents or module.AgentServers(self._calls_of, self._tasks)
-        return agents
 
     async def _wait(self, address: str) -> None:
         """Wait until a request from *address* is within the rate limit, and for its turn."""

@@ -44,7 +44,13 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
     """
     arrays: list[tuple[int, int]] = []
     rest = text
-    yield from _check_count(text)
+    if text.count('"') - text.count('\\"') > _MAX_QUOTES:
+        raise _too_many_values()
+    if _openings(text) >= MAX_VALUES:
+        bare = _STRING.sub("", text)
+        yield
+        if _openings(bare) >= MAX_VALUES:
+            raise _too_many_values()
     if len(text) > _SHORT and _MARK not in text:
         rest = _LONG_ARRAY.sub(lambda found: _put_aside(found, arrays), text)
         yield
@@ -61,16 +67,6 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
     for found, span in zip(lists, arrays, strict=True):
         yield from _read_numbers(found, text, *span)
     return value
-
-
-def _check_count(text: str) -> Iterator[None]:
-    if text.count('"') - text.count('\\"') > _MAX_QUOTES:
-        raise _too_many_values()
-    if _openings(text) >= MAX_VALUES:
-        bare = _STRING.sub("", text)
-        yield
-        if _openings(bare) >= MAX_VALUES:
-            raise _too_many_values()
 
 
 def _openings(text: str) -> int:

@@ -90,28 +90,22 @@ class Outbox:
                 await self._arrival.wait()
             await self._turns.turn()
             if self._answers:
-                await self._send_answer()
+                text, packing = self._answers.popleft()
+                try:
+                    await self._send_text(text, packing)
+                finally:
+                    self._waiting -= len(text)
+                if self.has_room:
+                    self._room.set()
+                    self._room = anyio.Event()
             source = next(iter(self._sources), None)
             if source is not None:
                 del self._sources[source]
-                await self._send_message(source)
-
-    async def _send_message(self, source: MessageSource) -> None:
-        frame = source.next_frame()
-        if isinstance(frame, bytes):
-            await self._send(frame)
-        elif frame is not None:
-            await self._send_text(frame, source.packing)
-
-    async def _send_answer(self) -> None:
-        text, packing = self._answers.popleft()
-        try:
-            await self._send_text(text, packing)
-        finally:
-            self._waiting -= len(text)
-        if self.has_room:
-            self._room.set()
-            self._room = anyio.Event()
+                frame = source.next_frame()
+                if isinstance(frame, bytes):
+                    await self._send(frame)
+                elif frame is not None:
+                    await self._send_text(frame, source.packing)
 
     async def _send_text(self, text: str, packing: Packing) -> None:
         self._frames += 1

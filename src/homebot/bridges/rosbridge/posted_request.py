@@ -40,9 +40,17 @@ class PostedRequest:
                 if isinstance(event, h11.Request):
                     self._head = event
                 elif isinstance(event, h11.Data):
-                    self._extend(event.data)
+                    if len(self.body) + len(event.data) > MAX_BYTES:
+                        raise WireError(f"the body of an HTTP request has more than {MAX_BYTES:,} bytes")
+                    self.body += event.data
                 elif isinstance(event, h11.EndOfMessage):
-                    return self._head_of_get()
+                    head = self._head
+                    if head is None:
+                        raise WireError("the HTTP request has no head")
+                    self.method = head.method.decode()
+                    self.content_type = dict(head.headers).get(b"content-type", b"").decode("latin-1")
+                    lines = (b"%s: %s\r\n" % (name, value) for name, value in head.headers if name not in _OF_THE_BODY)
+                    return b"GET %s HTTP/1.1\r\n%s\r\n" % (head.target, b"".join(lines))
         except h11.RemoteProtocolError as exc:
             problem = str(exc).partition(": b")[0]  # without the line, which may contain a token
             raise WireError(f"the HTTP request is wrong: {problem}") from exc
@@ -57,17 +65,3 @@ class PostedRequest:
     def waits_for_go_ahead(self) -> bool:
         """True if the client sends its body only after ``100 Continue``."""
         return self._http.they_are_waiting_for_100_continue
-
-    def _extend(self, data: bytes | bytearray) -> None:
-        if len(self.body) + len(data) > MAX_BYTES:
-            raise WireError(f"the body of an HTTP request has more than {MAX_BYTES:,} bytes")
-        self.body += data
-
-    def _head_of_get(self) -> bytes:
-        head = self._head
-        if head is None:
-            raise WireError("the HTTP request has no head")
-        self.method = head.method.decode()
-        self.content_type = dict(head.headers).get(b"content-type", b"").decode("latin-1")
-        lines = (b"%s: %s\r\n" % (name, value) for name, value in head.headers if name not in _OF_THE_BODY)
-        return b"GET %s HTTP/1.1\r\n%s\r\n" % (head.target, b"".join(lines))

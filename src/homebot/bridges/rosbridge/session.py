@@ -208,20 +208,28 @@ class ClientSession:
         if not self._reads_png and getattr(op, "compression", "") == "png":
             op = op.model_copy(update={"compression": "none"})
         if isinstance(op, protocol.ActionOperation) and self._goals is None:
-            self._load_actions()
+            from homebot.bridges.rosbridge.goals import ProvidedActions, SentGoals  # noqa: PLC0415 - with the first one
+
+            self._goals = goals = SentGoals(self.client, self._outbox, self._tasks)
+            provided = ProvidedActions(self._shared, self._outbox, self._provisions)
+            self._handlers |= {
+                "send_action_goal": goals.send,
+                "cancel_action_goal": goals.cancel,
+                "advertise_action": provided.advertise,
+                "unadvertise_action": provided.unadvertise,
+                "action_feedback": provided.publish_feedback,
+                "action_result": provided.end,
+            }
         if isinstance(op, protocol.PublishOperation):
-            self._publish(op, size)
+            if op.topic not in self._publications:
+                self._check_room()
+            if missing := self._publications.publish(op, size):
+                text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
+                self._remark("warning", text, op.id)
         elif (handle := self._handlers.get(op.op)) is not None:
             handle(op)
         if isinstance(op, protocol.SendActionGoal):
             self._watch_over()
-
-    def _publish(self, op: protocol.PublishOperation, size: int) -> None:
-        if op.topic not in self._publications:
-            self._check_room()
-        if missing := self._publications.publish(op, size):
-            text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
-            self._remark("warning", text, op.id)
 
     def _subscribe(self, op: protocol.SubscribeOperation) -> None:
         if (remark := self._subscriptions.subscribe(op)) is not None:
@@ -229,20 +237,6 @@ class ClientSession:
 
     def _set_level(self, op: protocol.SetLevel) -> None:
         self._level = op.level
-
-    def _load_actions(self) -> None:
-        from homebot.bridges.rosbridge.goals import ProvidedActions, SentGoals  # noqa: PLC0415 - with the first one
-
-        self._goals = goals = SentGoals(self.client, self._outbox, self._tasks)
-        provided = ProvidedActions(self._shared, self._outbox, self._provisions)
-        self._handlers |= {
-            "send_action_goal": goals.send,
-            "cancel_action_goal": goals.cancel,
-            "advertise_action": provided.advertise,
-            "unadvertise_action": provided.unadvertise,
-            "action_feedback": provided.publish_feedback,
-            "action_result": provided.end,
-        }
 
     def _start_call(self, op: protocol.CallService) -> None:
         if op.sent:

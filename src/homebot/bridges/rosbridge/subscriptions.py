@@ -5,7 +5,7 @@ and delays no other client.
 """
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
@@ -86,7 +86,11 @@ class Subscriptions:
         if not early and feed is None:
             raise PeerError(f"topic {op.topic} was not subscribed to by this client")
         if early:
-            self._drop_early(full_name, [key for key in early if op.id in {None, key[1]}])
+            keys = [key for key in early if op.id in {None, key[1]}]
+            for key in keys:
+                del self._early[full_name][key]
+            if not self._early[full_name]:
+                self._forget_early(full_name)
         if feed is not None:
             feed.requests.pop(op.id, None)
             if op.id is None or not feed.requests:
@@ -109,12 +113,6 @@ class Subscriptions:
             feed = Feed(self._node, op.topic, message_type, self._depth, self._backlog, self._outbox)
             self._feeds[op.topic] = feed
         feed.add(op)
-
-    def _drop_early(self, full_name: str, keys: Iterable[tuple[str, Identifier]]) -> None:
-        for key in keys:
-            del self._early[full_name][key]
-        if not self._early[full_name]:
-            self._forget_early(full_name)
 
     def _forget_early(self, full_name: str) -> None:
         del self._early[full_name]
@@ -184,18 +182,6 @@ class Feed:
             self._rest = asyncio.get_running_loop().call_later(throttle / 1000, self._end_rest)
         elif len(self._queue):
             self._outbox.ready(self)
-        return self._frame(message, lost)
-
-    def close(self) -> None:
-        """Leave the topic, without sending anything more. Idempotent."""
-        self.requests = {}
-        self._queue.close()
-        self._subscription.close()
-        if self._rest is not None:
-            self._rest.cancel()
-
-    def _frame(self, message: Message, lost: int) -> str | bytes:
-        """Return the frame of *message* in the most compact form that a request of the client asks for."""
         asked = {op.compression for op in self.requests.values()}
         if asked.isdisjoint(_BINARY):
             return publish_frame(self._topic, message, lost)
@@ -204,6 +190,14 @@ class Feed:
             now = Time.from_seconds(self._node.graph.clock.now())
             return binary_frames.publish_cbor_raw(self._topic, message, now, lost)
         return binary_frames.publish_cbor(self._topic, message, lost)
+
+    def close(self) -> None:
+        """Leave the topic, without sending anything more. Idempotent."""
+        self.requests = {}
+        self._queue.close()
+        self._subscription.close()
+        if self._rest is not None:
+            self._rest.cancel()
 
     def _on_arrival(self) -> None:
         if self._rest is None:

@@ -127,7 +127,12 @@ class Handle:
         Raises:
             UsageError: There is no such capability (the message suggests the nearest), or it is an event, not a state.
         """
-        self._check_name(capability)
+        if capability in EVENTS:
+            raise UsageError(f"{capability} is an event, not a state; use `follow` to receive events")
+        if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
+            known = ", ".join(one.name for one in self.capabilities) or "nothing"
+            hint = did_you_mean(capability, CAPABILITIES, f"{self.id} reports {known}", cutoff=0.7)
+            raise UsageError(f"{capability!r} is not a capability; {hint}")
         return self._view.value(self._part_id, capability)
 
     def since(self, capability: str) -> float:
@@ -203,14 +208,6 @@ class Handle:
                 with self._house.commander.refusals_logged(self._view.device, self._part_id):
                     check_no_share(self.id, capability, value, f"command({capability!r}, {value!r})")
         return await self._house.commander.perform(self._view, self._part_id, plain, transition)
-
-    def _check_name(self, capability: str) -> None:
-        if capability in EVENTS:
-            raise UsageError(f"{capability} is an event, not a state; use `follow` to receive events")
-        if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
-            known = ", ".join(one.name for one in self.capabilities) or "nothing"
-            hint = did_you_mean(capability, CAPABILITIES, f"{self.id} reports {known}", cutoff=0.7)
-            raise UsageError(f"{capability!r} is not a capability; {hint}")
 
     def _flag(self, capability: str) -> bool | None:
         value = self._view.value(self._part_id, capability)

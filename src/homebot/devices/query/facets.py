@@ -79,7 +79,17 @@ _KEPT: BoundedMap[int, tuple[Device, Facets]] = BoundedMap(_MAX_KEPT)
 def facets_of(device: Device) -> Facets:
     """Return the searchable facets of *device*."""
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
-    facts = _folded_facts(device)
+    facts: dict[str, tuple[str, ...]] = {}
+    for fact in device.facts:
+        value = fold(fact.value)
+        known = facts.get(fact.name)
+        if known is None:
+            facts[fact.name] = (value,)
+        elif value not in known:
+            facts[fact.name] = (*known, value)
+    for one in device.metadata:
+        if one.key not in facts:
+            facts[one.key] = (fold(one.value),)
     (capabilities, settable, gateways, conventions, categories), named_parts = _sets_of(device)
     main = _main_part(device)
     return Facets(
@@ -189,22 +199,6 @@ def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozens
         if not (one.part.members and one.part.is_group):
             (others if one.part.category else kinds).add((one.part.service_type, one.part.tag))
     return frozenset(kinds or others), frozenset()
-
-
-def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
-    """Return the folded values of all facts by name, the one in use first."""
-    found: dict[str, tuple[str, ...]] = {}
-    for fact in device.facts:
-        value = fold(fact.value)
-        known = found.get(fact.name)
-        if known is None:
-            found[fact.name] = (value,)
-        elif value not in known:
-            found[fact.name] = (*known, value)
-    for one in device.metadata:
-        if one.key not in found:
-            found[one.key] = (fold(one.value),)
-    return found
 
 
 def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:

@@ -89,7 +89,15 @@ class TextDecoder:
         self._text_capability = ""
         self._measured = ""
         for name in dict.fromkeys((*(one for one in (*PRIORITY, *OPENING_WORDS) if one in readable), *readable)):
-            self._learn(name, readable[name])
+            capability = readable[name]
+            match CAPABILITIES.get(name, OWN).kind:
+                case "bool":
+                    for value, text in enumerate(CAPABILITIES.get(name, OWN).texts):
+                        self._texts.setdefault(text.encode(), self._values(name, bool(value)))
+                case "text":
+                    self._learn_texts(name, capability.options or CAPABILITIES[name].options)
+                case "number":
+                    self._learn_number(name, capability)
 
     def decode(self, text: bytes) -> Decoded:
         """Return the values in *text*; empty if it is not a text of the part."""
@@ -118,16 +126,6 @@ class TextDecoder:
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
                 return self._values("color_temperature", number)
         return None
-
-    def _learn(self, name: str, capability: Capability) -> None:
-        match CAPABILITIES.get(name, OWN).kind:
-            case "bool":
-                for value, text in enumerate(CAPABILITIES.get(name, OWN).texts):
-                    self._texts.setdefault(text.encode(), self._values(name, bool(value)))
-            case "text":
-                self._learn_texts(name, capability.options or CAPABILITIES[name].options)
-            case "number":
-                self._learn_number(name, capability)
 
     def _learn_texts(self, name: str, options: tuple[str, ...]) -> None:
         for text in options:

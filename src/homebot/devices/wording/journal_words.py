@@ -231,13 +231,15 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     if last.kind == "reverted":
         asked = f"{issuer_text(first.issuer)} had asked for {settings_text(first.settings)}"
         return f"it changed back, {reverted_by(last.cause)}, after {asked}"
-    if _changed_along(chain):
+    reported = [(one.device, one.part) for one in chain if one.kind == "reported"]
+    if chain[0].kind == "requested" and bool(reported) and (chain[0].device, chain[0].part) not in reported:
         asked_part = f"asked {name_text(first.device, names, first.part)} for"
         return f"{_request_reason(first, names, asked_part)}; it changed along with that"
     reason = _request_reason(first, names, "published" if first.kind == "published" else "asked for")
     if last.kind == "reported" and any(one.kind == "outcome" for one in chain):
         return f"{reason}; it answered late, or somebody did it by hand"
-    doubt = _doubt(chain)
+    results = [one.results[0] for one in chain if one.kind == "outcome"]
+    doubt = next((printable(result.saw) for result in results if result.saw and result.witness), "")
     return f"{reason}; it reported that, but {doubt}" if doubt else reason
 
 
@@ -245,12 +247,6 @@ def _request_reason(first: JournalEntry, names: Mapping[str, str], verb: str) ->
     asked = f"{issuer_text(first.issuer)} {verb} {_commanded(first)}"
     cause = trigger_text(first.trigger, names)
     return f"{asked}, because {cause}" if cause else asked
-
-
-def _changed_along(chain: Chain) -> bool:
-    """Return whether only other parts than the one that was asked reported a change."""
-    reported = [(one.device, one.part) for one in chain if one.kind == "reported"]
-    return chain[0].kind == "requested" and bool(reported) and (chain[0].device, chain[0].part) not in reported
 
 
 def finding_text(response: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
@@ -297,20 +293,11 @@ def result_text(chain: Chain, now: float) -> str:
     if would := [one for one in chain if one.kind == "would"]:
         return entry_text(would[-1], {})
     if any(one.kind == "published" for one in chain):
-        return _report_text([one for one in chain if one.kind == "reported"])
+        reports = [one for one in chain if one.kind == "reported"]
+        return f"it reported {settings_text(reports[-1].settings)}" if reports else "it reported nothing new"
     if now - to_seconds(chain[0].at) > _MAX_WAIT_S:
         return "its outcome is not known: homebot stopped before it was"
     return "its outcome is not known yet"
-
-
-def _report_text(reports: Chain) -> str:
-    return f"it reported {settings_text(reports[-1].settings)}" if reports else "it reported nothing new"
-
-
-def _doubt(chain: Chain) -> str:
-    """Return the observation of a witness that contradicts the device's report; empty if there is none."""
-    results = [one.results[0] for one in chain if one.kind == "outcome"]
-    return next((printable(result.saw) for result in results if result.saw and result.witness), "")
 
 
 def _commanded(entry: JournalEntry) -> str:

@@ -50,10 +50,6 @@ class Candidate(NamedTuple):
     is_alone: bool
 
 
-def _own_topics(part: Part, used: Mapping[str, int]) -> frozenset[str]:
-    return frozenset([topic for topic in part.writes or part.reads if used[topic] == 1])
-
-
 def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candidate, ...]:
     """Return the *parts* of one source as candidates.
 
@@ -78,7 +74,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
                 words=words,
                 prefix=max(prefix, _leading(words, known | kinds)),
                 suffix=max(suffix, _leading(reversed(words), known)),
-                topics=_own_topics(part, used),
+                topics=frozenset([topic for topic in part.writes or part.reads if used[topic] == 1]),
                 is_alone=not part.category and types[part.service_type] == 1,
             )
         )

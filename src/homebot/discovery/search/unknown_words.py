@@ -60,7 +60,12 @@ def _is_name(term: Query) -> bool:
 def _problem(term: Query, postings: Postings, plan: HousePlan, devices: Callable[[], Iterable[Device]]) -> str:
     match term:
         case TypeIs(word):
-            return _unknown_type(word, {*TYPE_WORDS, *postings.values_of("advertised")})
+            known = {*TYPE_WORDS, *postings.values_of("advertised")}
+            problem = f"{word!r} is not a device type, and no device was announced as one"
+            if misspelt := _typo(problem, word, known):
+                return misspelt
+            some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
+            raise RefusedError("the query", f"{problem}; {did_you_mean(word, known, some)}")
         case InArea(area) | AreaIs(area) if area:
             return area_problem(area, postings, plan)
         case NameIs(name) | FactIs("name", name):
@@ -78,14 +83,6 @@ def _problem(term: Query, postings: Postings, plan: HousePlan, devices: Callable
             return _typo(f"no device has the word {word!r}", word, _WORDS)
         case _:
             return ""
-
-
-def _unknown_type(word: str, known: Collection[str]) -> str:
-    problem = f"{word!r} is not a device type, and no device was announced as one"
-    if misspelt := _typo(problem, word, known):
-        return misspelt
-    some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
-    raise RefusedError("the query", f"{problem}; {did_you_mean(word, known, some)}")
 
 
 def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[Device]]) -> str:

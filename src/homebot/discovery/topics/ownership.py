@@ -16,7 +16,7 @@ Any client may announce anything, such as a lamp with the command topic of a loc
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import final
@@ -181,20 +181,17 @@ class TopicOwnership:
             before, node.verdicts = node.verdicts, None if _is_undisputed(node) else _verdicts_of(node) or None
             if before or node.verdicts:
                 known, now = before or {}, node.verdicts or {}
-                self._count(known, now)
+                for key in known.keys() - now.keys():
+                    left = self.denied.pop(key) - 1
+                    if left:
+                        self.denied[key] = left
+                for key in now.keys() - known.keys():
+                    self.denied[key] = self.denied.get(key, 0) + 1
                 concerned.update(use.device for use in node.users if known.get(use.key) != now.get(use.key))
             if not node.users and node.is_unused:
                 self._tidy(node)
         concerned.discard(device)
         return frozenset(concerned) if concerned else _NO_DEVICES
-
-    def _count(self, before: Mapping[SourceKey, str], now: Mapping[SourceKey, str]) -> None:
-        for key in before.keys() - now.keys():
-            left = self.denied.pop(key) - 1
-            if left:
-                self.denied[key] = left
-        for key in now.keys() - before.keys():
-            self.denied[key] = self.denied.get(key, 0) + 1
 
     def _at(self, use: TopicUse, topic: str) -> TopicNode:
         node = self._roots.get(use.key[0])

@@ -70,7 +70,11 @@ class BleDeviceSettings(BaseModel):
         key = read_password(self.bind_key_file, self.bind_key_env, "bind_key")
         if key is None:
             return None
-        return _key("bind_key_env" if self.bind_key_env is not None else "bind_key_file", key.get_secret_value())
+        setting = "bind_key_env" if self.bind_key_env is not None else "bind_key_file"
+        text = key.get_secret_value()
+        if not _KEY.fullmatch(text.strip()):
+            raise UsageError(f"{setting}: a bind key is 32 hexadecimal digits, or 24 for an older Xiaomi device")
+        return bytes.fromhex(text.strip())
 
 
 class BleGatewaySettings(GatewaySettings):
@@ -131,9 +135,3 @@ class BleGatewaySettings(GatewaySettings):
             if key is not None:
                 keys[address] = key
         return keys
-
-
-def _key(setting: str, text: str) -> bytes:
-    if not _KEY.fullmatch(text.strip()):
-        raise UsageError(f"{setting}: a bind key is 32 hexadecimal digits, or 24 for an older Xiaomi device")
-    return bytes.fromhex(text.strip())

@@ -111,7 +111,7 @@ class NetworkInterfaces:
 
 def _wanted_of(adapter: Adapter, wanted: tuple[str, ...]) -> list[str | int]:
     """Return the wanted IPv4 addresses of *adapter*, and its index if IPv6 is wanted and usable."""
-    texts = _texts_of(adapter)
+    texts = [ip.ip if isinstance(ip.ip, str) else ip.ip[0] for ip in adapter.ips]
     addresses = list(map(ipaddress.ip_address, texts))
     is_wanted = adapter.name in wanted if wanted else not any(address.is_loopback for address in addresses)
     named = texts if is_wanted else [text for text in texts if text in wanted]
@@ -119,11 +119,6 @@ def _wanted_of(adapter: Adapter, wanted: tuple[str, ...]) -> list[str | int]:
     if len(found) < len(named) and adapter.index is not None and _has_link_local(addresses, adapter.index):
         found.append(adapter.index)
     return found
-
-
-def _texts_of(adapter: Adapter) -> list[str]:
-    """Return its addresses as text; ifaddr has those of IPv6 in a tuple."""
-    return [ip.ip if isinstance(ip.ip, str) else ip.ip[0] for ip in adapter.ips]
 
 
 def _has_link_local(addresses: Sequence[ipaddress.IPv4Address | ipaddress.IPv6Address], index: int) -> bool:

@@ -69,7 +69,18 @@ class OwnServices:
             while self._waiting:
                 service_type = next(iter(self._waiting))
                 del self._waiting[service_type]
-                await self._announce(network, service_type)
+                offered = self._offered.get(service_type)
+                try:
+                    if service_type == HOMEBOT:
+                        await self._save_name(await network.announce(self._homebot()))
+                    elif offered is None:
+                        await network.withdraw(service_type)
+                    else:
+                        facts = {fact.key: fact.value for fact in offered.facts}
+                        own = OwnService(service_type, self._name, self._host, offered.port, offered.addresses, facts)
+                        await network.announce(own)
+                except LinkError as exc:
+                    self._node.log.warning(ANNOUNCE_FAILED, message=str(exc), service_type=service_type)
             if self._same_id_as and self._same_id_as < self._name:
                 self._same_id_as = ""
                 await to_thread.run_sync(self._installation.renew)
@@ -99,20 +110,6 @@ class OwnServices:
     async def _read_id(self) -> None:
         self._id = await to_thread.run_sync(self._installation.id_of, self._node.full_name)
         self._waiting = dict.fromkeys((HOMEBOT, *self._offered, *self._waiting))  # others get its name
-
-    async def _announce(self, network: MdnsNetwork, service_type: str) -> None:
-        offered = self._offered.get(service_type)
-        try:
-            if service_type == HOMEBOT:
-                await self._save_name(await network.announce(self._homebot()))
-            elif offered is None:
-                await network.withdraw(service_type)
-            else:
-                facts = {fact.key: fact.value for fact in offered.facts}
-                own = OwnService(service_type, self._name, self._host, offered.port, offered.addresses, facts)
-                await network.announce(own)
-        except LinkError as exc:
-            self._node.log.warning(ANNOUNCE_FAILED, message=str(exc), service_type=service_type)
 
     async def _save_name(self, got: str) -> None:
         """Save the name that replaced one in use, for the next start and for the other services."""

@@ -136,7 +136,12 @@ class Services:
             while True:
                 await self._some_wait.wait()
                 while self._may_admit() and newcomers.admits(self._clock.monotonic()):
-                    self._admit(tasks, network, self._next())
+                    news = self._next()
+                    if len(self._followed) >= self._most or self._by_type.get(news.service_type, 0) >= self._most // 2:
+                        self._missed.add(news.service_type)
+                        self._handler.refuse(news.name, f"more than {self._most} services, or half as many of its type")
+                    elif news.name.lower() not in self._followed:
+                        self._begin(tasks, network, _Followed(news.service_type, news.name))
                 if any(self._waiting.values()):
                     await anyio.sleep(PACE)
                 else:
@@ -165,13 +170,6 @@ class Services:
             if line:
                 self._waiting[sender] = line
                 return line.popitem()[1]
-
-    def _admit(self, tasks: TaskGroup, network: ServiceNetwork, news: ServiceNews) -> None:
-        if len(self._followed) >= self._most or self._by_type.get(news.service_type, 0) >= self._most // 2:
-            self._missed.add(news.service_type)
-            self._handler.refuse(news.name, f"more than {self._most} services, or half as many of its type")
-        elif news.name.lower() not in self._followed:
-            self._begin(tasks, network, _Followed(news.service_type, news.name))
 
     def _begin(self, tasks: TaskGroup, network: ServiceNetwork, one: _Followed) -> None:
         one.changes = self._changes.pop(one.name.lower(), one.changes)

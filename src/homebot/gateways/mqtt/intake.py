@@ -160,7 +160,12 @@ class AnnouncementHandler:
             case DeviceRequest():
                 self._subscriber.question(event)
             case GroupsListed():
-                self._list_groups(event, message)
+                # describe the groups with other members than before again
+                before, self._groups[event.source] = self._groups.get(event.source, {}), event.members
+                changed = {one for one, _ in before.items() ^ event.members.items()}
+                for stored in tuple(self._registry.by_key.values()) if changed else ():
+                    if not changed.isdisjoint(stored.described.identifiers):
+                        self._describe(stored.described, message, 0)
             case WireError():
                 self._counters.announcements_rejected += 1
                 words = f"{message.topic}: left out of an announcement for {convention.name}: {event}"
@@ -206,14 +211,6 @@ class AnnouncementHandler:
         self._publish(change, message)
         for key in self._registry.derived.of(described) if names_program and described.native else ():
             self.remove(key, LISTED)
-
-    def _list_groups(self, listed: GroupsListed, message: MqttMessage) -> None:
-        """Describe the groups with other members than before again."""
-        before, self._groups[listed.source] = self._groups.get(listed.source, {}), listed.members
-        changed = {one for one, _ in before.items() ^ listed.members.items()}
-        for stored in tuple(self._registry.by_key.values()) if changed else ():
-            if not changed.isdisjoint(stored.described.identifiers):
-                self._describe(stored.described, message, 0)
 
     def _with_members(self, described: DeviceAnnounced) -> DeviceAnnounced:
         """Return *described* with the members that a list gives it, if it is a group."""

@@ -47,7 +47,18 @@ class StateTopics:
         """
         users = self.users.get(topic_filter)
         if users is None:
-            self._check(topic_filter)
+            if len(topic_filter) > MAX_CHARACTERS:
+                raise WireError(
+                    f"a state topic of {len(topic_filter)} characters is over the limit of {MAX_CHARACTERS}"
+                )
+            try:
+                validate_filter(topic_filter)
+            except InvalidNameError as exc:
+                raise WireError(str(exc)) from None
+            if topic_filter[0] in "+#$" and _asks_too_much(topic_filter):
+                raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
+            if len(self.users) >= self._max_topics:
+                raise WireError(f"state topic {topic_filter!r} exceeds the limit of {self._max_topics:,} state topics")
             if topic_filter in self.unwanted:
                 del self.unwanted[topic_filter]
             elif topic_filter not in self._others:
@@ -72,18 +83,6 @@ class StateTopics:
         """Return whether another filter covers it, so that subscribing only brings the retained message."""
         is_other = topic_filter not in self._announcements and self._covering.has_match(topic_filter)
         return is_other and not has_wildcard(topic_filter)
-
-    def _check(self, topic_filter: str) -> None:
-        if len(topic_filter) > MAX_CHARACTERS:
-            raise WireError(f"a state topic of {len(topic_filter)} characters is over the limit of {MAX_CHARACTERS}")
-        try:
-            validate_filter(topic_filter)
-        except InvalidNameError as exc:
-            raise WireError(str(exc)) from None
-        if topic_filter[0] in "+#$" and _asks_too_much(topic_filter):
-            raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
-        if len(self.users) >= self._max_topics:
-            raise WireError(f"state topic {topic_filter!r} exceeds the limit of {self._max_topics:,} state topics")
 
 
 def prefix_of(filters: Iterable[str]) -> Callable[[str], str]:

@@ -118,31 +118,23 @@ class RoomTagger:
 
 def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     """Yield the tests of a device, the most reliable first."""
-    yield from _tests_of_codes(pointer)
-    yield from _tests_of_addresses(pointer)
-    if pointer.words:
-        words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
-        yield lambda device: device.id in words
-        yield lambda device: not declared.isdisjoint(device.identifiers) or not words.isdisjoint(device.identifiers)
-        yield lambda device: any(is_called(device, word) for word in words)
-
-
-def _tests_of_codes(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     if pointer.id:
         yield lambda device: device.id == pointer.id
     if pointer.thing is not None:
         own = frozenset(pointer.thing.identifiers)
         yield lambda device: not own.isdisjoint(device.identifiers)
     yield from (lambda device, code=code: code.fits(_facts(device)) for code in pointer.codes)
-
-
-def _tests_of_addresses(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     if pointer.address:
         yield lambda device: any(_is_at(pointer.address, endpoint.address) for endpoint in device.endpoints)
     if pointer.urls:
         urls = frozenset(pointer.urls)
         yield lambda device: any(one.value in urls for one in device.metadata)
         yield lambda device: _has_host_of(device, pointer.urls)
+    if pointer.words:
+        words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
+        yield lambda device: device.id in words
+        yield lambda device: not declared.isdisjoint(device.identifiers) or not words.isdisjoint(device.identifiers)
+        yield lambda device: any(is_called(device, word) for word in words)
 
 
 def _facts(device: Device) -> dict[str, str]:

@@ -205,7 +205,8 @@ class NfcGateway(Gateway):
         return Pointer(area=own.area).joined(pointer) if own.area else pointer
 
     async def _publish(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> None:
-        if self._is_listed(seen.uid, pointer):
+        is_random = len(seen.uid) == _RANDOM_UID and seen.uid.startswith("08")
+        if seen.uid in self._settings.tags or not (is_random or pointer.problems):
             self.devices.put(self._described(seen, pointer, pointed), f"it was held to {clean_text(seen.reader)}")
             await self.devices.deliver_raw(seen.uid, seen.content.message if seen.content else b"")
             await self.devices.report(seen.uid, {"connectivity": True})
@@ -225,10 +226,6 @@ class NfcGateway(Gateway):
         )
         if self._room_tagger is not None and pointed.id:
             await self._room_tagger.assign_room(seen.uid, pointed.id, pointer.area)
-
-    def _is_listed(self, uid: str, pointer: Pointer) -> bool:
-        is_random = len(uid) == _RANDOM_UID and uid.startswith("08")
-        return uid in self._settings.tags or not (is_random or pointer.problems)
 
     def _described(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
         own = self._settings.tags.get(seen.uid, TagSettings())

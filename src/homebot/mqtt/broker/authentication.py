@@ -178,19 +178,16 @@ class WaitingLogins:
     def add(self, candidate: ConnectedClient) -> None:
         """Add an opened connection."""
         if len(self._candidates) >= self._most:
-            self._make_room()
+            hosts = [host_of(candidate.address) for candidate in self._candidates]
+            most = Counter(hosts).most_common(1)[0][0]
+            oldest = next(each for each, host in zip(self._candidates, hosts, strict=True) if host == most)
+            del self._candidates[oldest]
+            oldest.make_room()
         self._candidates[candidate] = None
 
     def discard(self, candidate: ConnectedClient) -> None:
         """Remove a connection that has logged in or closed."""
         self._candidates.pop(candidate, None)
-
-    def _make_room(self) -> None:
-        hosts = [host_of(candidate.address) for candidate in self._candidates]
-        most = Counter(hosts).most_common(1)[0][0]
-        oldest = next(each for each, host in zip(self._candidates, hosts, strict=True) if host == most)
-        del self._candidates[oldest]
-        oldest.make_room()
 
 
 def host_of(address: str) -> str:

@@ -177,7 +177,12 @@ class ClientPackets:
             case Unsubscribe():
                 self._filters.unsubscribe(packet)
             case Disconnect():
-                self._disconnect(packet)
+                seconds = packet.properties.session_expiry_interval
+                if seconds is not None:
+                    if seconds and not self._session.expiry:
+                        raise _protocol_error("a session that ends with its connection cannot be extended")
+                    self._session.expiry = expiry_of(seconds)
+                self._on_disconnect(packet.reason is not ReasonCode.SUCCESS)
             case Auth():
                 raise PacketError("extended authentication is not supported", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
             case _:
@@ -281,14 +286,6 @@ class ClientPackets:
         elif alias not in self._aliases:
             raise PacketError(f"topic alias {alias} was not set", code=ReasonCode.PROTOCOL_ERROR)
         return self._aliases[alias]
-
-    def _disconnect(self, packet: Disconnect) -> None:
-        seconds = packet.properties.session_expiry_interval
-        if seconds is not None:
-            if seconds and not self._session.expiry:
-                raise _protocol_error("a session that ends with its connection cannot be extended")
-            self._session.expiry = expiry_of(seconds)
-        self._on_disconnect(packet.reason is not ReasonCode.SUCCESS)
 
     def _resume(self) -> None:
         """Handle the packets that waited behind a long one."""

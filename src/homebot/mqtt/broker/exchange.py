@@ -87,7 +87,8 @@ class MessageRouter:
         """Return the connected sessions with a full queue that subscribe to *topic* at QoS 1 or 2."""
         if not self.crowded:
             return ()
-        self._forget_drained()
+        for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
+            del self.crowded[session]
         if not any(session.full for session in self.crowded):
             return ()
         route = self.subscriptions.route(topic)
@@ -97,11 +98,6 @@ class MessageRouter:
             if all(session.full for session in connected):
                 found += connected
         return tuple(found)
-
-    def _forget_drained(self) -> None:
-        """Remove crowded sessions that have left or have few messages waiting."""
-        for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
-            del self.crowded[session]
 
     def subscribe(
         self, session: BrokerSession, request: MqttSubscription, identifier: int, replay: Replay

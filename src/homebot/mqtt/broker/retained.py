@@ -52,7 +52,14 @@ class RetainedMessages:
             if not self._has_room(message):
                 return False
         self._remove(message.topic)
-        self._add(message)
+        self.last += 1
+        message.order = self.last
+        self._messages[message.topic] = message
+        self._log.append(message)
+        self._orders.append(self.last)
+        self.size += message.size
+        if message.expires_at is not None:
+            self._expiring.set(message.topic, message.expires_at, None)
         return True
 
     def get(self, topic: str) -> BrokerMessage | None:
@@ -69,16 +76,6 @@ class RetainedMessages:
         stop = start + most
         messages = [message for message in self._log[start:stop] if message is not None]
         return messages, self._orders[stop - 1] if stop <= len(self._orders) else self.last
-
-    def _add(self, message: BrokerMessage) -> None:
-        self.last += 1
-        message.order = self.last
-        self._messages[message.topic] = message
-        self._log.append(message)
-        self._orders.append(self.last)
-        self.size += message.size
-        if message.expires_at is not None:
-            self._expiring.set(message.topic, message.expires_at, None)
 
     def _has_room(self, message: BrokerMessage) -> bool:
         old = self._messages.get(message.topic)

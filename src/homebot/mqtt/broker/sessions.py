@@ -72,7 +72,9 @@ class Sessions:
             return self._sessions[client_id], True
         if len(self._sessions) >= self._limits.max_sessions and self._away:
             self._counters.sessions_evicted += 1
-            self.end(self._least_missed())
+            hosts = [self._sessions[client_id].host for client_id in self._away]
+            most = Counter(hosts).most_common(1)[0][0]
+            self.end(next(client_id for client_id, host in zip(self._away, hosts, strict=True) if host == most))
         session = BrokerSession(
             client_id,
             self._clock,
@@ -124,12 +126,6 @@ class Sessions:
             absence.over()
         for session in self._sessions.values():
             self._exchange.forget(session)
-
-    def _least_missed(self) -> str:
-        """Return the session left longest ago, of the host with the most."""
-        hosts = [self._sessions[client_id].host for client_id in self._away]
-        most = Counter(hosts).most_common(1)[0][0]
-        return next(client_id for client_id, host in zip(self._away, hosts, strict=True) if host == most)
 
     def _plan(self, when: float, client_id: str, act: Callable[[], None]) -> Deadline:
         """Schedule *act* for the first turn with time from *when* on, unless the client returns before."""

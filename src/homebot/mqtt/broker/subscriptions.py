@@ -138,7 +138,18 @@ class SubscriptionTree:
         """Return the sessions and groups that get *topic*."""
         route = self._cache.get(topic)
         if route is None:
-            route = self._find(topic)
+            levels = topic.split("/")
+            matched: dict[BrokerSession, list[SessionSubscription]] = {}
+            for members in self._members.matching(levels):
+                for session, subscription in members.items():
+                    if session.has_ended:
+                        continue
+                    if session in matched:
+                        matched[session].append(subscription)
+                    else:
+                        matched[session] = [subscription]
+            groups = [group for shares in self._groups.matching(levels) for group in shares.values()]
+            route = Recipients(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))
             if len(topic) <= _MAX_CACHED:
                 if self._cached >= _MAX_CACHED or len(self._cache) >= _MAX_CACHED_TOPICS:
                     self.forget_routes()
@@ -155,17 +166,3 @@ class SubscriptionTree:
         if self._cache:
             self._cache = {}
             self._cached = 0
-
-    def _find(self, topic: str) -> Recipients:
-        levels = topic.split("/")
-        matched: dict[BrokerSession, list[SessionSubscription]] = {}
-        for members in self._members.matching(levels):
-            for session, subscription in members.items():
-                if session.has_ended:
-                    continue
-                if session in matched:
-                    matched[session].append(subscription)
-                else:
-                    matched[session] = [subscription]
-        groups = [group for shares in self._groups.matching(levels) for group in shares.values()]
-        return Recipients(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))

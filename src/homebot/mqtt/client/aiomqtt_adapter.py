@@ -27,7 +27,6 @@ import anyio
 from paho.mqtt import client as paho
 from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
-from paho.mqtt.properties import Properties as PahoProperties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 
 from homebot.errors import LinkError, RefusedError, UnansweredError
@@ -111,7 +110,17 @@ class _AiomqttLink(ClientLink):
         qos = min(qos, values.MAX_QOS)
         self._check_granted(topic, len(payload) + values.packed_size(extra), qos, retain=retain)
         if qos:
-            return await self._publish_and_wait(topic, payload, qos, extra, retain=retain)
+            await self._window.acquire()
+            try:
+                self._check_alive()
+                publish = partial(self._socket.publish, topic, payload, qos, extra, retain=retain)
+                while (info := publish()).rc == paho.MQTT_ERR_QUEUE_SIZE:
+                    pass  # that packet identifier still waits for its answer; the next
+                self._check_alive()
+                (reason,) = await self._answer(info.mid, "publish")
+            finally:
+                self._window.release()
+            return reason
         self._socket.publish(topic, payload, qos, extra, retain=retain)
         await self._wait_until_taken()
         return 0
@@ -135,21 +144,6 @@ class _AiomqttLink(ClientLink):
         if self._socket.is_open:
             return UnansweredError(f"no answer to CONNECT {within}")
         return LinkError(f"no answer {within}")
-
-    async def _publish_and_wait(
-        self, topic: str, payload: bytes, qos: int, extra: PahoProperties | None, *, retain: bool
-    ) -> int:
-        await self._window.acquire()
-        try:
-            self._check_alive()
-            publish = partial(self._socket.publish, topic, payload, qos, extra, retain=retain)
-            while (info := publish()).rc == paho.MQTT_ERR_QUEUE_SIZE:
-                pass  # that packet identifier still waits for its answer; the next
-            self._check_alive()
-            (reason,) = await self._answer(info.mid, "publish")
-        finally:
-            self._window.release()
-        return reason
 
     async def _answer_to(self, request: tuple[MQTTErrorCode, int | None], what: str) -> Answer:
         """Wait for the answer to a request that paho is about to send."""

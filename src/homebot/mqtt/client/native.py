@@ -160,19 +160,15 @@ class ClientProtocol(ClientLink):
                 self._unfinished.discard(packet_id)
                 self._window.release()
         elif kind != _PINGRESP:  # that one was heard
-            self._on_rare_packet(frame)
-
-    def _on_rare_packet(self, frame: Frame) -> None:
-        # A broker that does not speak 5 answers as 3.1.1 has it.
-        old = frame.first >> 4 == PacketType.CONNACK and len(frame.body) == _V3_CONNACK
-        packet = decode(frame.first, frame.body, ProtocolVersion.V311 if old else self._version)
-        match packet:
-            case Connack():
-                self._on_connack(packet)
-            case Disconnect():
-                self.cut(disconnect_error(packet.reason))
-            case _:
-                raise WireError(f"a broker must not send {type(packet).__name__}")
+            old = frame.first >> 4 == PacketType.CONNACK and len(frame.body) == _V3_CONNACK
+            packet = decode(frame.first, frame.body, ProtocolVersion.V311 if old else self._version)
+            match packet:
+                case Connack():
+                    self._on_connack(packet)
+                case Disconnect():
+                    self.cut(disconnect_error(packet.reason))
+                case _:
+                    raise WireError(f"a broker must not send {type(packet).__name__}")
 
     def _on_connack(self, packet: Connack) -> None:
         if self._greeting.done():

@@ -297,7 +297,7 @@ def socket_error(error: OSError) -> LinkError | RefusedError:
         reason = error.reason or "handshake failed"
         plain = reason.lower().replace("_", " ")
         return RefusedError("TLS", next((words for part, words in _TLS_PROBLEMS if part in reason), plain))
-    return LinkError(_words(error))
+    return LinkError(_LOST.get(error.errno or 0) or connect_problem(error))
 
 
 def dial_error(error: OSError, *, in_tls: bool) -> LinkError | RefusedError:
@@ -352,10 +352,6 @@ def _load_context(options: MqttOptions) -> ssl.SSLContext:
 
         load_certificate(context, options.cert_file, options.key_file, what="client certificate", key_option="key_file")
     return context
-
-
-def _words(error: OSError) -> str:
-    return _LOST.get(error.errno or 0) or connect_problem(error)
 
 
 _CUT: Final = (ssl.SSLEOFError, ssl.SSLZeroReturnError, ConnectionResetError, BrokenPipeError)

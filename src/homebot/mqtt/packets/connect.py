@@ -97,7 +97,13 @@ def _decode_connect(body: bytes, _version: ProtocolVersion) -> Connect:
     cursor = Cursor(body)
     version, is_bridge = _decode_protocol(cursor)
     flags = cursor.uint8()
-    _check_flags(flags, version, body)
+    will_qos = flags >> 3 & 3
+    if flags & 1:
+        raise PacketError("CONNECT has its reserved flag set", body)
+    if will_qos == 3 or (not flags & _WILL and (will_qos or flags & _WILL_RETAIN)):
+        raise PacketError("CONNECT has impossible will flags", body)
+    if flags & _PASSWORD and not flags & _USERNAME and version != ProtocolVersion.V5:
+        raise PacketError("CONNECT has a password without a user name", body)
     keep_alive = cursor.uint16()
     is_v5 = version is ProtocolVersion.V5
     properties = decode_properties(cursor, PacketType.CONNECT) if is_v5 else NO_PROPERTIES
@@ -208,16 +214,6 @@ def _decode_protocol(cursor: Cursor) -> tuple[ProtocolVersion, bool]:
         cursor.body,
         ReasonCode.UNSUPPORTED_PROTOCOL_VERSION,
     )
-
-
-def _check_flags(flags: int, version: ProtocolVersion, body: bytes) -> None:
-    will_qos = flags >> 3 & 3
-    if flags & 1:
-        raise PacketError("CONNECT has its reserved flag set", body)
-    if will_qos == 3 or (not flags & _WILL and (will_qos or flags & _WILL_RETAIN)):
-        raise PacketError("CONNECT has impossible will flags", body)
-    if flags & _PASSWORD and not flags & _USERNAME and version != ProtocolVersion.V5:
-        raise PacketError("CONNECT has a password without a user name", body)
 
 
 def _decode_will(cursor: Cursor, flags: int, *, is_v5: bool) -> Will:

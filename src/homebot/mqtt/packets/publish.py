@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 from homebot.errors import UsageError
 from homebot.mqtt.packets.primitives import MAX_UINT16, Cursor, encode_text, encode_uint16, encode_varint
@@ -92,7 +92,10 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
     except UnicodeDecodeError:
         raise PacketError("the topic is not valid UTF-8", data[start:end]) from None
     if "+" in topic or "#" in topic or "\0" in topic:
-        _refuse_topic(topic, data[start:end])
+        body = data[start:end]
+        if "\0" in topic:
+            raise PacketError("the topic has a NUL", body)
+        raise PacketError("the topic has a wildcard", body, ReasonCode.TOPIC_NAME_INVALID)
     qos, retain, dup = _FLAGS[flags]
     packet_id: int | None = None
     if qos:
@@ -214,9 +217,3 @@ def _read_packet_id(name: str, data: bytes, position: int, end: int) -> int:
     if not packet_id:
         raise PacketError("packet id is 0", data[position:end], ReasonCode.PROTOCOL_ERROR)
     return packet_id
-
-
-def _refuse_topic(topic: str, body: bytes) -> NoReturn:
-    if "\0" in topic:
-        raise PacketError("the topic has a NUL", body)
-    raise PacketError("the topic has a wildcard", body, ReasonCode.TOPIC_NAME_INVALID)

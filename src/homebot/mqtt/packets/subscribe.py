@@ -74,7 +74,16 @@ def _decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
     while cursor.left:
         _check_number(filters, body)
         name = _filter(cursor)
-        filters.append(_decode_options(name, cursor.uint8(), version, body))
+        options = cursor.uint8()
+        qos = options & 3
+        reserved = 0xC0 if version == ProtocolVersion.V5 else 0xFC
+        if qos == 3 or options & reserved:
+            raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body)
+        handling = options >> 4 & 3
+        no_local = bool(options & 4)
+        if handling == 3 or (no_local and name.startswith("$share/")):
+            raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body, ReasonCode.PROTOCOL_ERROR)
+        filters.append(MqttSubscription(name, qos, no_local, bool(options & 8), handling))
     if not filters:
         raise PacketError("SUBSCRIBE has no filter", body, ReasonCode.PROTOCOL_ERROR)
     return Subscribe(packet_id, tuple(filters), properties)
@@ -202,18 +211,6 @@ def _filter(cursor: Cursor) -> str:
         problem = f"topic filter {name[:40]!r} {error.problem}"
         raise PacketError(problem, cursor.body, ReasonCode.TOPIC_FILTER_INVALID) from None
     return name
-
-
-def _decode_options(name: str, options: int, version: ProtocolVersion, body: bytes) -> MqttSubscription:
-    qos = options & 3
-    reserved = 0xC0 if version == ProtocolVersion.V5 else 0xFC
-    if qos == 3 or options & reserved:
-        raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body)
-    handling = options >> 4 & 3
-    no_local = bool(options & 4)
-    if handling == 3 or (no_local and name.startswith("$share/")):
-        raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body, ReasonCode.PROTOCOL_ERROR)
-    return MqttSubscription(name, qos, no_local, bool(options & 8), handling)
 
 
 def _encode_options(request: MqttSubscription, version: ProtocolVersion) -> bytes:
