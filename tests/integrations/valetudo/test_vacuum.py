@@ -12,11 +12,12 @@ from structlog.testing import capture_logs
 from tests.gateways.mqtt.simple_house import House, simple_house
 from tests.robots.test_tracker import ALL, HOUSE
 
+from homebot.devices import SubscribeToTopic
 from homebot.devices.devices import Devices
-from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
-from homebot.errors import RefusedError
+from homebot.devices.services import SubscribeToTopicRequest
 from homebot.graph import Node, Subscription
 from homebot.robots.settings import RobotSettings
 from homebot.robots.tracker import RobotTracker
@@ -152,13 +153,17 @@ async def test_a_pose_that_the_broker_kept_does_not_count_as_its_age_is_unknown(
         assert not (await dusty.ask()).success
 
 
-async def test_a_topic_that_no_device_says_is_for_the_tracker_of_robots_alone_and_no_device() -> None:
+async def test_a_topic_that_no_device_says_is_for_nodes_with_an_inbox_alone_and_no_device() -> None:
     topic = "valetudo/dusty/MapData/map-data"
     async with simple_house() as house, Node(house.graph, "robots") as node:
         await house.say(topic, DREAME, retain=True)
         heard: list[bytes] = []
-        with pytest.raises(RefusedError, match="no device publishes"):
-            await Devices(house.watcher).listen_to(topic, lambda message: heard.append(message.payload))
+        asking = node.create_client(SubscribeToTopic, GatewayNames("mqtt").subscribe)
+        for request in (
+            SubscribeToTopicRequest(topic=topic, undeclared=True),
+            SubscribeToTopicRequest(topic=topic, listener=node.full_name),
+        ):
+            assert "no device publishes" in (await asking.call(request)).message
         await Devices(node).listen_to(topic, lambda message: heard.append(message.payload))
         await anyio.sleep(1)
         assert heard == [DREAME]
