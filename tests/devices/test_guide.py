@@ -145,6 +145,6 @@ async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.Mon
 
 def test_the_commands_that_it_shows_are_known() -> None:
     commands = re.findall(r"^\$ homebot (.*?)\s+#", FILE.read_text(), re.MULTILINE)
-    assert len(commands) == 13
+    assert len(commands) == 11
     for command in commands:
         assert make_parser().parse_args(shlex.split(command)).command
