@@ -372,6 +372,7 @@ async def test_hostile_names_are_names_and_everything_open_has_no_complaint_of_a
             assert await to_thread.run_sync(own.overflow) == 0
             assert await to_thread.run_sync(own.complaints, axe) == []
             await own.open(view, shows="Home")
+            await to_thread.run_sync(own.until, lambda: own.browser.find_elements("css selector", "h1"))
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         assert own.problems() == []
 
