@@ -79,7 +79,7 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
 @pytest.mark.no_cover
 @pytest.mark.parametrize(
     ("make", "count", "most"),
-    [(many_devices, DEVICES, 12_500), (many_parts, size(4, 10), 2_400 * PARTS)],
+    [(many_devices, DEVICES, 14_500), (many_parts, size(4, 10), 2_400 * PARTS)],
     ids=["devices", "parts"],
 )
 def test_a_device_and_a_part_take_little(
