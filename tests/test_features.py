@@ -62,7 +62,6 @@ def paths(feature: Feature) -> list[str]:
     own = (
         feature.server,
         feature.routes,
-        feature.tools,
         feature.checks,
         feature.runs,
         feature.over_zenoh,
@@ -83,6 +82,14 @@ def test_all_that_a_feature_names_is_in_its_folder_and_its_services_need_the_rig
         load(path)
     for service in feature.services:
         assert right_to_call(service.name) is service.right
+
+
+@pytest.mark.parametrize("feature", FEATURES.values(), ids=list(FEATURES))
+def test_the_tools_of_a_feature_are_in_its_folder(feature: Feature) -> None:
+    if feature.tools:
+        pytest.importorskip("mcp")
+        assert feature.tools.startswith(f"homebot.features.{feature.name}.")
+        load(feature.tools)
 
 
 def test_a_service_without_a_right_cannot_be_written_down() -> None:

@@ -11,9 +11,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 from anyio.streams.buffered import BufferedByteReceiveStream
-from ros2_pyterfaces.cyclone import all_msgs, all_srvs
 from tests.patience import PATIENCE
-from tests.peers import navigate_to_pose
 from tests.peers.ros2_house import house, robot
 
 from homebot.graph import EntityKind, Node, qos_profile_latched
@@ -23,8 +21,10 @@ from homebot.messages.definition import zero_message
 from homebot.messages.interfaces import find_action
 from homebot.messages.std_srvs import Trigger
 
+all_msgs: Any = pytest.importorskip("ros2_pyterfaces.cyclone.all_msgs")
+all_srvs: Any = pytest.importorskip("ros2_pyterfaces.cyclone.all_srvs")
 T = TypeVar("T")
-nav: Any = navigate_to_pose
+nav: Any = pytest.importorskip("tests.peers.navigate_to_pose")
 NavigateToPose: Any = find_action("nav2_msgs/action/NavigateToPose")
 HALL = NavigateToPose.Goal.model_validate(zero_message(NavigateToPose.Goal).model_dump() | {"behavior_tree": "hall"})
 SDK = Path(__file__).with_name("zenoh_ros2_sdk_robot.py")
