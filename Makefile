@@ -70,7 +70,7 @@ days: $(VENV)/.dev
 
 # NIGHTLY: floods, kills and generated cases in full number, and other ones in each run; see tests/sizes.py.
 ## Runs the long sets: generated cases, random days, all tests in full size, lowest and newest versions. Takes hours.
-nightly: fuzz days test-lowest
+nightly: fuzz days test-lowest $(BENCH)-ha/.tried
 	@NIGHTLY=1 $(MAKE) --keep-going coverage test-peers audit test-newest
 
 ## Checks format, lint, types, and which package may import which.
@@ -149,10 +149,9 @@ $(VENV)/.dev: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
 	@$(BIN)/python $(PIP) $(OWN)
 	@touch $@ $(VENV)/.run
 
-# Most modules of the packages are never imported, so none is compiled; half of the packages beside the other half.
+# Most modules of the packages are never imported, so none is compiled.
 $(VENV)/.peers: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
-	@$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,run all peers) & others=$$!; \
-		$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,dev) && wait $$others
+	@$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,run all dev peers)
 	@$(BIN)/python $(PIP) $(OWN)
 	@touch $@ $(VENV)/.run $(VENV)/.dev
 

@@ -14,6 +14,7 @@ ALLOWED: Final = {
     "/proc counts the bytes": "only Linux has it",
     "each system has its own place": "there is one test for each system",
     "others have no D-Bus": "it is for Linux",
+    "no podman or docker": "the image that it begins with comes from a registry; its commands are checked",
     "only root": "and others run the rest",
     "Mosquitto's file of rules cannot refuse a subscription": "the contract is that of other brokers",
     "needs Python": "the peer is for a Python that this computer lacks",
