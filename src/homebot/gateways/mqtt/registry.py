@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
-from itertools import islice, repeat
+from itertools import islice
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
@@ -362,10 +362,8 @@ def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hasha
 
 def _read_topics(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
     """Return each topic that a part of *stored* reads, with the part; a list, so that a plug-in fails early."""
-    topics: list[tuple[str, AnnouncedPart]] = []
-    for part in stored.parts.values() if stored.described.text is None else ():
-        topics += zip(dict.fromkeys(part.described.codec.topics()), repeat(part))
-    return topics
+    parts = stored.parts.values() if stored.described.text is None else ()
+    return [(topic, part) for part in parts for topic in dict.fromkeys(part.described.codec.topics())]
 
 
 def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:

@@ -89,24 +89,22 @@ class Subscriber:
                 await self._needed.wait()
                 self._needed = anyio.Event()
                 while self._topics.wanted:
-                    filters = pop_filters(self._topics.wanted, BATCH)
-                    try:
-                        await connection.subscribe(
-                            *map(partial(MqttSubscription, no_local=True), filters), every_link=True
-                        )
-                    except RefusedError as exc:
-                        self._counters.topics_refused += sum(one in connection.refused for one in filters)
-                        self._quarantine.log_limited(
-                            NOT_HEARD, f"some devices are not received: {exc}", source=filters[0]
-                        )
-                    if covered := tuple(filter(self._topics.is_covered, filters)):
-                        await connection.unsubscribe(*covered)
+                    await self._subscribe_to(connection, pop_filters(self._topics.wanted, BATCH))
                 while self._topics.unwanted:
                     await connection.unsubscribe(*pop_filters(self._topics.unwanted, BATCH))
                 self._asks.update(self._asks_later)
                 self._asks_later.clear()
                 if self._asks:
                     self._asked.set()
+
+    async def _subscribe_to(self, connection: MqttConnection, filters: tuple[str, ...]) -> None:
+        try:
+            await connection.subscribe(*map(partial(MqttSubscription, no_local=True), filters), every_link=True)
+        except RefusedError as exc:
+            self._counters.topics_refused += sum(one in connection.refused for one in filters)
+            self._quarantine.log_limited(NOT_HEARD, f"some devices are not received: {exc}", source=filters[0])
+        if covered := tuple(filter(self._topics.is_covered, filters)):
+            await connection.unsubscribe(*covered)
 
     async def _send_state_requests(self, connection: MqttConnection) -> None:
         while True:
