@@ -265,7 +265,7 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed() -> None:
 
 
 def test_a_tombstone_of_the_file_is_as_it_was() -> None:
-    stone = Tombstone("lamp", (("mqtt", "k"),), ("mac:1",), retained_only=True, at=5.0)
+    stone = Tombstone("lamp", (("mqtt", "k"),), ("mac:1",), retained_only=True, at=5.0, first_seen=2.0)
     assert read_tombstone("lamp", tombstone_record(stone)) == stone
 
 

@@ -113,9 +113,6 @@ REMEMBERED: Final = 900.0
 COUNTED: Final = 3600.0
 """The sendings to a part are stored for this long, which is the longest time of a rate limit."""
 
-FIRST_REPORTS: Final = 600.0
-"""A device has reported each of its values this long after it began to report."""
-
 REHEARSED: Final = 0.1
 """The response time of a device in a rehearsal, so that an app that repeats commands does not block."""
 

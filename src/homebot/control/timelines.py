@@ -8,7 +8,6 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final, final
 
-from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.timeline.cause import MAX_NEARBY, NOWHERE, Nearby, NearbyCommands
@@ -17,7 +16,7 @@ from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import MOMENTARY, SETTABLE
-from homebot.devices.device import ChangedSetting, target_of
+from homebot.devices.device import FIRST_REPORTS, ChangedSetting, target_of
 from homebot.devices.journal_messages import KnownCause
 from homebot.devices.value import PlainValue, SetBy, Value
 from homebot.devices.value_comparison import related
@@ -247,4 +246,4 @@ def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, 
 def _is_change(state: State, states: list[State]) -> bool:
     """Return whether *state* is a change, or the first value of a part that reported others long before."""
     since = state.since.to_seconds()
-    return not state.is_first or any(since - state.since.to_seconds() > durations.FIRST_REPORTS for state in states)
+    return not state.is_first or any(since - state.since.to_seconds() > FIRST_REPORTS for state in states)

@@ -370,6 +370,9 @@ SETTABLE: frozenset[str] = frozenset(capability.name for capability in CAPABILIT
 ALERTING: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.is_alerting)
 """Names of further capabilities that alerts are about."""
 
+DANGERS: frozenset[str] = ALERTING - {"battery", "battery_low", "contact"}
+"""Those that are true in a danger, such as smoke."""
+
 LIGHTS_UP: frozenset[str] = frozenset(capability.name for capability in CAPABILITIES.values() if capability.lights_up)
 """Names of capabilities that turn a light on."""
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import ClassVar, Literal, TypeAlias
 
-from homebot.devices.capabilities import EVENTS
+from homebot.devices.capabilities import DANGERS, EVENTS
 from homebot.devices.part import Part
 from homebot.devices.value import UNKNOWN, Reading, SetBy, Value
 from homebot.errors import InvalidNameError, RefusedError
@@ -19,6 +19,9 @@ ChangeKind: TypeAlias = Literal[
 
 EVERYTHING: tuple[str, ...] = ("*",)
 """The capabilities of a :class:`Route` that accepts every command of the part."""
+
+FIRST_REPORTS = 600.0
+"""Seconds in which a new device reports each of its values."""
 
 
 class Endpoint(Message):
@@ -191,6 +194,16 @@ class Device(Message):
     conflicts: tuple[str, ...] = ()
     outer_areas: tuple[str, ...] = ()
     tags: tuple[str, ...] = ()
+
+    def may_be_old(self, state: State) -> bool:
+        """Return whether the value of *state* may be older than its time: the first one, but for dangers.
+
+        A leak sensor may report nothing but water: of a device that was known long before, also if it was away
+        meanwhile, that is new, unless the message is retained.
+        """
+        if not (state.is_first and state.live and state.capability in DANGERS and state.value.flag):
+            return state.is_first
+        return state.since.to_seconds() - self.first_seen.to_seconds() <= FIRST_REPORTS
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part with that id; None if there is none."""

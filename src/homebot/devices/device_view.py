@@ -57,10 +57,10 @@ class DeviceView:
                 if known is None:
                     state = self.state(*place)
                     before = UNKNOWN if state is None else state.value
-                    is_first = state is None or (state.is_first and not state.value.type)
+                    is_first = state is None or (state.is_first and _tells_no_other(state.value, reading.value))
                 else:
                     before = _value_before(known)
-                    is_first = known[2] and not known[1].value.type
+                    is_first = known[2] and _tells_no_other(known[1].value, reading.value)
                 self._newer[place], self.replaced[place] = (change, reading, is_first, before), before
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
@@ -136,6 +136,10 @@ class DeviceView:
                 del self._held[place]
         elif place not in self._held and (state := self.state(part_id, capability)) is not None and state.value.type:
             self._held[place] = state
+
+
+def _tells_no_other(known: Value, value: Value) -> bool:
+    return not known.type or known == value
 
 
 def _value_before(new: tuple[StateChange, Reading, bool, Value]) -> Value:

@@ -72,6 +72,7 @@ class Tombstone(NamedTuple):
         retained_only: Whether the owner had it forgotten, so that retained announcements do not bring it back.
         at: When it was removed, in seconds since the Unix epoch.
         trusted: The endpoints that got its commands; see :mod:`homebot.discovery.merging.trust`.
+        first_seen: When it was first seen, in the same seconds; 0 if that is not known.
     """
 
     id: str
@@ -80,6 +81,7 @@ class Tombstone(NamedTuple):
     retained_only: bool
     at: float
     trusted: tuple[tuple[str, str], ...] = ()
+    first_seen: float = 0.0
 
 
 @final

@@ -53,6 +53,7 @@ class _TombstoneRecord(BaseModel):
     is_ghost: bool
     at: float
     trusted: tuple[tuple[str, str], ...] = ()
+    first_seen: float = 0.0
 
 
 _RecordT = TypeVar("_RecordT", bound=BaseModel)
@@ -136,6 +137,7 @@ def tombstone_record(tombstone: Tombstone) -> str:
             "is_ghost": tombstone.retained_only,
             "at": tombstone.at,
             "trusted": tombstone.trusted,
+            "first_seen": tombstone.first_seen,
         }
     )
 
@@ -147,9 +149,12 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
         WireError: It is invalid.
     """
     record = _read(_TombstoneRecord, text)
-    if not math.isfinite(record.at):
+    if not (math.isfinite(record.at) and math.isfinite(record.first_seen)):
         raise WireError("a device that went at no time", text[:100].encode(errors="replace"))
-    return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at, record.trusted[:MAX_TRUSTED])
+    trusted = record.trusted[:MAX_TRUSTED]
+    return Tombstone(
+        device_id, record.keys, record.hardware, record.is_ghost, record.at, trusted, record.first_seen or record.at
+    )
 
 
 def _as_last_seen(source: SourceRecord) -> Sighting:

@@ -142,6 +142,52 @@ async def test_the_first_value_of_a_device_that_told_others_before_starts_nothin
             assert len(began) == expected
 
 
+@pytest.mark.parametrize("device_class", ["moisture", "smoke", "tamper", "motion"])
+@pytest.mark.parametrize(
+    ("found", "silence", "starts", "danger_starts"),
+    [
+        ("", 5 * 60, 0, 0),  # a new one tells all that it has
+        ("", 0.5 * HOUR, 0, 1),
+        ("ON", 0.5 * HOUR, 0, 0),  # retained
+        ("OFF", 0.5 * HOUR, 1, 1),
+        ("", 3 * HOUR, 0, 1),  # forgotten meanwhile
+        ("OFF", 3 * HOUR, 0, 1),
+    ],
+)
+async def test_the_first_value_of_a_device_that_was_known_before_starts_what_waits_for_a_danger(
+    device_class: str, found: str, silence: float, starts: int, danger_starts: int
+) -> None:
+    """A leak sensor that was silent for a week, as it reports nothing but water, told of it in vain."""
+    kind = {"name": "Cellar", "unique_id": "s", "device_class": device_class, "state_topic": "s"}
+    capability = {"moisture": "water_leak", "motion": "occupancy"}.get(device_class, device_class)
+    began: list[str] = []
+
+    async def wait(node: Node) -> None:
+        async for one in begun(node, read_state(f"{capability} = true"), is_new=True):
+            began.append(one.device.id)  # noqa: PERF401 - it would be cancelled before it extends
+
+    async with (
+        virtual_house_of(config={"discovery": {"forget_after": HOUR}}) as house,
+        Node(house.runtime.graph, "waiter") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        tasks.start_soon(wait, node)
+        sensor = house.broker.make_client(MqttOptions.from_url(house.broker.url, client_id="sensor"))
+        async with sensor.connected():
+            await sensor.publish("s", found.encode(), qos=1, retain=True)
+            await sensor.publish("homeassistant/binary_sensor/s/config", json.dumps(kind).encode(), qos=1, retain=True)
+        await house.run_for(silence)
+        for value in ("ON", "ON"):
+            await house.says("s", value)
+            await house.run_for("1m")
+        assert len(began) == (starts if device_class == "motion" else danger_starts)
+        for value in ("OFF", "ON"):
+            await house.says("s", value)
+            await house.run_for("1m")
+        assert len(began) == 1 + (starts if device_class == "motion" else danger_starts)
+        tasks.cancel_scope.cancel()
+
+
 async def test_a_press_that_is_told_as_event_and_as_trigger_starts_once_and_two_presses_twice() -> None:
     starts: list[object] = []
     press = read_press("Wall button press")

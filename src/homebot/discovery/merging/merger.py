@@ -20,6 +20,7 @@ from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
 from homebot.discovery.topics.use import bridge_of, topic_use
 from homebot.errors import RefusedError
+from homebot.messages import Time
 
 _MAX_EVIDENCE = 16
 _MAX_PANELS: Final = 1000
@@ -126,14 +127,16 @@ class DeviceMerger:
         """Create a device from *sources*; one that returns gets its old id."""
         table = self._table
         tombstone = self._pop_tombstone(sources) if table.tombstones.by_id else None
+        first_seen = min(map(_FIRST_SEEN, sources.values()), key=_TIME)
         if tombstone is not None:
             device_id, trusted = tombstone.id, frozenset(tombstone.trusted)
+            first_seen = min(first_seen, Time.from_seconds(tombstone.first_seen), key=_TIME)
         else:
             first = next(iter(sources.values())).sighting
             device_id, trusted = new_id(first, table.entries, table.tombstones.by_id), NOBODY_TRUSTED
         entry = Entry(
             device_id,
-            min(map(_FIRST_SEEN, sources.values()), key=_TIME),
+            first_seen,
             "unconfirmed",
             sources,
             known_ids=NO_IDS,
@@ -191,9 +194,8 @@ class DeviceMerger:
         table = self._table
         table.changes.add_removal(entry, why)
         trusted = entry.trusted or command_endpoints(entry.sources.values())
-        tombstone = Tombstone(
-            entry.id, tuple(entry.sources), entry.hardware(), retained_only, at, tuple(sorted(trusted))
-        )
+        keys, hardware, first_seen = tuple(entry.sources), entry.hardware(), entry.first_seen.to_seconds()
+        tombstone = Tombstone(entry.id, keys, hardware, retained_only, at, tuple(sorted(trusted)), first_seen)
         self._drop(entry)
         affected: set[SourceKey] = set()
         for key, source in entry.sources.items():

@@ -152,14 +152,13 @@ async def _none_left(
 def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
     """Return since when *device* has the values of *state*; -inf if its wait was over before the time *since*."""
     cause, is_new = CURRENT_CAUSE.get(), since > -math.inf
-    if is_new and isinstance(cause, DeviceChange) and cause.kind == "appeared":  # it is found so
-        return -math.inf
     values = [one for one in device.states if one.capability in state.capabilities and one.live]
     if not values:
         return -math.inf if is_new else now
     newest = max(values, key=lambda one: one.since.to_seconds())
     at = newest.since.to_seconds()
-    return -math.inf if is_new and (newest.is_first or at + state.lasting < since) else at
+    is_found_so = isinstance(cause, DeviceChange) and cause.kind == "appeared" and not newest.is_first
+    return -math.inf if is_new and (is_found_so or device.may_be_old(newest) or at + state.lasting < since) else at
 
 
 def holds_for(state: Becomes, devices: Sequence[Device], now: float, *, is_none: bool) -> bool:
