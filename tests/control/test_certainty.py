@@ -135,6 +135,30 @@ def test_a_report_is_certain_that_no_command_makes_doubtful(
     assert known(position(10.0, at=20.0, told=told), timeline, now) == (20.0 if is_certain else None)
 
 
+def test_the_last_failure_is_kept_until_a_command_is_confirmed_and_no_older_one() -> None:
+    """Hours later, and after more commands of others than are stored."""
+    timeline, outcomes = new_timeline(*DEVICE_AND_PART), (NoAnswer(5.0), CONFIRMED)
+
+    def play(at: float, name: str, outcome: Outcome, capability: str, value: PlainValue) -> None:
+        command = make_command(BLIND, {capability: value}, name=name)
+        timeline.command(order_of(command), START + at)
+        timeline.append(Sent(command.id, command.settings, START + at))
+        timeline.append(Decided(command.id, START + at + 5.0, outcome))
+
+    for number in range(40):
+        play(number * 20.0, f"position{number}", NoAnswer(5.0), "position", float(number))
+    play(900.0, "closing", CONFIRMED, "movement", "closed")
+    for number in range(400):
+        play(1000.0 + number * 60.0, f"tilt{number}", outcomes[number % 2], "tilt", float(number % 100))
+    asked = position(10.0, at=20.0, told=780.0)
+    assert known(asked, timeline, 30_000.0) is None
+    proofs = [timeline.last_proved(name) for name in ("position", "movement", "tilt")]
+    assert [proof and proof.order.id for proof in proofs] == ["position39", "closing", "tilt399"]
+    assert len(timeline.commands) < 20
+    play(30_000.0, "opening", CONFIRMED, "position", 60.0)
+    assert known(position(10.0, at=20.0, told=30_006.0), timeline, 40_000.0) == 20.0
+
+
 @pytest.mark.virtual_time
 async def test_a_blind_that_is_sent_where_it_is_on_its_way_to_elsewhere_is_commanded(home: Home) -> None:
     """It had told that it was open before it moved."""

@@ -283,8 +283,7 @@ def certain_values(
 ) -> tuple[dict[str, PlainValue], bool]:
     """Return the values of the capabilities *asked* that are certain for the commanded part, and if all are recent.
 
-    Recent values were reported live within the last minute, since the connection was lost, and no command failed since
-    the last that was confirmed.
+    Recent values were reported live within the last minute, since the connection was lost.
 
     Nothing is certain of an unreachable device. If one is online by its last will, retained values are certain, and so
     are those from before the connection was lost: many devices report only changes. They are not recent if the device
@@ -307,8 +306,7 @@ def certain_values(
             continue
         told_at = state.told_at.to_seconds()
         is_fresh = state.live and abs(command.issued_at - told_at) <= durations.FRESH
-        is_proved = capability not in timeline.unsure_since
-        are_recent.append(is_fresh and is_proved and lost_at < told_at >= back_at)
+        are_recent.append(is_fresh and lost_at < told_at >= back_at)
         value = timeline.certain(capability, command.values[capability], told_at - ahead, now)
         if value is not None and (is_online or told_at > lost_at):
             values[capability] = value

@@ -171,7 +171,10 @@ class Sending:
         return outcome_of(progress, clock.monotonic())
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
-        """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
+        """Append a command to its timeline; return it, and whether the part is already known to be as commanded.
+
+        That is not known from recent values alone if a command failed since the last that was confirmed.
+        """
         if self._leases.parts:
             self._leases.yield_to(command, self._clock.monotonic())
         timeline, order = self._timelines.of(command.device, command.part), order_of(command)
@@ -186,8 +189,9 @@ class Sending:
         answers = not order.wanted and self._feed.is_answering(command.part.routes)
         progress = timeline.command(order, self._clock.monotonic(), known, command.values, answers=answers)
         opened = self.open[command.id] = OpenCommand(command, timeline, progress, self._limits)
-        is_so = is_recent and is_at_rest and progress.was_so
-        return opened, is_so and not (progress.has_echo or order.is_always_sent)
+        is_so = is_recent and is_at_rest and progress.was_so and not (progress.has_echo or order.is_always_sent)
+        proofs = map(timeline.last_proved, (*order.settings, *order.wanted) if is_so else ())
+        return opened, is_so and all(proof is None or proof.is_confirmed for proof in proofs)
 
     async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
         """Return whether the answer is missing because the device or its part was removed meanwhile."""

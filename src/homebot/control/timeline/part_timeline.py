@@ -74,7 +74,6 @@ class PartTimeline:
         sent: The newest 2,000 sendings of commands in an hour, oldest first.
         place: The part.
         nearby: The commands to this part and those near it.
-        unsure_since: The end of the last failed command for each capability, if none is confirmed since, in seconds.
         held: The values that leases hold.
         newest: The newest change of each capability, with its cause.
         unexplained_change: The newest change that a person may have made; None if there is none.
@@ -90,7 +89,6 @@ class PartTimeline:
         self.profile = profile
         self.place: PartRef = ("", "")
         self.nearby: Nearby = NOWHERE
-        self.unsure_since: dict[str, float] = {}
         self.held: list[HeldValue] = []
         self.newest: dict[str, Reported] = {}
         self.unexplained_change: Reported | None = None
@@ -311,21 +309,41 @@ class PartTimeline:
         Args:
             except_id: The id of a command that does not count.
         """
-        if value is None or told_at <= self.unsure_since.get(capability, -math.inf) + _MAX_CLOCK_ERROR_S:
+        if value is None:
             return None
+        is_replaced = False
         for sent in reversed(self.commands):
             outcome, sendings, settings = sent.outcome, sent.transmission, sent.order.settings
-            has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
-            if sent.order.id == except_id or not has_effect:
-                continue
-            if settings.get(capability) != value:
-                is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
-                may_change = is_before or _is_on_its_way(sent, capability, now)
-                if may_change and self._changes(settings, capability, value):
+            if not sent.is_confirmed and sent.has_failed and not settings.keys().isdisjoint(related(capability)):
+                # If it is contradicted, certain is what it has reported since the last sending.
+                unsure_since = sendings.sent_at if isinstance(outcome, Contradicted) else sent.ended_at
+                if told_at <= unsure_since + _MAX_CLOCK_ERROR_S:
                     return None
-            if capability in settings:
-                break  # it replaced all older ones
+            has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
+            if has_effect and not is_replaced and sent.order.id != except_id:
+                if settings.get(capability) != value:
+                    is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
+                    may_change = is_before or _is_on_its_way(sent, capability, now)
+                    if may_change and self._changes(settings, capability, value):
+                        return None
+                is_replaced = capability in settings  # all older ones are, but one of them may have failed
+            if sent.is_confirmed and capability in settings:
+                break
         return value
+
+    def last_proved(self, capability: str) -> CommandProgress | None:
+        """Return the last command for *capability* that is confirmed, or the last that failed, whichever is newer.
+
+        One that failed may have had an effect on all related capabilities, although no report says so.
+        """
+        for sent in reversed(self.commands):
+            settings = sent.order.settings
+            if sent.is_confirmed:
+                if capability in settings:
+                    return sent
+            elif sent.has_failed and not settings.keys().isdisjoint(related(capability)):
+                return sent
+        return None
 
     def _changes(self, settings: Mapping[str, PlainValue], capability: str, value: PlainValue) -> bool:
         """Return whether *settings* are for another *value* of *capability*."""
@@ -334,22 +352,18 @@ class PartTimeline:
         return any(changes(capability, value, name, settings[name]) for name in related(capability) if name in settings)
 
     def _end(self, progress: CommandProgress, fact: Decided) -> None:
-        """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
+        """Learn from an outcome."""
         settings, outcome = progress.order.settings, fact.outcome
         if outcome.succeeded:
             for held in self.held:
                 held.confirm(settings)
         if progress.is_confirmed:
-            for capability in settings if self.unsure_since else ():
-                self.unsure_since.pop(capability, None)
             for older in self.active:
                 if older is not progress and older.is_confirmed:
                     older.release(settings.keys())
             learn_outcome(progress, self.profile, self._first)
             return
-        if outcome.may_obey_later:  # if it is contradicted, certain is what it has reported since the last sending
-            since = progress.transmission.sent_at if isinstance(outcome, Contradicted) else fact.at
-            self.unsure_since.update((other, since) for name in settings for other in related(name))
+        if outcome.may_obey_later:
             learn_failure(progress, outcome, self.profile)
 
     def _relate(self, fact: Reported) -> None:
@@ -469,12 +483,20 @@ class PartTimeline:
             held.report(capability, value, attribution)
 
     def _drop_commands(self, before: float) -> None:
-        """Drop the commands that ended *before* that time, and the oldest if there are too many."""
-        commands = self.commands
+        """Drop the commands that ended *before* that time, and the oldest if there are too many.
+
+        What :meth:`last_proved` returns is kept where a command failed.
+        """
+        commands, kept = self.commands, list[CommandProgress]()
         while commands and not commands[0].is_open:
-            if commands[0].ended_at >= before and len(commands) <= MAX_REPORTS:
+            oldest = commands[0]
+            if oldest.ended_at >= before and len(commands) <= MAX_REPORTS:
                 break
+            if oldest.has_failed or (kept and oldest.is_confirmed):
+                names = {other for name in oldest.order.settings for other in related(name)}
+                kept += [oldest] if any(self.last_proved(name) is oldest for name in names) else []
             commands.popleft()
+        commands.extendleft(reversed(kept))
 
 
 def _is_on_its_way(sent: CommandProgress, capability: str, now: float) -> bool:

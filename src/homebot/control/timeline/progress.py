@@ -187,6 +187,11 @@ class CommandProgress:
         return len(self.transmission.accepted) == len(self.order.settings)
 
     @property
+    def has_failed(self) -> bool:
+        """True if the outcome is one of a command that may have had an effect, although no report says so."""
+        return self.outcome is not None and self.outcome.may_obey_later and not self.is_raw
+
+    @property
     def was_so(self) -> bool:
         """True if it was certain before that the values are the wanted ones."""
         if self.order.opens_further:
