@@ -77,6 +77,13 @@ class Tables:
     seen: Counter[str] = field(default_factory=Counter)
     notes: list[str] = field(default_factory=list)
 
+    def add(self, other: Tables) -> None:
+        """Add the counts of other houses."""
+        self.told += other.told
+        self.commands += other.commands
+        self.overridden += other.overridden
+        self.seen += other.seen
+
     @property
     def wrong_persons(self) -> float:
         """The share of none among the changes that were told to be a person's."""

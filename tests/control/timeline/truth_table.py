@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from tests.control.conftest import opened_home
 from tests.control.timeline.plays_table import PLAYS, score_of
 from tests.control.timeline.simulated_house import Tables, Truth
-from tests.control.timeline.simulated_kinds import KINDS, Kind, Play
+from tests.control.timeline.simulated_kinds import KINDS, Kind, Play, mixed
 
 from homebot.support.virtual_time import VirtualTimeLoop
+
+OLD_KINDS = Kind("old kinds together", mixed, hand_every=100.0)
 
 _SHARES: tuple[tuple[Truth, str], ...] = (
     ("person", "person"),
@@ -46,6 +48,25 @@ def play(kind: Kind, seeds: Sequence[int]) -> Tables:
     return tables
 
 
+def row(name: str, tables: Tables, failures: Sequence[str]) -> str:
+    """Return the figures as a row of the table."""
+    told = tables.count
+    cells = (
+        name,
+        f"{tables.commands:,}",
+        tables.overridden.total(),
+        f"{tables.wrong_persons:.1%}" if told(told="person") else "-",
+        *(f"{tables.share(truth, cause):.0%}" if told(truth=truth) else "-" for truth, cause in _SHARES),
+        told(truth="person", told="command") + told(truth="person", told="transition"),
+        told(truth="person", told="device") + told(truth="person", told="program"),
+        f"{tables.seen['two answers']} of {tables.seen['asked']:,}",
+        f"{tables.seen['held again']} of {tables.seen['cuts']}",
+        "; ".join(failures) or "none",
+    )
+    texts = (f"{cell!s:{len(heading)}}" for cell, heading in zip(cells, _HEADINGS, strict=True))
+    return "| " + " | ".join(texts) + " |"
+
+
 def main(words: Sequence[str] | None = None) -> int:
     """Play the kinds, and print a table; return 1 if an aim is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -56,30 +77,18 @@ def main(words: Sequence[str] | None = None) -> int:
     given = parser.parse_args(words)
     logging.disable()
     seeds = range(given.first, given.first + given.seeds)
-    kinds = [kind for kind in KINDS if given.kind in kind.name]
+    kinds = [kind for kind in (OLD_KINDS, *KINDS) if given.kind in kind.name]
     print("| " + " | ".join(_HEADINGS) + " |")
-    is_missed = False
+    is_missed, total = False, Tables()
     for kind in kinds:
         tables = play(kind, seeds)
         failures = kind.failures(tables, len(seeds))
         is_missed |= bool(failures)
-        told = tables.count
-        cells = (
-            kind.name,
-            f"{tables.commands:,}",
-            tables.overridden.total(),
-            f"{tables.wrong_persons:.1%}" if told(told="person") else "-",
-            *(f"{tables.share(truth, cause):.0%}" if told(truth=truth) else "-" for truth, cause in _SHARES),
-            told(truth="person", told="command") + told(truth="person", told="transition"),
-            told(truth="person", told="device") + told(truth="person", told="program"),
-            f"{tables.seen['two answers']} of {tables.seen['asked']:,}",
-            f"{tables.seen['held again']} of {tables.seen['cuts']}",
-            "; ".join(failures) or "none",
-        )
-        texts = (f"{cell!s:{len(heading)}}" for cell, heading in zip(cells, _HEADINGS, strict=True))
-        print("| " + " | ".join(texts) + " |", flush=True)
+        print(row(kind.name, tables, failures), flush=True)
+        total.add(tables)
         if given.notes:
             print(tables.text(), *tables.notes, sep="\n")
+    print(row("all kinds", total, []))
     for name in (name for name in PLAYS if given.kind in name):
         score = score_of(name, seeds)
         missed = PLAYS[name].missed(score)
