@@ -67,6 +67,21 @@ def test_a_ban_costs_as_much_as_its_text_is_long(piece: str) -> None:
     assert count(most) < 2.5 * count(most // 2)
 
 
+@pytest.mark.parametrize("piece", ["1 2 ", "on off ", "heat 1 ", "set to "])
+def test_a_step_costs_little_more_than_its_text_is_long(piece: str) -> None:
+    """What stood after each of its words was read as a command, as long as it was."""
+
+    def count(pieces: int) -> int:
+        def work() -> None:
+            with suppress(UsageError):
+                read_step((piece * pieces).strip())
+
+        return calls(work)
+
+    count(120)  # what is cached is read once
+    assert count(121) < 2.5 * count(61)
+
+
 def test_a_form_costs_as_much_as_its_text_is_long() -> None:
     form = Phrase("{first} for {second} for {third} for {fourth} for [x] end")
 

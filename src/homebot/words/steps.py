@@ -75,6 +75,8 @@ _SETTABLE: Final = frozenset(
     word for one in CAPABILITIES.values() for word in (one.name, one.name.replace("_", " "), one.spoken) if word
 ) - frozenset(fold(word) for one in DEVICE_TYPES.values() for word in one.words)
 """Names of capabilities, but not those that are also names of devices, as in ``robot vacuum dock``."""
+_MAX_COMMAND: Final = 100
+"""Characters of the words of a command; a device's own may be longer, after a colon."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -364,6 +366,8 @@ def _is_no_target(text: str) -> bool:
 
 
 def _is_command(text: str) -> bool:
+    if len(text) > _MAX_COMMAND:
+        return False
     word = text.casefold()
     if word in _WORDS or word.replace(" ", "_") in _WORDS or _hue_of(word):
         return True
