@@ -4,7 +4,7 @@ import pytest
 
 from homebot.devices.device import DevicePart
 from homebot.devices.part import Part
-from homebot.devices.query.terms import NameIs, leaves
+from homebot.devices.query.terms import NameIs, StateIs, leaves
 from homebot.errors import UsageError
 from homebot.words.times import DaysAndTime, SunMoment
 from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_press, read_trigger
@@ -20,6 +20,25 @@ def test_a_state_may_have_to_last() -> None:
 @pytest.mark.parametrize("text", ["hall motion occupied", "hall motion clear", "lamp on", "front door locked"])
 def test_a_state_is_written_as_in_a_search(text: str) -> None:
     assert isinstance(read_trigger(text), Becomes)
+
+
+@pytest.mark.parametrize(
+    ("text", "capability"),
+    [
+        ("cellar smoke detected for 10s", "smoke"),
+        ("smoke detected in cellar", "smoke"),
+        ("carbon monoxide detected", "carbon_monoxide_alarm"),
+        ("water detected in cellar", "water_leak"),
+        ("shed tampering detected", "tamper"),
+        ("cellar smoke clear", "smoke"),
+    ],
+)
+def test_what_a_sensor_detects_is_written_as_people_say_it(text: str, capability: str) -> None:
+    found = read_trigger(text)
+    assert isinstance(found, Becomes)
+    assert {one.capability: one.value for one in leaves(found.query) if isinstance(one, StateIs)} == {
+        capability: "clear" not in text
+    }
 
 
 def test_the_room_of_a_measurement_may_come_before_its_limit() -> None:

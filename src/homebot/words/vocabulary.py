@@ -173,10 +173,24 @@ HOUSEHOLD_FACTS: Mapping[str, tuple[StateIs, StateIs]] = {
 
 _WEAK = Or((StateIs("battery", "<", 20.0), StateIs("battery_low", "=", True)))  # noqa: FBT003 - as above
 
+_DETECTED = {
+    "carbon monoxide": "carbon_monoxide_alarm",
+    "frost": "freeze",
+    "tampering": "tamper",
+    **dict.fromkeys(("leak", "moisture", "water", "water leak"), "water_leak"),
+    **{name: name for name in ("gas", "heat", "rain", "smoke", "sound", "vibration")},
+}
+"""What sensors detect, as people say, with the capability."""
+
 CONDITIONS: Mapping[str, Query] = MappingProxyType(
     {
         "low battery": _WEAK,
         "weak battery": _WEAK,
+        **{
+            f"{word} {state}": StateIs(capability, "=", state == "detected")
+            for word, capability in _DETECTED.items()
+            for state in ("detected", "clear")
+        },
         "fresh": FreshnessIs("fresh"),
         "stale": FreshnessIs("stale"),
         "unconfirmed": FreshnessIs("unconfirmed"),
