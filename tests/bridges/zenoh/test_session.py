@@ -154,6 +154,22 @@ async def test_answers_to_many_peers_are_written_one_at_a_time() -> None:
     assert most == [1] * 8
 
 
+async def test_a_panic_inside_zenoh_stops_no_later_call_of_the_peer() -> None:
+    """It ended the thread, and what waited for the peer was never sent."""
+    lanes, done = Lanes(), SimpleQueue[str]()
+
+    class PanicError(BaseException):
+        """As PyO3's, which is no Exception."""
+
+    def panic() -> None:
+        raise PanicError("PoisonError")
+
+    assert lanes.make("rosie", panic, 0)
+    assert lanes.make("rosie", partial(done.put, "sent"), 0)
+    assert await to_thread.run_sync(done.get) == "sent"
+    assert (lanes.failed, lanes.problem) == (1, "PanicError: PoisonError")
+
+
 class Asked:
     """A query of Zenoh from a peer of its own."""
 

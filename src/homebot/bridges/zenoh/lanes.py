@@ -11,6 +11,8 @@ from collections import deque
 from collections.abc import Callable, Hashable
 from typing import Final
 
+from homebot.support.isolation import error_text
+
 MAX_LANES: Final = 64
 """Peers for which calls wait at a time, each with a thread."""
 
@@ -25,6 +27,8 @@ class Lanes:
     Attributes:
         working: Held by a call while it works for long without waiting: the event loop competes with one at a time.
         refused: Calls that were not made because too many waited.
+        failed: Calls that ended with an exception.
+        problem: That of the last one; empty if there is none.
     """
 
     def __init__(self) -> None:
@@ -32,6 +36,8 @@ class Lanes:
         self._lock = threading.Lock()
         self._waiting: dict[Hashable, deque[tuple[Callable[[], object], int]]] = {}
         self.refused = 0
+        self.failed = 0
+        self.problem = ""
 
     def make(
         self, peer: Hashable, call: Callable[[], object], size: int, instead: Callable[[], object] | None = None
@@ -70,5 +76,9 @@ class Lanes:
                     del self._waiting[peer]
                     return
                 call, _ = waiting.popleft()
-            call()
+            try:
+                call()
+            except BaseException as exc:  # noqa: BLE001 - a panic inside Zenoh is one, and the calls after it wait
+                self.failed += 1
+                self.problem = error_text(exc)
             del call  # and its data

@@ -154,8 +154,8 @@ class ZenohSession:
 
     @property
     def lost(self) -> int:
-        """Samples, queries and tokens that came faster than they were taken, and messages for peers that hang."""
-        return self._lost + self._lanes.refused
+        """Samples, queries and tokens that came faster than they were taken, and messages that could not be sent."""
+        return self._lost + self._lanes.refused + self._lanes.failed
 
     @property
     def is_alone(self) -> bool:
@@ -170,7 +170,8 @@ class ZenohSession:
             call(*values)
             if self._calls.empty() and self.lost > told:
                 told = self.lost
-                _log.warning(LOST, lost=told, problem="messages of others came faster than they were taken")
+                problem = self._lanes.problem or "messages of others came faster than they were taken"
+                _log.warning(LOST, lost=told, problem=problem)
             await asyncio.sleep(0)  # others have their turn
 
     def declare_token(self, text: str) -> Declared:
