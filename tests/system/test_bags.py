@@ -33,7 +33,7 @@ room = "hall"
 
 def ok(shell: Homebot, command: str) -> str:
     done = shell.run(command)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
     return done.stdout
 
 
