@@ -59,15 +59,7 @@ class Liveness:
             self._stamp, self._seconds = stamp, stamp.to_seconds()
         due, entry.deadline, entry.expires = entry.deadline, now + silence, self._seconds + silence
         if entry.is_shared:
-            # record that entry, a device with several announcements, was heard at gateway
-            gateway = source.key[0]
-            was_stale = before == "stale"
-            if was_stale:
-                entry.stale_gateways = entry.gateways() - {gateway}
-            elif gateway in entry.stale_gateways:
-                entry.stale_gateways -= {gateway}
-                self._table.record_change("changed", entry, f"it reported again over {gateway}")
-            self.schedule(entry)
+            self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
         elif before != "fresh" or entry.deadline < due:  # a later deadline is checked when the earlier one has come
             self.deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
@@ -110,14 +102,7 @@ class Liveness:
             if self._due(entry) <= now:
                 return entry
             if entry.is_shared:
-                # record the gateways at which entry has been silent for too long at now
-                silent = sorted(gateway for gateway, due in self._gateway_deadlines(entry).items() if due <= now)
-                entry.stale_gateways |= frozenset(silent)
-                if silent:
-                    self._table.record_change(
-                        "changed", entry, f"it has been silent for too long over {', '.join(silent)}"
-                    )
-                self.schedule(entry)
+                self._mark_gateways_stale(entry, now)
             else:
                 self.schedule(entry)
         return None
@@ -141,6 +126,23 @@ class Liveness:
                 silence = max(source.lasts, usual, _ONLINE_FOR if source.is_online else 0.0)
                 found[gateway] = max(found.get(gateway, -math.inf), source.heard_at + silence)
         return found
+
+    def _mark_gateway_seen(self, entry: Entry, gateway: str, *, was_stale: bool) -> None:
+        """Record that *entry*, a device with several announcements, was heard at *gateway*."""
+        if was_stale:
+            entry.stale_gateways = entry.gateways() - {gateway}
+        elif gateway in entry.stale_gateways:
+            entry.stale_gateways -= {gateway}
+            self._table.record_change("changed", entry, f"it reported again over {gateway}")
+        self.schedule(entry)
+
+    def _mark_gateways_stale(self, entry: Entry, now: float) -> None:
+        """Record the gateways at which *entry* has been silent for too long at *now*."""
+        silent = sorted(gateway for gateway, due in self._gateway_deadlines(entry).items() if due <= now)
+        entry.stale_gateways |= frozenset(silent)
+        if silent:
+            self._table.record_change("changed", entry, f"it has been silent for too long over {', '.join(silent)}")
+        self.schedule(entry)
 
     def forgotten_at(self, entry: Entry) -> float:
         """Return when a stale device is to be removed, in seconds since the Unix epoch."""

@@ -103,18 +103,7 @@ class Installation:
         if self._file is None:
             return {}
         try:
-            # open the file exclusively for this process
-            self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            descriptor = os.open(self._file, os.O_RDWR | os.O_CREAT, 0o600)
-            try:
-                if sys.platform == "win32":
-                    msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-                else:
-                    fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                os.close(descriptor)
-                raise
-            self._descriptor = descriptor
+            self._descriptor = _opened_alone(self._file)
             known = json.loads(os.read(self._descriptor, _MAX_CHARACTERS) or "{}")
         except (OSError, ValueError, RecursionError) as exc:
             self.problem = f"{self._file}: {exc}"
@@ -134,3 +123,22 @@ class Installation:
 
     def _new_id(self) -> str:
         return f"{self._random.getrandbits(4 * _DIGITS):0{_DIGITS}x}"
+
+
+def _opened_alone(path: Path) -> int:
+    """Open the file exclusively for this process.
+
+    Raises:
+        OSError: It cannot be opened, or another homebot has it.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        if sys.platform == "win32":
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        else:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor

@@ -93,6 +93,10 @@ def find_panel(table: DeviceTable, entry: Entry) -> None:
     if not new or len(table.panels) >= _MAX_PANELS:
         return
     table.panels |= new
+    _hang_others(table, entry, new)
+
+
+def _hang_others(table: DeviceTable, entry: Entry, new: Container[str]) -> None:
     for other in table.entries.values():
         if other is not entry and (panel := _panel_of(other, new)):
             other.invalidate_description()
@@ -245,15 +249,7 @@ class DeviceMerger:
             if group.keeps is not None:
                 self._merge(group.keeps, group, why)
             else:
-                for parent in group.parents:
-                    for key in group.keys:
-                        parent.sources.pop(key, None)
-                entry = self.appear({key: self._table.sources[key] for key in group.keys}, why)
-                for parent in group.parents:
-                    self.describe(parent)
-                    self._table.record_change(
-                        "unmerged", parent, f"{entry.id} turned out to be another device", entry.id
-                    )
+                self._split(group, why)
 
     def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
         """Split a device, because the owner says so; return the resulting ids, that of the original first.
@@ -413,6 +409,15 @@ class DeviceMerger:
         self._table.drop(entry)
         self._liveness.deadlines.discard(entry.id)
 
+    def _split(self, group: Regrouped, why: str) -> None:
+        for parent in group.parents:
+            for key in group.keys:
+                parent.sources.pop(key, None)
+        entry = self.appear({key: self._table.sources[key] for key in group.keys}, why)
+        for parent in group.parents:
+            self.describe(parent)
+            self._table.record_change("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
+
     def _merge(self, entry: Entry, group: Regrouped, why: str) -> None:
         table = self._table
         sources = {key: table.sources[key] for key in group.keys}
@@ -424,14 +429,7 @@ class DeviceMerger:
             return
         silent = silent_gateways((entry, *group.gone))
         for other in group.gone:
-            # merge other into entry, with the longer silence and the newer sign of life
-            self._table.changes.add_removal(other, f"it is the same device as {entry.id}", entry.id)
-            self._drop(other)
-            entry.report_interval.join(other.report_interval)
-            if other.deadline > entry.deadline:
-                entry.deadline, entry.expires = other.deadline, other.expires
-            if other.freshness == "fresh" or entry.freshness == "stale":
-                entry.freshness = other.freshness
+            self._absorb(entry, other)
         entry.sources, entry.stale_gateways = sources, silent
         table.owners.update(dict.fromkeys(sources, entry))
         before = entry.evidence
@@ -445,6 +443,16 @@ class DeviceMerger:
                 self._table.record_change("merged", entry, evidence)
             else:
                 self._table.record_change("changed", entry, "it announces more capabilities")
+
+    def _absorb(self, entry: Entry, other: Entry) -> None:
+        """Merge *other* into *entry*, with the longer silence and the newer sign of life."""
+        self._table.changes.add_removal(other, f"it is the same device as {entry.id}", entry.id)
+        self._drop(other)
+        entry.report_interval.join(other.report_interval)
+        if other.deadline > entry.deadline:
+            entry.deadline, entry.expires = other.deadline, other.expires
+        if other.freshness == "fresh" or entry.freshness == "stale":
+            entry.freshness = other.freshness
 
     def _evidence(self, entry: Entry) -> Iterator[str]:
         sources = self._table.sources

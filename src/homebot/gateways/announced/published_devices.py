@@ -15,7 +15,7 @@ from homebot.devices.health import HealthResponse
 from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue, SetBy
 from homebot.errors import RefusedError, UnableError, WireError
-from homebot.gateways.announced.announcement import SightingKind
+from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.announced.command_server import CommandServer, Perform, Refresh
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
@@ -136,16 +136,7 @@ class PublishedDevices:
         stored = before
         if stored is None or self._given[device.key] != device:
             try:
-                change = self._registry.put(device.described())
-                device.complete(change.stored)
-                if change.before is not None:
-                    change.before.detach()
-                    if self._given[device.key].raw != device.raw:
-                        self._leave_address(self._given[device.key])
-                self._given[device.key] = device
-                if device.raw:
-                    self._by_address[device.raw] = device
-                stored = change.stored
+                stored = self._store(device)
             except WireError as exc:
                 self.counters.devices_refused += 1
                 self.engine.quarantine.log_limited(TOO_MANY, str(exc), source="")
@@ -251,6 +242,18 @@ class PublishedDevices:
         self._reporter.refresh_time()
         self.counters.rejected += 1
         self.engine.quarantine.record_offence(source, len(payload), REJECTED, why)
+
+    def _store(self, device: GatewayDevice) -> StoredAnnouncement:
+        change = self._registry.put(device.described())
+        device.complete(change.stored)
+        if change.before is not None:
+            change.before.detach()
+            if self._given[device.key].raw != device.raw:
+                self._leave_address(self._given[device.key])
+        self._given[device.key] = device
+        if device.raw:
+            self._by_address[device.raw] = device
+        return change.stored
 
     def _leave_address(self, device: GatewayDevice) -> None:
         last_there = self._by_address.get(device.raw)

@@ -302,17 +302,20 @@ class StateReader:
                 refused.append(shared)
             if retained and shared.value is before:
                 continue  # all its members have reported it already
-            for stored, part in tuple(shared.members):
-                if work.is_over:
-                    await work.pause()
-                    if self._devices.get(stored.key) is not stored:
-                        continue
-                if said and not retained:
-                    stored.heard_at = self._reporter.now
-                self._report_reachable(stored, part, shared, retained=retained)
+            await self._report_members(shared, work, said=said, retained=retained)
         return frozenset(
             (stored.key, part) for shared in refused if shared.value is False for stored, part in shared.members
         )
+
+    async def _report_members(self, shared: SharedReachability, work: TimeSlice, *, said: bool, retained: bool) -> None:
+        for stored, part in tuple(shared.members):
+            if work.is_over:
+                await work.pause()
+                if self._devices.get(stored.key) is not stored:
+                    continue
+            if said and not retained:
+                stored.heard_at = self._reporter.now
+            self._report_reachable(stored, part, shared, retained=retained)
 
     def report_reachability(self, stored: StoredAnnouncement) -> None:
         """Report the reachability already known from other announcements of the device of *stored*."""
@@ -352,13 +355,16 @@ class StateReader:
         else:
             reporter.publish_report(stored, readings, address, retained=retained, set_by=set_by)
         if not retained and False in stored.reachable.values():
-            # forget each retained "offline" that a message of parts disproves
-            for part in {"", *(one.part for one in readings)}:
-                if stored.reachable.get(part) is False and (shared := stored.reachability.get(part)) is not None:
-                    shared.discard_retained_offline()
-                    shared.address = address
-                    for member, its_part in tuple(shared.members):
-                        self._report_reachable(member, its_part, shared, retained=False)
+            self._doubt(stored, {"", *(one.part for one in readings)}, address)
+
+    def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
+        """Forget each retained "offline" that a message of *parts* disproves."""
+        for part in parts:
+            if stored.reachable.get(part) is False and (shared := stored.reachability.get(part)) is not None:
+                shared.discard_retained_offline()
+                shared.address = address
+                for member, its_part in tuple(shared.members):
+                    self._report_reachable(member, its_part, shared, retained=False)
 
     def _report_reachable(
         self, stored: StoredAnnouncement, part: str, shared: SharedReachability, *, retained: bool

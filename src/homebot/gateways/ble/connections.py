@@ -155,13 +155,7 @@ class Connections:
         self._slots.prefer(key)
         try:
             if self._slots.is_full_for(key):
-                idle = [one for one in self._kept.values() if one.link is not None and not one.commands.locked()]
-                if idle:
-                    least = min(idle, key=lambda one: one.used_at)
-                    least.preempted = True
-                    if least.link is not None:
-                        await least.link.close()
-                    least.on_closed()  # some backends do not report a disconnection that was asked for
+                await self._close_least_used()
             kept.wake.set()
             with anyio.move_on_after(COMMAND_WITHIN):
                 while kept.link is None and key in self._kept:
@@ -171,6 +165,15 @@ class Connections:
         if kept.link is None:
             raise LinkError(f"{key} cannot be reached: no connection was made within {COMMAND_WITHIN:g} seconds")
         return kept.link
+
+    async def _close_least_used(self) -> None:
+        idle = [one for one in self._kept.values() if one.link is not None and not one.commands.locked()]
+        if idle:
+            least = min(idle, key=lambda one: one.used_at)
+            least.preempted = True
+            if least.link is not None:
+                await least.link.close()
+            least.on_closed()  # some backends do not report a disconnection that was asked for
 
     async def _run(self, kept: _ManagedDevice) -> None:
         """Connect whenever there is a slot, until cancelled."""
@@ -212,19 +215,7 @@ class Connections:
             self._slots.opened(kept.device.key)
             if not link.has(kept.profile.command):
                 raise RefusedError(kept.device.key, f"it has no characteristic {kept.profile.command}")
-            # read the device information, the battery and the state of a device, and subscribe to changes
-            for fact, characteristic in DEVICE_INFORMATION.items():
-                if link.has(characteristic, "read"):
-                    text = (await link.read(characteristic)).decode(errors="replace").strip("\0 ")
-                    if text.isprintable() and text:
-                        kept.device.connected_facts[fact] = text[:_MAX_CHARACTERS]
-            kept.device.has_battery = link.has(BATTERY_LEVEL, "read")
-            self._on_described(kept.device)
-            for characteristic in (BATTERY_LEVEL, *((kept.profile.reported_by,) if kept.profile.report else ())):
-                if link.has(characteristic, "notify", "indicate"):
-                    await link.subscribe(characteristic, partial(self._put, values_in, characteristic))
-                if link.has(characteristic, "read"):
-                    self._put(values_in, characteristic, await link.read(characteristic))
+            await self._learn(kept, link, values_in)
             kept.link = link
             self._devices.report_reachable(kept.device.key, reachable=True)
             self._slots.notify()
@@ -236,6 +227,23 @@ class Connections:
             values.close()
             if link is not None:
                 await link.close()
+
+    async def _learn(
+        self, kept: _ManagedDevice, link: BleLink, values_in: MemoryObjectSendStream[tuple[str, bytes]]
+    ) -> None:
+        """Read the device information, the battery and the state of a device, and subscribe to changes."""
+        for fact, characteristic in DEVICE_INFORMATION.items():
+            if link.has(characteristic, "read"):
+                text = (await link.read(characteristic)).decode(errors="replace").strip("\0 ")
+                if text.isprintable() and text:
+                    kept.device.connected_facts[fact] = text[:_MAX_CHARACTERS]
+        kept.device.has_battery = link.has(BATTERY_LEVEL, "read")
+        self._on_described(kept.device)
+        for characteristic in (BATTERY_LEVEL, *((kept.profile.reported_by,) if kept.profile.report else ())):
+            if link.has(characteristic, "notify", "indicate"):
+                await link.subscribe(characteristic, partial(self._put, values_in, characteristic))
+            if link.has(characteristic, "read"):
+                self._put(values_in, characteristic, await link.read(characteristic))
 
     def _put(self, values_in: MemoryObjectSendStream[tuple[str, bytes]], characteristic: str, data: bytes) -> None:
         try:
@@ -251,9 +259,7 @@ class Connections:
         is_polled = bool(kept.profile.report) and not link.has(kept.profile.reported_by, "notify", "indicate")
         opened = self._clock.monotonic()
         while link.is_open:
-            now = self._clock.monotonic()
-            is_in_use = kept.commands.locked() or now - kept.used_at < IN_USE
-            if self._slots.is_wanted and not is_in_use and now - opened >= TURN:
+            if self._should_yield(kept, opened):
                 kept.preempted = True
                 return
             found: tuple[str, bytes] | None = None
@@ -268,6 +274,11 @@ class Connections:
                 await self._report_battery(kept.device.key, found[1])
             elif found is not None:
                 await self._report(kept, found[1])
+
+    def _should_yield(self, kept: _ManagedDevice, opened: float) -> bool:
+        now = self._clock.monotonic()
+        is_in_use = kept.commands.locked() or now - kept.used_at < IN_USE
+        return self._slots.is_wanted and not is_in_use and now - opened >= TURN
 
     async def _report_battery(self, key: str, data: bytes) -> None:
         if len(data) != 1 or data[0] > _FULL:

@@ -254,13 +254,7 @@ class MdnsNetwork(ServiceNetwork):
 
     def _resolved(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
         ttl, left = self._time_to_live(name)
-        host = info.server or ""
-        cache = self._zeroconf.zeroconf.cache
-        kept = [one for one in cache.async_entries_with_name(host) if one.type in _ADDRESS_TYPES]
-        if len(kept) > MAX_ADDRESSES:
-            old = sorted(kept, key=lambda one: one.created)[:-MAX_ADDRESSES]
-            cache.async_remove_records(old)
-            self._counters.addresses_refused += len(old)
+        self._drop_old_addresses(info.server or "")
         newest = info.parsed_scoped_addresses()[:MAX_ADDRESSES]
         with_loopback = any(is_loopback(address) for address in _addresses(self._interfaces))
         addresses = usable_addresses(newest, with_loopback=with_loopback)
@@ -276,6 +270,15 @@ class MdnsNetwork(ServiceNetwork):
         )
         problem = record.problem or ("" if addresses else "it has no address that can be connected to")
         return ResolvedService(service, ttl, left, problem, info.text)
+
+    def _drop_old_addresses(self, host: str) -> None:
+        """Keep the newest :data:`MAX_ADDRESSES` of a host: the library keeps 10,000 records, of any hosts."""
+        cache = self._zeroconf.zeroconf.cache
+        kept = [one for one in cache.async_entries_with_name(host) if one.type in _ADDRESS_TYPES]
+        if len(kept) > MAX_ADDRESSES:
+            old = sorted(kept, key=lambda one: one.created)[:-MAX_ADDRESSES]
+            cache.async_remove_records(old)
+            self._counters.addresses_refused += len(old)
 
     def _time_to_live(self, name: str) -> tuple[float, float]:
         """Return the time to live of the SRV record of a service, and the seconds that are left of it."""

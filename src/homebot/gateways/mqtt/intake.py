@@ -160,7 +160,6 @@ class AnnouncementHandler:
             case DeviceRequest():
                 self._subscriber.question(event)
             case GroupsListed():
-                # describe the groups with other members than before again
                 before, self._groups[event.source] = self._groups.get(event.source, {}), event.members
                 changed = {one for one, _ in before.items() ^ event.members.items()}
                 for stored in tuple(self._registry.by_key.values()) if changed else ():
