@@ -88,11 +88,11 @@ def cached_device(device: object, origin: object) -> DeviceInfo:
     for name, fields in (("device", device), ("origin", origin)):
         if not isinstance(fields, (dict, NoneType)):
             raise WireError(f"{name} is {shown(fields)}, not an object")
-    found = _DEVICES[text] = read_device(
+    about = _DEVICES[text] = read_device(
         full_keys(device, DEVICE_ABBREVIATIONS) if isinstance(device, dict) else {},
         full_keys(origin, ORIGIN_ABBREVIATIONS) if isinstance(origin, dict) else {},
     )
-    return found
+    return about
 
 
 def cached_availability(config: DiscoveryConfig) -> Availability | None:
@@ -102,10 +102,10 @@ def cached_availability(config: DiscoveryConfig) -> Availability | None:
     text = to_json((config.encoding, *map(config.values.get, _AVAILABILITY)))
     if (known := _AVAILABILITIES.get(text)) is not None:
         return known
-    found = read_availability(config)
-    if found is not None:
-        _AVAILABILITIES[text] = found
-    return found
+    availability = read_availability(config)
+    if availability is not None:
+        _AVAILABILITIES[text] = availability
+    return availability
 
 
 _AVAILABILITY = (
@@ -217,7 +217,12 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     if len(entries) > MAX_SOURCES:
         raise WireError(f"availability has {len(entries)} topics; {MAX_SOURCES} is the limit")
     sources = tuple([_entry(config, entry) for entry in entries])
-    return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
+    if not sources:
+        return None
+    mode = config.text("availability_mode", "latest")
+    if mode not in _MODES:
+        raise WireError(f"availability_mode is {shown(mode)}, not all, any or latest")
+    return Availability(sources, _MODES[mode])
 
 
 def _entry(config: DiscoveryConfig, entry: object) -> _PayloadAvailability:
@@ -240,9 +245,3 @@ def _source(config: DiscoveryConfig, topic_key: str, template_key: str) -> _Payl
 
 
 _MODES: Mapping[str, AvailabilityMode] = {mode: mode for mode in get_args(AvailabilityMode)}
-
-
-def _mode(text: str) -> AvailabilityMode:
-    if text in _MODES:
-        return _MODES[text]
-    raise WireError(f"availability_mode is {shown(text)}, not all, any or latest")

@@ -202,11 +202,6 @@ _WORDS: Mapping[str, bool | None] = {"on": True, "off": False, "None": None}
 _BYTE = 255
 
 
-def _source(config: DiscoveryConfig, key: str) -> ValueSource | None:
-    template_key = f"{key}_template"
-    return config.source("state_topic", template_key) if config.has(template_key) else None
-
-
 class _TemplateLight:
     """Reader and writer of a lamp, by one template for each value; a colour needs three."""
 
@@ -224,7 +219,11 @@ class _TemplateLight:
         is_used = any("transition" in config.text(f"command_{state}_template") for state in ("on", "off"))
         effects, most = config.options("effect_list"), MAX_FADE_S if is_used else 0.0
         self.lamp = LightFeatures(frozenset(modes), read_white_range(config), effects, most_seconds=most)
-        self._sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
+        self._sources: dict[str, ValueSource] = {}
+        for key in _TEMPLATES:
+            template = f"{key}_template"
+            if config.has(template) and (source := config.source("state_topic", template)) is not None:
+                self._sources[key] = source
 
     def publish(self, command: LightCommand) -> Publications:
         variables: dict[str, object] = {"state": command.on}

@@ -70,7 +70,10 @@ def publish_cover(entity: PublishedEntity, available: Available, part: Part) -> 
     A position or a tilt that is never reported is left out: Home Assistant sets none that it does not know.
     """
     movement = available.pop("movement") if is_settable(available, "movement") else None
-    entity.config |= _cover_class(part)
+    if part.service_type == "closure":
+        entity.config["device_class"] = part.tag if part.tag in CLOSURE_CLASSES else "door"
+    elif part.tag in _COVERINGS:
+        entity.config["device_class"] = part.tag
     if movement is not None:
         payloads = settable_payloads(movement, _MOVES)
         entity.config |= {key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items()}
@@ -78,12 +81,6 @@ def publish_cover(entity: PublishedEntity, available: Available, part: Part) -> 
     position = available.get("position")
     if movement is not None or (position is not None and _COVER_ROWS[0].fits(position)):
         entity.add_rows(available, _COVER_ROWS)
-
-
-def _cover_class(part: Part) -> dict[str, object]:
-    if part.service_type == "closure":
-        return {"device_class": part.tag if part.tag in CLOSURE_CLASSES else "door"}
-    return {"device_class": part.tag} if part.tag in _COVERINGS else {}
 
 
 def publish_valve(entity: PublishedEntity, available: Available, _part: Part) -> None:

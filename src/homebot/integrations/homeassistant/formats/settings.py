@@ -153,7 +153,10 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
 
     def write(value: PlainValue, _transition: float) -> Publications:
         moment = require_moment(kind, value, zoned=not in_numbers)
-        return command.publish(_numbers_of(kind, moment) if in_numbers else moment)
+        if in_numbers:
+            numbers = map(int, re.findall("[0-9]+", moment))
+            moment = compact_json(dict(zip(_NUMBERS[kind], numbers, strict=False)))
+        return command.publish(moment)
 
     entity = Entity(config, "x_setting", kind)
     entity.add_value("text", config.source("state_topic"), read, command, write)
@@ -173,8 +176,3 @@ def _moment_of(kind: str, fields: Mapping[str, object]) -> str:
         return _FORMS[kind].format_map(fields)
     except (LookupError, TypeError, ValueError):
         return ""
-
-
-def _numbers_of(kind: str, moment: str) -> str:
-    numbers = map(int, re.findall("[0-9]+", moment))
-    return compact_json(dict(zip(_NUMBERS[kind], numbers, strict=False)))

@@ -3,7 +3,7 @@
 The entities of one device of Home Assistant are the parts of one device; an entity without a device is a device.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.description import Publication, Publications
@@ -187,7 +187,10 @@ class HomeAssistantEntities:
         entities = self.of(key)
         ids = [entity.entity_id for entity in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
-        name = device.name or _own_name(entities) or key
+        name = device.name
+        if not name and entities:
+            name = entities[0].name or entities[0].entity_id.partition(".")[2].replace("_", " ")
+        name = name or key
         sole = [entity for entity in entities if not entity.entry.category]
         area, floor = self.registries.place(key, [entity.entity_id for entity in sole or entities])
         parts = [*map(self._part, entities), *self.triggers.get(key, ())]
@@ -198,7 +201,7 @@ class HomeAssistantEntities:
         self._devices[key] = described = GatewayDevice(
             key,
             name,
-            tuple(_without_name(part, name) for part in parts),
+            tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in parts),
             {fact: text for fact, text in facts.items() if text},
             device.identifiers,
             authenticated=True,  # our token proved that it is the owner's Home Assistant
@@ -226,14 +229,3 @@ def _order(key_and_entity: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, 
     """Return the sort key of an entity: settings last, then as :data:`DOMAINS` are sorted, a whole before its parts."""
     entity_id, entity = key_and_entity
     return bool(entity.entry.category), _ORDER[entity.domain], not entity.is_group, entity_id
-
-
-def _own_name(entities: Iterable[HomeAssistantEntity]) -> str:
-    """Return the name of the first of *entities*; empty without any."""
-    names = (entity.name or entity.entity_id.partition(".")[2].replace("_", " ") for entity in entities)
-    return next(names, "")
-
-
-def _without_name(part: Part, name: str) -> Part:
-    """Return *part* without the *name* of its device."""
-    return part.model_copy(update={"name": ""}) if part.name == name else part

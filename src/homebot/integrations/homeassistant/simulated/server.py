@@ -6,7 +6,7 @@ Source: Home Assistant core 2024.3, ``components/websocket_api`` and ``component
 import secrets
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Final, TypeAlias
 
 import anyio
@@ -196,19 +196,15 @@ class SimulatedHomeAssistant(WebDevice):
         listed = (target if isinstance(target, dict) else data).get("entity_id")
         if not isinstance(listed, list):
             return True, {"code": "invalid_format", "message": "the call is invalid"}
-        for entity_id, entity in self._available(listed):
+        for entity_id in listed:
+            entity = self.entities.get(entity_id)
+            if entity is None or entity.shown == "unavailable":
+                continue  # a call leaves it out, as in Home Assistant
             if (frame.get("domain"), service) == ("homeassistant", "update_entity"):
                 continue  # it polls the entity, whose state is the same
             if not entity_id.startswith(f"{frame.get('domain')}.") or not entity.call(service, data):
                 return True, {"code": "not_found", "message": f"Service {frame.get('domain')}.{service} not found."}
         return False, {"context": {"id": "1"}}
-
-    def _available(self, listed: list[str]) -> Iterator[tuple[str, ListedEntity]]:
-        """Yield those of the *listed* entities that are there; like Home Assistant, a call leaves out the others."""
-        for entity_id in listed:
-            entity = self.entities.get(entity_id)
-            if entity is not None and entity.shown != "unavailable":
-                yield entity_id, entity
 
     def send_states(self, event: Fields) -> None:
         """Send an event to all that subscribed to states."""

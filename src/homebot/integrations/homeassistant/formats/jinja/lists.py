@@ -113,14 +113,10 @@ def attribute_of(value: object, path: object) -> object:
     return value
 
 
-def _folded(value: object) -> object:
-    return value.lower() if isinstance(value, str) else value
-
-
 def _key(case_sensitive: object, attribute: object) -> Callable[[object], object]:
     def key(value: object) -> object:
         key = value if attribute is None else attribute_of(value, attribute)
-        return key if case_sensitive else _folded(key)
+        return key.lower() if isinstance(key, str) and not case_sensitive else key
 
     return key
 
