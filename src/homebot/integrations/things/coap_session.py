@@ -126,19 +126,19 @@ class ThingEndpointSession(EndpointSession):
             self._client = self._client.guarded_by(guard)
             described = await self._describe()
             self._client = self._client.guarded_by(guard.of_described)
-        self._things = {device.key: self._thing(device, thing) for device, thing in described}
+        things: dict[str, ThingDevice] = {}
+        for device, thing in described:
+            host = DriverHost(self._devices, device.key)
+            port = CoapPort(self._client, partial(self._devices.admits, device.key))
+            things[device.key] = ThingDevice(thing, device, port, host, self._poll_every)
+        self._things = things
         self.on_described(*self._things)
         with ungrouped():
             async with anyio.create_task_group() as tasks:
-                for thing in self._things.values():
-                    tasks.start_soon(run_as, "a CoAP device", thing.run)
+                for used in things.values():
+                    tasks.start_soon(run_as, "a CoAP device", used.run)
                 if not any(device.parts for device, _ in described):
                     tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
-
-    def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
-        host = DriverHost(self._devices, device.key)
-        port = CoapPort(self._client, partial(self._devices.admits, device.key))
-        return ThingDevice(thing, device, port, host, self._poll_every)
 
     async def _check(self, device: GatewayDevice) -> None:
         """Check periodically that a device without readable values is still there."""

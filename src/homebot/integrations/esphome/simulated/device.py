@@ -260,7 +260,8 @@ class EsphomeServedDevice(ServedDevice):
                 }
                 return (("DeviceInfoResponse", info),)
             case "ListEntitiesRequest":
-                return self._listed(), ("ListEntitiesDoneResponse", {})
+                entity = {"object_id": self.device.kind, "name": "", "key": _KEY, **self._entity.listed}
+                return (f"ListEntities{self._entity.component}Response", entity), ("ListEntitiesDoneResponse", {})
             case "SubscribeStatesRequest":
                 return (self._state(),)
             case "PingRequest" | "DisconnectRequest":
@@ -269,10 +270,6 @@ class EsphomeServedDevice(ServedDevice):
                 return (("AuthenticationResponse", {"invalid_password": fields.get("password") != self._password}),)
             case _:
                 return ()
-
-    def _listed(self) -> ApiMessage:
-        own = {"object_id": self.device.kind, "name": "", "key": _KEY}
-        return f"ListEntities{self._entity.component}Response", {**own, **self._entity.listed}
 
     def _state(self) -> ApiMessage:
         return f"{self._entity.component}StateResponse", {"key": _KEY, **self._entity.state(self.state)}

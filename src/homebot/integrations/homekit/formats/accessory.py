@@ -151,16 +151,16 @@ def _parse_service(data: object) -> HapService | None:
     return service
 
 
-def _whole_numbers(values: object) -> tuple[int, ...]:
-    return tuple(int(value) for value in values if finite_number(value) is not None) if isinstance(values, list) else ()
-
-
 def _parse_characteristic(data: object) -> HapCharacteristic | None:
     fields = as_fields(data)
     iid, kind, perms = whole_number(fields.get("iid")), short_type(fields.get("type")), fields.get("perms")
     if iid is None or not kind or not isinstance(perms, list):
         return None
     least, most = finite_number(fields.get("minValue")), finite_number(fields.get("maxValue"))
+    valid = fields.get("valid-values")
+    numbers = [int(value) for value in valid if finite_number(value) is not None] if isinstance(valid, list) else []
+    if least is not None and least == most:
+        numbers = [int(least)]
     return HapCharacteristic(
         iid,
         kind,
@@ -168,6 +168,6 @@ def _parse_characteristic(data: object) -> HapCharacteristic | None:
         frozenset(permission for permission in perms if isinstance(permission, str)),
         fields.get("value"),
         (least, most) if least is not None and most is not None and least < most else (),
-        (int(least),) if least is not None and least == most else _whole_numbers(fields.get("valid-values")),
+        tuple(numbers),
         step if (step := finite_number(fields.get("minStep")) or 0.0) >= _FINEST else 0.0,
     )

@@ -195,15 +195,13 @@ def _singles(node: NodeRoles) -> Iterator[BytesPart]:
                 yield _sensor(node.node, Role("temperature", role.prop))
         elif role.name and role.name not in CONTROLS:
             yield _sensor(node.node, role)
-        elif not role.name and not _is_relative(role.prop):
-            setting = node_part(node.node, "x_setting", suffix=role.prop.id, name=role.prop.name, category="config")
-            add_property(setting, _SETTINGS.get(role.prop.datatype, "text"), role.prop)
+        elif not role.name:
+            prop = role.prop
+            if prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE:
+                continue  # homebot's commands are absolute
+            setting = node_part(node.node, "x_setting", suffix=prop.id, name=prop.name, category="config")
+            add_property(setting, _SETTINGS.get(prop.datatype, "text"), prop)
             yield setting
-
-
-def _is_relative(prop: HomieProperty) -> bool:
-    """Return whether all its commands are relative; homebot's commands are absolute."""
-    return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
 
 
 _RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "trigger"})

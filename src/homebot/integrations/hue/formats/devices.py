@@ -10,7 +10,7 @@ from homebot.conventions.capability_row import described
 from homebot.conventions.payload import as_fields, text_of
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Category, Part, SceneValue
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import Value
 from homebot.integrations.hue.formats.resources import Fields, HueResources, HueRow, at
 from homebot.integrations.hue.formats.service_rows import BUTTON_KINDS, MOTION_KINDS, SERVICE_ROWS
 from homebot.support.numbers import whole_number
@@ -179,19 +179,15 @@ def _values(resources: HueResources, scene: Fields) -> Iterator[SceneValue]:
         for owner, device in resources.holders(rid, "device"):
             services = _services(device, tuple(resources.referred(device, "services")))
             light = next((service for service in services if service.id == rid), None)
-            if light is not None:
-                wanted = {"id": rid, "type": "light", **as_fields(at(action, "action"))}
-                for capability, value in _wanted_values(wanted):
+            if light is None:
+                continue
+            wanted = {"id": rid, "type": "light", **as_fields(at(action, "action"))}
+            is_off = at(wanted, "on", "on") is False
+            for capability, row in described(SERVICE_ROWS, wanted):
+                value = None if row.read is None or (is_off and capability.name != "on_off") else row.read(wanted)
+                if value is not None:
                     member = f"id:hue:{owner}#{light.part.id}"
-                    yield SceneValue(member=member, capability=capability, value=Value.of(value))
-
-
-def _wanted_values(light: Fields) -> Iterator[tuple[str, PlainValue]]:
-    is_off = at(light, "on", "on") is False
-    for capability, row in described(SERVICE_ROWS, light):
-        value = None if row.read is None or (is_off and capability.name != "on_off") else row.read(light)
-        if value is not None:
-            yield capability.name, value
+                    yield SceneValue(member=member, capability=capability.name, value=Value.of(value))
 
 
 def _service(

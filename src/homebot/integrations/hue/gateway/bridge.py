@@ -320,17 +320,12 @@ class BridgeRunner(DeviceRunner):
             service.id: (key, service) for key, device in self._described.items() for service in device.services
         }
         self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
-        is_renamed = any(self._takes_name(device) for device in devices.values())
+        name = next((device.name for device in devices.values() if device.is_bridge and device.name), self.name)
+        is_renamed, self.name = name != self.name, name  # all devices have it
         for key, device in (self._described if is_renamed else devices).items():
             self._put(key, device, why)
             if not device.is_bridge:
                 self._devices.report_reachable(key, reachable=device.reachable)
-
-    def _takes_name(self, device: HueDevice) -> bool:
-        """Take the name of the bridge, which all devices have, and return whether it is a new one."""
-        before = self.name
-        self.name = (device.is_bridge and device.name) or before
-        return self.name != before
 
     def _put(self, key: str, device: HueDevice, why: str) -> None:
         published = GatewayDevice(

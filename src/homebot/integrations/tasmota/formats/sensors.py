@@ -140,8 +140,10 @@ def read_leaves(message: Mapping[str, object], probes: dict[str, str]) -> tuple[
             break
         if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
             continue
-        quantity = _quantity_of(path, sensors)
-        is_internal = quantity.capability == "temperature" and _is_inside(str(path[0]), sensors)
+        quantity, sensor = _quantity_of(path, sensors), str(path[0])
+        # A chip of the device, or the thermometer that protects a plug or a relay: the analog input beside a meter.
+        is_inside = sensor.startswith(_CHIPS) or (sensor == "ANALOG" and "ENERGY" in sensors)
+        is_internal = quantity.capability == "temperature" and is_inside
         leaves.append(Leaf(path, quantity, finite_number(value) is not None, is_internal, probe))
     return tuple(leaves)
 
@@ -177,14 +179,6 @@ def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[
 
 _DIAGNOSTIC = re.compile("^Shutter[0-9]| (Id|TotalStartTime)$")
 """Values of a shutter, which is a part itself, and facts of a sensor."""
-
-
-def _is_inside(sensor: str, sensors: Mapping[str, object]) -> bool:
-    """Return whether *sensor* is a chip of the device, or the thermometer that protects a plug or a relay.
-
-    The latter is the analog input of a device with an energy meter.
-    """
-    return sensor.startswith(_CHIPS) or (sensor == "ANALOG" and "ENERGY" in sensors)
 
 
 _CHIPS = ("AXP", "BL09", "CSE77", "ESP32")

@@ -178,7 +178,10 @@ _KEYS = frozenset({"child", "key", "keypad", "keys"})
 def _by_name(candidate: _Candidate, main: str) -> str:
     """Return the capability suggested by the name, or the name."""
     name = _TOKEN_BREAK.sub("_", candidate.name.rpartition("/")[2]).strip("_").lower()
-    if name in {"power", "state"} and candidate.is_settable and _is_switch(candidate.affordance.schema):
+    schema = candidate.affordance.schema
+    words = {text.casefold() for text in schema.enum if isinstance(text, str)}
+    is_switch = schema.type == "boolean" or words == {"on", "off"}
+    if name in {"power", "state"} and candidate.is_settable and is_switch:
         return "on_off"  # and no watts, nor read-only properties
     return _in_context(NAMES.get(name, name), main)
 
@@ -189,11 +192,6 @@ def _general(candidate: _Candidate) -> str:
     if kind == "text" and candidate.is_settable and candidate.affordance.schema.enum:
         return "option"
     return _GENERAL.get(kind, ("raw", "raw"))[candidate.is_settable]
-
-
-def _is_switch(schema: DataSchema) -> bool:
-    words = {text.casefold() for text in schema.enum if isinstance(text, str)}
-    return schema.type == "boolean" or words == {"on", "off"}
 
 
 def _measured(candidate: _Candidate) -> str:
@@ -355,14 +353,15 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         guessed=guessed,
         capabilities=tuple(affordance.capability for affordance in affordances),
         reads=_distinct(form.filter for member in members for form in member.observed),
-        writes=_distinct(form.topic for candidate in _with_actions(members) for form in candidate.written),
+        writes=_distinct(
+            form.topic
+            for member in members
+            for candidate in (member, *member.actions.values())
+            for form in candidate.written
+        ),
         payloads=payload_digest(written) if written else "",
     )
     return ClassifiedPart(part, affordances)
-
-
-def _with_actions(members: Iterable[_Candidate]) -> list[_Candidate]:
-    return [candidate for member in members for candidate in (member, *member.actions.values())]
 
 
 def _distinct(texts: Iterable[str]) -> tuple[str, ...]:

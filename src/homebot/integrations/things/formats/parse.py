@@ -154,7 +154,8 @@ def read_thing(description: object, source: str = "") -> Thing:
         facts={name: facts.text(name) for name in facts.names() if isinstance(facts.plain(name), str)},
         area=fields.text("homebot:area"),
         identifiers=fields.texts("homebot:identifiers"),
-        forms=tuple(_thing_forms(fields, base, required)),
+        # Those of the thing as a whole must have an operation (TD 1.1, section 5.3.4.2.1).
+        forms=tuple(_form(form, ops, base, required) for form in _listed_forms(fields) if (ops := form.texts("op"))),
         security=schemes,
     )
 
@@ -203,13 +204,6 @@ def _forms(
             if op not in _OPS[kind]:
                 raise form.problem("op", f"{op[:60]!a} is none of {', '.join(_OPS[kind])}")
         yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base, security)
-
-
-def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
-    """Parse the forms of the thing as a whole, which must have an operation (TD 1.1, section 5.3.4.2.1)."""
-    for form in _listed_forms(fields):
-        if ops := form.texts("op"):
-            yield _form(form, ops, base, security)
 
 
 def _listed_forms(fields: Fields) -> list[Fields]:

@@ -113,15 +113,11 @@ def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tu
         yield WebLink(f"{target}/{number}"), f"{href.rstrip('/')}/{number}"
 
 
-def _folder(link: WebLink) -> str:
-    return link.target.strip("/").rpartition("/")[0]
-
-
 def _instance(link: WebLink, number: str = "") -> str:
     """Return the path of the instance of an IPSO object that has the resource; of the object *number*, where given."""
     match = _IPSO_PATH.fullmatch(link.target)
     is_it = match is not None and number in {"", match[1]}
-    return _folder(link) if is_it else ""
+    return link.target.strip("/").rpartition("/")[0] if is_it else ""
 
 
 def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, str]:

@@ -79,16 +79,14 @@ class _Movement:
         word = message.get(self.motor.key) if self.motor is not None else None
         direction = _DIRECTIONS.get(word.lower()) if isinstance(word, str) else None
         position = message.get(self.position)
-        if direction is not None and not self._is_at_end(at, position):
+        is_at_end = self.position != "" and position == _ENDS.get(at or "")
+        if direction is not None and not is_at_end:
             return {"movement": direction}
         if at is None:
             return unreadable(state, _STATES)
         if direction is None and message.get(_RUNNING) is True:
             return self._read_running(at, finite_number(position))
         return {"movement": at}
-
-    def _is_at_end(self, at: str | None, position: object) -> bool:
-        return self.position != "" and position == _ENDS.get(at or "")
 
     def _read_running(self, at: str, position: float | None) -> Readings:
         if position is None or at not in _ENDS or position == _ENDS[at]:

@@ -44,8 +44,13 @@ class GroupMember(NamedTuple):
     @property
     def question(self) -> Mapping[str, str]:
         """A question for all values that it tells when asked."""
-        features = (feature for named in self.exposes.values() for feature in named.items())
-        return {_COLORS.get(name, name): "" for name, feature in features if _can_be_asked(feature.get("access"))}
+        question = {}
+        for features in self.exposes.values():
+            for name, feature in features.items():
+                access = feature.get("access")
+                if isinstance(access, int) and access & _ASKED:
+                    question[_COLORS.get(name, name)] = ""
+        return question
 
 
 def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
@@ -57,7 +62,9 @@ def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
             own = [
                 feature for feature in map(as_fields, features) if str(feature.get("name")) in SPECIFIC_TYPES[str(kind)]
             ]
-            named = {str(feature["name"]): _without_endpoint(feature) for feature in own}
+            named: dict[str, Mapping[str, object]] = {
+                str(feature["name"]): {**feature, "property": feature.get("name"), "endpoint": None} for feature in own
+            }
             of_endpoint = exposes.setdefault(endpoint, {})
             of_endpoint[str(kind)] = named
             if kind == "light" and "state" in named:  # in a group with plugs
@@ -79,10 +86,6 @@ def build_group(
     device = read_bridge_device(base, {**entry, **listed, "definition": {"exposes": exposes}})
     parts = build_parts(device) if exposes else ()
     return device, tuple([part._replace(codec=_GroupCodec(part.codec, members)) for part in parts])
-
-
-def _without_endpoint(feature: Mapping[str, object]) -> Mapping[str, object]:
-    return {**feature, "property": feature.get("name"), "endpoint": None}
 
 
 def _common(kind: str, members: Sequence[GroupMember]) -> dict[str, object]:
@@ -120,7 +123,3 @@ class _GroupCodec:
         return tuple(
             [Publication(f"{topic}/get", compact_json(question).encode()) for topic, question in asked if question]
         )
-
-
-def _can_be_asked(access: object) -> bool:
-    return isinstance(access, int) and bool(access & _ASKED)

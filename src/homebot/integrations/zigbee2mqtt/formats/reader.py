@@ -152,7 +152,9 @@ class Zigbee2MqttReader:
         topics: set[str] = set()
         problems: list[WireError] = []
         room = MAX_PARTS
-        via = _bridge_name(base, entries)
+        listed = (as_fields(entry) for entry in entries)
+        coordinators = (ieee_address(entry) for entry in listed if entry.get("type") == "Coordinator")
+        via = f"zigbee2mqtt_bridge_{next(filter(None, coordinators), base)}"
         for entry in entries:
             yield None
             ieee = ieee_address(entry)
@@ -302,14 +304,6 @@ def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: i
 def _topic_of(described: DeviceAnnounced) -> str:
     """Return the topic on which a device publishes."""
     return described.owns[0]
-
-
-def _bridge_name(base: str, entries: list[object]) -> str:
-    """Return the device id of the bridge, from its coordinator's address, or its *base* if the list has none."""
-    for entry in entries:
-        if isinstance(entry, dict) and entry.get("type") == "Coordinator" and ieee_address(entry):
-            return f"zigbee2mqtt_bridge_{ieee_address(entry)}"
-    return f"zigbee2mqtt_bridge_{base}"
 
 
 def _withdrawn(announced: DeviceAnnounced, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
