@@ -63,32 +63,37 @@ def parse_command_words(
             that it takes. They contradict each other, such as ``off`` with a level of 50, or change an unknown value.
     """
     words = _several(command.strip(), part)
-    found: dict[str, PlainValue] = {}
+    settings: dict[str, PlainValue] = {}
     is_more = len(words) + len(values) > 1 and "on" in words and "off" not in words
     is_light_on = is_more and part.service_type == "light"  # a level turns a lamp on
     for word in words:
         if word == SET or (is_light_on and word == "on"):
             continue
         capability, value = _changed(word, part, target, known) or _decoded(word, part, target)
-        if found.setdefault(capability, value) != value:
+        if settings.setdefault(capability, value) != value:
             raise RefusedError(_command_text(command, values), "these contradict each other; give one of them")
-    for one in values:
-        text, count = f"{one.key} {one.value}", len(one.key.split()) + 1
-        longer = _changed(text, part, target, known) or _named_value(text, part, target, count)  # heating | setpoint 21
-        name, value = longer or _setting(one.key, one.value, part, target)
-        found[name] = value
-    for name, value in found.items():
-        check_setting(target, part, name, value)
-    if not found:
+    settings.update(_further_setting(value, part, target, known) for value in values)
+    for capability, value in settings.items():
+        check_setting(target, part, capability, value)
+    if not settings:
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
-    if not _agree({"on_off": True, **found} if is_light_on else found, part):
+    if not _agree({"on_off": True, **settings} if is_light_on else settings, part):
         raise RefusedError(_command_text(command, values), "these contradict each other; give one of them")
-    return found
+    return settings
 
 
 def is_relative(command: str) -> bool:
     """Return whether *command* changes a value, so that it does more when it is given twice."""
     return read_change(command) is not None
+
+
+def _further_setting(
+    given: KeyValue, part: Part, target: str, known: Mapping[str, PlainValue]
+) -> tuple[str, PlainValue]:
+    """Return the setting *given* beside the command; its name may end in its value, as in ``heating = setpoint 21``."""
+    text, count = f"{given.key} {given.value}", len(given.key.split()) + 1
+    longer = _changed(text, part, target, known) or _named_value(text, part, target, count)
+    return longer or _setting(given.key, given.value, part, target)
 
 
 def _changed(given: str, part: Part, target: str, known: Mapping[str, PlainValue]) -> tuple[str, PlainValue] | None:
@@ -99,8 +104,7 @@ def _changed(given: str, part: Part, target: str, known: Mapping[str, PlainValue
     if (change := read_change(given)) is None:
         return None
     name, amount = _decoded(f"{change.before}{change.amount}", part, target)
-    own = next((one.bounds for one in part.capabilities if one.name == name), ())
-    low, high = own or CAPABILITIES.get(name, OWN).bounds or (-math.inf, math.inf)
+    low, high = _bounds(name, part.capabilities)
     if change.sign == "-" and (low < 0 or not isinstance(amount, float)):
         return None
     if not isinstance(amount, float):
@@ -299,5 +303,11 @@ def _number(name: str, text: str, part: Part, target: str) -> float:
 
 
 def _unit(name: str, capabilities: Iterable[Capability]) -> str:
-    own = next((one.unit for one in capabilities if one.name == name and one.unit), "")
+    own = next((capability.unit for capability in capabilities if capability.name == name and capability.unit), "")
     return own or CAPABILITIES.get(name, OWN).unit
+
+
+def _bounds(name: str, capabilities: Iterable[Capability]) -> tuple[float, float]:
+    own = next((capability.bounds for capability in capabilities if capability.name == name), ())
+    low, high = own or CAPABILITIES.get(name, OWN).bounds or (-math.inf, math.inf)
+    return low, high

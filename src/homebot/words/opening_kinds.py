@@ -50,12 +50,15 @@ def opening_kind(device: Device) -> str:
     if kind := next((_BY_CLASS[word] for word in stated if word in _BY_CLASS), ""):
         return kind
     for name in map(fold, (*(part.name for part in parts), device.name, *device.names)):
-        if kind := next((kind for kind, words in _BY_WORDS.items() if words.search(name)), ""):
-            return kind
+        if kinds := _kinds_in(name):
+            return kinds[0]
         if matching_words(name, GARAGE):
             return "garage_door"
     for model in map(fold, models_of(device)):
-        kinds = [kind for kind, words in _BY_WORDS.items() if words.search(model)]
-        if len(kinds) == 1:  # else it is made for doors and windows
+        if len(kinds := _kinds_in(model)) == 1:  # else it is made for doors and windows
             return kinds[0]
     return ""
+
+
+def _kinds_in(text: str) -> list[str]:
+    return [kind for kind, words in _BY_WORDS.items() if words.search(text)]

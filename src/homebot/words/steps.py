@@ -249,8 +249,25 @@ def _read(plain: str) -> Step:
         return Undo()
     if plain.casefold() == "stop":
         return Stop()
-    if (found := NOTIFY.match(plain)) is not None:
-        return Notify(found["text"], read_message(found["text"]))
+    if (message := NOTIFY.match(plain)) is not None:
+        return Notify(message["text"], read_message(message["text"]))
+    if (wait := _read_wait(plain)) is not None:
+        return wait
+    if (driven := DRIVE.match(plain)) is not None:
+        return SendRobot(plain, driven["robot"].casefold(), driven["room"].strip('"'))
+    if (held := DIM.match(plain)) is not None:
+        target, way, button, event = held.values()
+        if (press := read_press(f"{button} press {event}")) is not None:
+            return Dim(plain, target, parse_query(target), way.casefold(), press)
+    if (switch := SWITCH_ROUTINE.match(plain)) is not None:
+        return SwitchRoutine(plain, switch["name"].strip("\"'"), switch["way"].casefold() == "on")
+    if (scene := SCENE.match(plain)) is not None:
+        length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
+        return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
+    return _read_do(plain)
+
+
+def _read_wait(plain: str) -> Wait | WaitUntil | WaitFor | None:
     if (until := WAIT_UNTIL.match(plain)) is not None:
         stops = until.get("end", "").casefold() == "stop"
         return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain), stops)
@@ -264,18 +281,7 @@ def _read(plain: str) -> Step:
         if "most" in pause and most <= length:
             raise UsageError(f"{plain!r}: the longest wait must be longer than the shortest")
         return Wait(length, most)
-    if (driven := DRIVE.match(plain)) is not None:
-        return SendRobot(plain, driven["robot"].casefold(), driven["room"].strip('"'))
-    if (held := DIM.match(plain)) is not None:
-        target, way, button, event = held.values()
-        if (press := read_press(f"{button} press {event}")) is not None:
-            return Dim(plain, target, parse_query(target), way.casefold(), press)
-    if (switch := SWITCH_ROUTINE.match(plain)) is not None:
-        return SwitchRoutine(plain, switch["name"].strip("\"'"), switch["way"].casefold() == "on")
-    if (scene := SCENE.match(plain)) is not None:
-        length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
-        return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
-    return _read_do(plain)
+    return None
 
 
 def read_triggers(text: str) -> tuple[Trigger, ...]:
@@ -304,16 +310,14 @@ def _read_do(text: str) -> Do:
         return Do(text, target.strip(), command.strip())
     words = text.split(" ")
     for place in range(1, len(words)):
-        commands = [command.removeprefix("to ") for command in split_commands(" ".join(words[place:]))]
-        is_read = _is_command(commands[0]) and all(_is_command(one) or OVER.match(one) for one in commands)
-        target = " ".join(words[:place])
-        begun = (f"{target} {words[place]}", f"{target} {commands[0]}")
-        if is_read and words[place - 1][-1] != "," and not any(map(_is_no_target, begun)):
+        target, rest = " ".join(words[:place]), " ".join(words[place:])
+        commands = [command.removeprefix("to ") for command in split_commands(rest)]
+        beginnings = (f"{target} {words[place]}", f"{target} {commands[0]}")
+        if _are_commands(commands) and target[-1] != "," and not any(map(_is_no_target, beginnings)):
             if len(split_steps(target)) > 1 and _several(text):
                 break
             is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
             if is_after and words[place - 1].casefold() in {"on", "off"}:
-                rest = " ".join(words[place:])
                 raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like '{target}, {rest}'")
             return _combined(text, target, commands)
     hint = _HINTS.get(words[0].casefold()) or did_you_mean(words[-1].casefold(), sorted(_WORDS), _WHAT, _ALIKE)
@@ -363,6 +367,11 @@ def _is_no_target(text: str) -> bool:
     words = text.casefold().split(" ")
     is_verb = words[0] == "turn" or (words[0] == "set" and "to" in words[2:])
     return is_verb or words[-2] in {"and", "at", "for", "over", "then", "with"}
+
+
+def _are_commands(texts: Sequence[str]) -> bool:
+    """Return whether each of *texts* is a command, or but for the first the length of the change, as ``over 5s``."""
+    return _is_command(texts[0]) and all(_is_command(text) or OVER.match(text) for text in texts)
 
 
 def _is_command(text: str) -> bool:

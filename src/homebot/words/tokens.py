@@ -187,7 +187,7 @@ def _match(parts: Sequence[_Part], tokens: Sequence[Token], text: str) -> _Spans
                 return values
             continue
         part = parts[place]
-        if part.is_optional and begin is None and not part.kind:
+        if part.is_optional and not part.kind:
             steps.append((place + 1, at, None, values))
         if at < len(tokens) and _fits(part, tokens, at, text, is_first=begin is None):
             if part.kind in {"", "word", "one"}:
@@ -203,9 +203,9 @@ def _match(parts: Sequence[_Part], tokens: Sequence[Token], text: str) -> _Spans
 
 def _fits(part: _Part, tokens: Sequence[Token], at: int, text: str, *, is_first: bool) -> bool:
     """Return whether the token *at* may be the word of *part*, or the first or a further one of its slot."""
-    token, before = tokens[at], tokens[at - 1]
-    if at and is_first and before.end == token.at - 1 and "," not in {before.text, token.text} and token.text != "=":
-        return False  # as in `lock=jammed`
+    token = tokens[at]
+    if at and is_first and _is_attached(token, tokens[at - 1]):
+        return False
     match part.kind:
         case "":
             is_word = token.kind != "text" and token.text.casefold() in part.words
@@ -220,6 +220,11 @@ def _fits(part: _Part, tokens: Sequence[Token], at: int, text: str, *, is_first:
         case "length":
             return token.kind != ","
     return True
+
+
+def _is_attached(token: Token, before: Token) -> bool:
+    """Return whether *token* follows *before* without a blank, as in ``lock=jammed``; commas and ``=`` stand apart."""
+    return before.end == token.at - 1 and "," not in {before.text, token.text} and token.text != "="
 
 
 def _is_length(text: str) -> bool:

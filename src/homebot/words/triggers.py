@@ -414,7 +414,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
         )
     try:
         query = parse_query(state)
-        if is_none and MOTION.match(state) and not any(isinstance(one, StateIs) for one in leaves(query)):
+        if is_none and MOTION.match(state) and StateIs not in map(type, leaves(query)):
             state = f"{state} occupied"
             query = parse_query(state)
     except UsageError as exc:
