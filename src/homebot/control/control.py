@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from functools import cached_property, partial
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
+from anyio import to_thread
 from anyio.abc import TaskStatus
 
 from homebot.control.gateway_feed import GatewayFeed
@@ -57,6 +60,8 @@ _REASONS: Final = {
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """In a flood the oldest is dropped; a gateway's commands never wait for the journal."""
 
+_LAYER: Final = "homebot.control.control_layer"
+
 _CALM: Final = 10.0
 """Seconds in which further numbers of one setting are not recorded: from a dial that is turned, or a moving blind."""
 
@@ -68,6 +73,12 @@ def _is_change(change: ChangedSetting) -> bool:
         return False
     is_soon = change.told_at.to_seconds() - change.before_since.to_seconds() < _CALM
     return not (isinstance(value, float) and value and before and is_soon)
+
+
+async def _load_layer() -> None:
+    """Load the modules of the control layer in a thread: others would wait for 100 ms."""
+    if _LAYER not in sys.modules:
+        await to_thread.run_sync(import_module, _LAYER)
 
 
 @final
@@ -103,6 +114,8 @@ class HouseWatch:
 
     async def _on_settings(self, changed: ChangedSettings) -> None:
         changes = [change for change in changed.changes if _is_change(change)]
+        if changes:
+            await _load_layer()
         for change in changes:
             layer, place = self._layer(), (change.device, change.part)
             if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:
@@ -246,7 +259,11 @@ class Control:
 
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
-        return self._layer.executor.perform(request)
+        return self._layer.executor.perform(request) if self._begun.is_set() else self._perform_first(request)
+
+    async def _perform_first(self, request: CommandRequest) -> Outcome:
+        await _load_layer()
+        return await self._layer.executor.perform(request)
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return why a command would be refused now; None if it would not."""
