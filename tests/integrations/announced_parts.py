@@ -6,7 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
 from homebot.conventions.installed_conventions import find_conventions
+from homebot.devices import Sighting
 from homebot.devices.value import PlainValue
+from homebot.gateways.announced.announcement import StoredAnnouncement
+from homebot.messages import Time
 
 CONTEXT = "https://www.w3.org/2022/wot/td/v1.1"
 NO_SECURITY = {"securityDefinitions": {"nosec_sc": {"scheme": "nosec"}}, "security": "nosec_sc"}
@@ -35,6 +38,13 @@ def device_in(events: Iterable[AnnouncementEvent]) -> DeviceAnnounced:
     (device,) = events
     assert isinstance(device, DeviceAnnounced)
     return device
+
+
+def sighting(device: DeviceAnnounced) -> Sighting:
+    """As the gateway ``mqtt`` publishes it, for an hour."""
+    announcement = StoredAnnouncement("mqtt", device.full_key, device)
+    begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
+    return announcement.template.model_copy(update={"why": "it was announced", "seen_at": begin, "expires_at": end})
 
 
 def part_with(capability: str, convention: Convention, *messages: tuple[str, object]) -> DescribedPart:

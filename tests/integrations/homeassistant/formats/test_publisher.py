@@ -65,17 +65,16 @@ def test_a_withdrawn_part_is_removed_and_takes_no_command() -> None:
     assert isinstance(heard, DeviceWithdrawn)
 
 
-@pytest.mark.parametrize("payload", [b"", b"on", b"\xff", b"x" * 2000, b"1"])
-def test_an_invalid_command_is_ignored(payload: bytes) -> None:
+@pytest.mark.parametrize(
+    ("capability", "payload"),
+    [
+        *(("on_off", payload) for payload in (b"", b"on", b"\xff", b"x" * 2000, b"1")),
+        *(("level", payload) for payload in (b"nan", b"101", b"-1", b"1e999", b"much")),
+    ],
+)
+def test_a_command_that_is_invalid_or_out_of_bounds_is_ignored(capability: str, payload: bytes) -> None:
     ours = publisher()
-    (config,) = ours.publications(offer(Capability(name="on_off", settable=True)))
-    assert ours.read_command(json.loads(config.payload)["command_topic"], payload) == ()
-
-
-@pytest.mark.parametrize("payload", [b"nan", b"101", b"-1", b"1e999", b"much"])
-def test_a_number_out_of_bounds_is_no_command(payload: bytes) -> None:
-    ours = publisher()
-    (config,) = ours.publications(offer(Capability(name="level", settable=True)))
+    (config,) = ours.publications(offer(Capability(name=capability, settable=True)))
     assert ours.read_command(json.loads(config.payload)["command_topic"], payload) == ()
 
 

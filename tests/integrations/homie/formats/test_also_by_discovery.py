@@ -8,15 +8,13 @@ from collections.abc import Iterator, Mapping
 from random import Random
 
 import pytest
-from tests.integrations.announced_parts import device_in
+from tests.integrations.announced_parts import device_in, sighting
 from tests.integrations.homie.formats.valetudo import STATUS, VALETUDO, robot
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.devices import Device, Sighting
+from homebot.devices import Device
 from homebot.discovery import DeviceIndex
-from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.messages import Time
 
 ROBOT = "valetudo/BigSlowDog"
 
@@ -74,13 +72,6 @@ def by_discovery(**device: object) -> Iterator[DeviceAnnounced]:
         topic = f"homeassistant/{component}/BigSlowDog/BigSlowDog_{name}/config"
         heard = convention.read_message(topic, json.dumps(config).encode(), retained=True)
         yield from (one for one in heard if isinstance(one, DeviceAnnounced))
-
-
-def sighting(one: DeviceAnnounced) -> Sighting:
-    """As the gateway publishes it."""
-    claim = StoredAnnouncement("mqtt", one.full_key, one)
-    begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
-    return claim.template.model_copy(update={"why": "it was announced", "seen_at": begin, "expires_at": end})
 
 
 def devices(*announcements: DeviceAnnounced) -> tuple[Device, ...]:

@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 
 import pytest
 from tests.discovery.announcements import contents
+from tests.integrations.announced_parts import sighting
 from tests.sizes import size
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
@@ -27,10 +28,8 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
-from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.messages import Time
 
 pytestmark = pytest.mark.slow
 
@@ -94,13 +93,6 @@ def described(row: Row) -> Iterator[DeviceAnnounced]:
 
 def found(heard: Sequence[object]) -> list[DeviceAnnounced]:
     return [one for one in heard if isinstance(one, DeviceAnnounced)]
-
-
-def sighting(one: DeviceAnnounced) -> Sighting:
-    """As the gateway publishes it."""
-    claim = StoredAnnouncement("mqtt", one.full_key, one)
-    begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
-    return claim.template.model_copy(update={"why": "it was announced", "seen_at": begin, "expires_at": end})
 
 
 @pytest.fixture(scope="module", params=ROWS, ids=name)

@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import pytest
+from tests.integrations.announced_parts import device_in
 from tests.integrations.zigbee2mqtt.formats.test_convention import (
     LAMP,
     PLUG,
@@ -44,16 +45,10 @@ def groups(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt")
     return [one for one in events if isinstance(one, DeviceAnnounced | DeviceWithdrawn)]
 
 
-def only(events: list[AnnouncementEvent]) -> DeviceAnnounced:
-    (device,) = events
-    assert isinstance(device, DeviceAnnounced)
-    return device
-
-
 def test_a_group_of_lamps_is_a_lamp_that_says_what_it_has_not_heard() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS, WHITE), lamp(PLUG, "shelf", BRIGHTNESS))
-    device = only(groups(convention, group(LAMP, PLUG)))
+    device = device_in(groups(convention, group(LAMP, PLUG)))
     (part,) = device.parts
     assert (device.key, device.name, device.owns) == ("group/4", "group 4", ("zigbee2mqtt/group 4",))
     assert part.part.members == ("eui64:00158d0001abcdef", "eui64:00158d0001abcde0")
@@ -68,14 +63,14 @@ def test_a_group_of_lamps_is_a_lamp_that_says_what_it_has_not_heard() -> None:
 def test_a_group_of_lamps_and_plugs_is_turned_on_and_off() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS), entry(PLUG, "plug"))
-    (part,) = only(groups(convention, group(LAMP, PLUG))).parts
+    (part,) = device_in(groups(convention, group(LAMP, PLUG))).parts
     assert (part.part.id, [one.name for one in part.part.capabilities]) == ("switch", ["on_off"])
 
 
 def test_the_members_are_asked_for_what_a_command_changes() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS), lamp(PLUG, "shelf", BRIGHTNESS))
-    (part,) = only(groups(convention, group(LAMP, PLUG))).parts
+    (part,) = device_in(groups(convention, group(LAMP, PLUG))).parts
     sent = part.codec.write("level", 50.0, transition=2.0)
     assert sent == (Publication("zigbee2mqtt/group 4/set", b'{"state":"ON","brightness":127,"transition":2}'),)
     assert isinstance(part.codec, AsksMembers)
@@ -91,7 +86,7 @@ def test_a_white_is_set_within_the_bounds_that_all_have() -> None:
     whites = ({"value_min": 150, "value_max": 500}, {"value_min": 250, "value_max": 454})
     lamps = [lamp(one, one, BRIGHTNESS, {**WHITE, **bounds}) for one, bounds in zip((LAMP, PLUG), whites, strict=True)]
     heard(convention, *lamps)
-    (part,) = only(groups(convention, group(LAMP, PLUG))).parts
+    (part,) = device_in(groups(convention, group(LAMP, PLUG))).parts
     assert next(one.bounds for one in part.part.capabilities if one.name == "color_temperature") == (2198.0, 4000.0)
 
 
@@ -101,7 +96,7 @@ def test_a_group_of_gangs_names_and_asks_each_gang() -> None:
     endpoints = {"1": {"name": "left"}, "2": {"name": "right"}}
     heard(convention, entry(PLUG, "wall", definition={"exposes": exposes}, endpoints=endpoints))
     both = ({"ieee_address": PLUG, "endpoint": one} for one in (1, 2))
-    (part,) = only(groups(convention, group(*both))).parts
+    (part,) = device_in(groups(convention, group(*both))).parts
     assert part.part.members == ("eui64:00158d0001abcde0#switch_left", "eui64:00158d0001abcde0#switch_right")
     assert isinstance(part.codec, AsksMembers)
     sent = part.codec.write("on_off", value=False)
@@ -114,7 +109,7 @@ def test_a_group_of_gangs_names_and_asks_each_gang() -> None:
 def test_a_gang_with_a_name_that_its_exposes_do_not_have_is_the_device() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling", endpoints={"1": {"name": "default"}}))
-    assert only(groups(convention, group(LAMP))).parts[0].part.members == ("eui64:00158d0001abcdef",)
+    assert device_in(groups(convention, group(LAMP))).parts[0].part.members == ("eui64:00158d0001abcdef",)
 
 
 LOCK = {"type": "lock", "features": [{**STATE, "value_on": "LOCK", "value_off": "UNLOCK"}]}
@@ -164,7 +159,7 @@ def test_a_group_has_none_of_the_settings_of_its_lamps() -> None:
     convention = bridge()
     setting = {"type": "composite", "name": "level_config", "property": "level_config", "access": 7, "features": []}
     heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS, setting))
-    assert [one.part.id for one in only(groups(convention, group(LAMP))).parts] == ["light"]
+    assert [one.part.id for one in device_in(groups(convention, group(LAMP))).parts] == ["light"]
 
 
 @pytest.mark.parametrize("number", [-1, 0x10000, 10**300, True, None, "4", 4.0])
@@ -198,7 +193,7 @@ def test_a_group_of_a_device_that_is_unknown_for_a_while_is_not_gone_for_good() 
 def test_the_scenes_of_a_group_are_its_parts() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling"), lamp(PLUG, "shelf"))
-    device = only(groups(convention, group(LAMP, PLUG, scenes=[{"id": 3, "name": "Film"}])))
+    device = device_in(groups(convention, group(LAMP, PLUG, scenes=[{"id": 3, "name": "Film"}])))
     assert [(one.part.id, one.part.service_type, one.part.name) for one in device.parts] == [
         ("light", "light", ""),
         ("scene_3", "x_scene", "Film"),
