@@ -181,6 +181,7 @@ async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch
         pytest.param("07_thesis_light_service", BARE, id="thesis, no plug-in", marks=nightly),
         pytest.param("09_button", (), id="button"),
         pytest.param("13_robot_way", (), id="robot's way"),
+        pytest.param("14_manual_override", (), id="manual override"),
     ],
 )
 @WHOLE_HOUSE

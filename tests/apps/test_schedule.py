@@ -213,6 +213,26 @@ async def test_an_event_after_a_restart_replaces_a_durable_timer() -> None:
     assert [call[:11] for call in diary.calls] == ["06-01 13:59"]
 
 
+async def test_a_durable_timer_keeps_its_arguments_and_is_dropped_if_its_method_takes_others_now() -> None:
+    store = Store("diary")
+
+    def setup(app: Diary) -> None:
+        app.after("1h", app.say, args=("kept",), name="said", durable=True)
+
+    async with living(setup, "2026-06-01 12:00", store=store):
+        pass
+    async with living(lambda _: None, "2026-06-01 12:30", store=store) as (diary, _):
+        await anyio.sleep(HOUR)
+        assert diary.calls == ["kept"]
+        setup(diary)
+    store["_timers"] = {"said": {**store["_timers"]["said"], "handler": "note"}}
+    with capture_logs() as lines:
+        async with living(lambda _: None, "2026-06-01 13:00", store=store) as (diary, _):
+            assert diary.jobs == ()
+    assert "the job said is skipped: handler: note is called with kept: too many" in str(lines)
+    assert store["_timers"] == {}
+
+
 @pytest.mark.parametrize("is_durable", [True, False])
 async def test_a_timer_replaces_a_waiting_one_of_its_name(*, is_durable: bool) -> None:
     store = Store("diary")
@@ -397,6 +417,11 @@ async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() ->
         (lambda app: app.after("1h", app.note, name=[3], durable=True), "a durable timer needs a name"),
         (lambda app: app.after("1h", app.note()), "handler: None is not a function; give it without parentheses"),
         (lambda app: app.daily("22:00", app.say), "handler: say is called with no argument: missing a required"),
+        (lambda app: app.after("1h", app.say, args=("a", "b")), "handler: say is called with a, b: too many"),
+        (
+            lambda app: app.after("1h", app.say, args=(app,), name="x", durable=True),
+            "diary: store['_timers'] takes text, numbers",
+        ),
     ],
 )
 async def test_a_wrong_argument_is_named(setup: Callable[[Diary], object], problem: str) -> None:

@@ -43,3 +43,12 @@ def start() -> None:
 def same(app: AppOfItsPackage, node: Node) -> App:
     node.create_publisher(String, "t", qos_profile_latched)
     return app
+
+
+class Later(App):
+    async def run(self) -> None:
+        self.after("5m", self.switch, args=("hall", True), name="off", durable=True)
+        self.after("5m", self.switch)  # type: ignore[arg-type]  # the arguments are missing
+        self.after("5m", self.switch, args=("hall", "on"))  # type: ignore[arg-type]  # another type
+
+    def switch(self, name: str, on: bool) -> None: ...  # noqa: FBT001 - a handler's arguments are positional

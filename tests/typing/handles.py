@@ -5,6 +5,7 @@ An expected error is marked ``type: ignore``, and mypy complains about each mark
 
 from typing import assert_type
 
+from homebot.apps.rooms import per_room
 from homebot.devices import Device, Devices, Follow
 from homebot.devices.handles import (
     ContactSensor,
@@ -16,6 +17,7 @@ from homebot.devices.handles import (
     TemperatureSensor,
     WindowCovering,
 )
+from homebot.devices.handles.follow import Became
 
 
 async def find(devices: Devices) -> None:
@@ -39,7 +41,13 @@ async def find(devices: Devices) -> None:
 
 async def follow(devices: Devices) -> None:
     assert_type(devices.follow("lights"), Follow)
-    assert_type(devices.follow(Light, on=True), FollowHandles[Light])
+    lamps = devices.follow(Light, on=True)
+    untyped: FollowHandles[Light] = lamps
+    assert_type(lamps.became("5m", on=False), Became[Light])
+    assert_type(lamps.became(lasting="5m", key=per_room, area="hall"), Became[Light])
+    lamps.became(on="no")  # type: ignore[arg-type]  # not whether it is on
+    lamps.became(locked=True)  # type: ignore[call-arg]  # what only locks can be asked
+    assert_type(untyped.became(on=False), Became[Light])
     devices.follow(Light, closed=True)  # type: ignore[call-overload]  # what only openings can be asked
     async for change in devices.follow(ContactSensor, is_open=True):
         assert_type(change, HandleChange[ContactSensor])

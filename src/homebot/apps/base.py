@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterable, Callable, Coroutine, Hashable, Iterable, Iterator, Sequence
+from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterable, Iterator, Sequence
 from datetime import datetime
 from functools import partial
 from inspect import isasyncgenfunction, iscoroutinefunction
 from itertools import chain
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, get_args, get_origin, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, TypeVarTuple, get_args, get_origin, overload
 from weakref import WeakSet
 
 import anyio
@@ -51,6 +51,7 @@ class NoSettings(AppSettings):
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 ItemT = TypeVar("ItemT")
+Args = TypeVarTuple("Args")
 HandleT = TypeVar("HandleT", bound=Handle)
 _Queries: TypeAlias = AsyncIterable[ItemT] | Sequence[AsyncIterable[ItemT]]
 
@@ -135,6 +136,7 @@ class App(ABC, Generic[SettingsT_co]):
         """The runs of :meth:`on` that are not called any more because they failed too often."""
         return chain.from_iterable(reaction.given_up for reaction in self._reactions)
 
+    @overload
     def after(
         self,
         delay: Length,
@@ -143,15 +145,39 @@ class App(ABC, Generic[SettingsT_co]):
         name: str | None = None,
         durable: bool = False,
         catch_up: Length = "0s",
+    ) -> Job: ...
+
+    @overload
+    def after(
+        self,
+        delay: Length,
+        handler: Callable[[*Args], Awaitable[object] | None],
+        *,
+        args: tuple[*Args],
+        name: str | None = None,
+        durable: bool = False,
+        catch_up: Length = "0s",
+    ) -> Job: ...
+
+    def after(
+        self,
+        delay: Length,
+        handler: Callable[..., Awaitable[object] | None],
+        *,
+        args: tuple[object, ...] = (),
+        name: str | None = None,
+        durable: bool = False,
+        catch_up: Length = "0s",
     ) -> Job:
         """Call *handler* once, *delay* from now: ``"2m"``, seconds or a timedelta.
 
         Args:
+            args: The arguments of *handler*; JSON values if the job is durable.
             name: The name of the job; it replaces a pending job of this name.
             durable: Whether it survives a restart, for which it needs a *name*, and a method of the app.
             catch_up: How late a durable job may be because homebot was stopped; later ones are dropped and logged.
         """
-        return self._jobs().after(delay, handler, name, durable=durable, catch_up=catch_up)
+        return self._jobs().after(delay, handler, args, name, durable=durable, catch_up=catch_up)
 
     def every(
         self,

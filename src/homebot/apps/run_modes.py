@@ -26,8 +26,8 @@ RunHandler: TypeAlias = Callable[[], Awaitable[object] | None]
 StartTask: TypeAlias = Callable[[Callable[[], Coroutine[object, object, object]]], object]
 
 
-def check_handler(handler: object, *arguments: str) -> None:
-    """Refuse a *handler* that cannot be called with as many arguments as there are names in *arguments*.
+def check_handler(handler: object, *arguments: object) -> None:
+    """Refuse a *handler* that cannot be called with as many arguments as *arguments*, which are values or names.
 
     Raises:
         UsageError: It is not a function, or takes other arguments.
@@ -37,7 +37,7 @@ def check_handler(handler: object, *arguments: str) -> None:
     try:
         signature(handler).bind(*arguments)
     except TypeError as exc:
-        takes = ", ".join(arguments) or "no argument"
+        takes = ", ".join(f"{one!s:.60}" for one in arguments) or "no argument"
         raise UsageError(f"handler: {getattr(handler, '__name__', handler)} is called with {takes}: {exc}") from exc
     except ValueError:  # a C function without a signature
         return

@@ -22,7 +22,7 @@ from homebot.words.days import read_days
 from homebot.words.times import MAX_OFFSET_S, read_time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Awaitable, Callable, Coroutine
 
     from structlog.typing import FilteringBoundLogger
 
@@ -91,12 +91,29 @@ class Schedule:
                 is_late = f"it was due {_duration(late)} ago"
                 self._skipped(name, is_late if handler else f"its method {kept.get('handler')} is gone")
                 continue
-            job = self._interval(name, str(kept.get("text", f"after {kept['delay']:g} s")), handler, delay, None)
+            args = kept.get("args", [])
+            try:
+                check_handler(handler, *args)
+            except UsageError as exc:
+                self._store(_TIMERS, name, None)
+                self._skipped(name, str(exc))
+                continue
+            text = str(kept.get("text", f"after {kept['delay']:g} s"))
+            job = self._interval(name, text, partial(handler, *args), delay, None)
             job.late = late
             self._resumed.add(name)
             self._add(job)
 
-    def after(self, delay: Length, handler: RunHandler, name: str | None, *, durable: bool, catch_up: Length) -> Job:
+    def after(
+        self,
+        delay: Length,
+        handler: Callable[..., Awaitable[object] | None],
+        args: tuple[object, ...],
+        name: str | None,
+        *,
+        durable: bool,
+        catch_up: Length,
+    ) -> Job:
         """See :meth:`homebot.App.after`."""
         seconds, late = parse_duration(delay, "delay", most=MAX_WAIT), _catch_up(catch_up)
         text = f"after {delay if isinstance(delay, str) else f'{seconds:g} s'}"
@@ -111,10 +128,14 @@ class Schedule:
                 return resumed
         elif late:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
-        job = self._interval(self._name(name, handler, text, is_timer=True), text, handler, seconds, None)
-        self._add(job)
-        kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late, "text": text}
+        check_handler(handler, *args)
+        job = self._interval(
+            self._name(name, handler, text, is_timer=True), text, partial(handler, *args), seconds, None
+        )
+        due = self._clock.now() + seconds
+        kept = {"handler": method, "args": args, "due": due, "delay": seconds, "catch_up": late, "text": text}
         self._store(_TIMERS, job.name, kept if durable else None)
+        self._add(job)
         return job
 
     def _taken_over(self, name: str) -> Job | None:

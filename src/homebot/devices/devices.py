@@ -117,11 +117,11 @@ class Devices:
     @overload
     def follow(
         self, service_type: HandleType[P, HandleT], *none: P.args, **query: P.kwargs
-    ) -> FollowHandles[HandleT]: ...
+    ) -> FollowHandles[HandleT, P]: ...
 
     def follow(
         self, service_type: str | HandleType[P, HandleT] = "", *none: P.args, **query: P.kwargs
-    ) -> Follow | FollowHandles[HandleT]:
+    ) -> Follow | FollowHandles[HandleT, P]:
         """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
 
         Arguments, errors and reports of misspelt names are those of :meth:`find`; the query waits for a device that

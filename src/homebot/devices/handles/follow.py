@@ -11,6 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, Generic, Literal, NamedTuple, Self, TypeAlias, TypeVar, final, get_args
 
 import anyio
+from typing_extensions import ParamSpec
 
 from homebot.clock import Clock
 from homebot.devices.device import Device, DeviceChange, State, StateChange
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 HandleT = TypeVar("HandleT", bound=Handle)
 HandleT_co = TypeVar("HandleT_co", bound=Handle, covariant=True)
+ConditionsP = ParamSpec("ConditionsP", default=...)
 
 _Kind: TypeAlias = Literal["appeared", "changed", "event", "message", "removed"]
 
@@ -82,7 +84,7 @@ class HandleChange(Generic[HandleT_co]):
         return await self.handle.cause(capability) if capability else None
 
 
-class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
+class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT, ConditionsP]):
     """A live query for handles: ``async for change in devices.follow(Light, area="kitchen", on=True)``.
 
     Every handle that matches now is reported as ``appeared``, later ones when they appear. For each handle,
@@ -127,10 +129,10 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
 
     def became(
         self,
-        *,
         lasting: str | float | timedelta = 0.0,
         key: Callable[[HandleChange[HandleT]], Hashable] | None = None,
-        **conditions: object,
+        *none: ConditionsP.args,
+        **conditions: ConditionsP.kwargs,
     ) -> Became[HandleT]:
         """Return a live query that yields ``appeared`` each time a handle begins to meet further conditions.
 
@@ -141,6 +143,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
                 time; after a restart it begins anew, unless the device has reported these values for longer.
             key: Returns the key of a handle; all handles with the same key must meet the conditions, as all motion
                 sensors of a room with :func:`homebot.apps.rooms.per_room`. Then the last one to do so is yielded.
+            none: Not used: conditions are given by name.
             conditions: The conditions, as for :meth:`homebot.devices.Devices.find`, such as ``occupied=False``.
 
         Raises:
@@ -149,7 +152,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         """
         if key is not None and not callable(key):
             raise UsageError(f"key: {key!r:.60} is not a function, such as per_room")
-        more = self._query.kind.where(**conditions)  # type: ignore[arg-type]  # checked there
+        more = self._query.kind.where(*none, **conditions)  # type: ignore[arg-type]  # checked there
         given = ", ".join(f"{name}={value!r}" for name, value in conditions.items())
         narrowed, text = self._query.narrowed(more), f"{self._text}.became({given})"
         follow = FollowHandles(self._node, narrowed if key is None else self._query, text)
