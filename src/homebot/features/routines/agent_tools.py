@@ -6,7 +6,7 @@ import sys
 from functools import cache
 from typing import Annotated, Final
 
-from anyio import Semaphore, run_process
+from anyio import NamedTemporaryFile, Semaphore, run_process
 from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 from pydantic import Field
@@ -75,10 +75,12 @@ async def _trial(api: HouseApi, text: str, days: float) -> list[str]:
     where = (
         f"{'wss' if place.has_tls else 'ws'}://{f'[{place.host}]' if ':' in place.host else place.host}:{place.port}"
     )
-    trial = ("-m", "homebot", "--door", where, "routine", "try", "/dev/stdin", "--on", f"{days * 86_400:.0f}s")
     env = os.environ | {"HOMEBOT_DOOR_TOKEN": place.token}
-    async with _one_at_a_time():
-        done = await run_process((sys.executable, *trial), input=routines.encode(), env=env, check=False)
+    async with _one_at_a_time(), NamedTemporaryFile(suffix=".toml") as file:
+        await file.write(routines.encode())
+        await file.flush()
+        trial = ("-m", "homebot", "--door", where, "routine", "try", str(file.name), "--on", f"{days * 86_400:.0f}s")
+        done = await run_process((sys.executable, *trial), env=env, check=False)
     lines = done.stdout.decode(errors="replace").splitlines()
     return lines[-_MAX_LINES:] if done.returncode == 0 else [f"no trial: {done.stderr.decode(errors='replace')[:500]}"]
 
