@@ -175,8 +175,13 @@ def _libraries() -> tuple[type[BluetoothData], ...]:
         return ()
     from bluetooth_sensor_state_data import BluetoothData  # noqa: PLC0415 - an extra
 
+    names: set[str] = set()
+    for distribution in distributions():
+        name = (distribution.name or "").lower()
+        if name.endswith("-ble") and any(requirement.startswith(BASE) for requirement in distribution.requires or ()):
+            names.add(name)
     libraries: list[type[BluetoothData]] = []
-    for name in sorted(set(_names())):
+    for name in sorted(names):
         try:
             module = importlib.import_module(name.replace("-", "_"))
         except Exception as exc:
@@ -187,14 +192,6 @@ def _libraries() -> tuple[type[BluetoothData], ...]:
             if isinstance(member, type) and issubclass(member, BluetoothData) and member is not BluetoothData
         ]
     return tuple(libraries)
-
-
-def _names() -> Iterator[str]:
-    """Yield the installed packages that require the base."""
-    for distribution in distributions():
-        name = (distribution.name or "").lower()
-        if name.endswith("-ble") and any(requirement.startswith(BASE) for requirement in distribution.requires or ()):
-            yield name
 
 
 def _service_info(advertisement: Advertisement) -> BluetoothServiceInfoBleak:

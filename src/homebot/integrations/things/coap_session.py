@@ -163,7 +163,13 @@ class ThingEndpointSession(EndpointSession):
         endpoint = self.endpoint
         if endpoint.description:
             return [self._described(await self._read_description(endpoint.description), endpoint.key)]
-        links = await self._links()
+        links: tuple[WebLink, ...] = ()
+        try:
+            answer = await self._client.request("GET", endpoint.base + _CORE, accept=LINK_FORMAT)
+            links = parse_links(answer.payload)
+        except RefusedError as exc:
+            if exc.code != _NOT_FOUND:
+                raise
         devices: list[tuple[GatewayDevice, Thing]] = []
         named = [link for link in links if str(TD_FORMAT) in link.words("ct") or "wot.thing" in link.words("rt")]
         for uri in list(dict.fromkeys(uri for link in named if (uri := self._resolved(link))))[:MAX_THINGS]:
@@ -178,15 +184,6 @@ class ThingEndpointSession(EndpointSession):
         own = {link.target: self._resolved(link) for link in links}
         thing = thing_of_links(links, own, endpoint.name or endpoint.base.partition("://")[2])
         return [self._described(thing, endpoint.key, links)]
-
-    async def _links(self) -> tuple[WebLink, ...]:
-        try:
-            answer = await self._client.request("GET", self.endpoint.base + _CORE, accept=LINK_FORMAT)
-        except RefusedError as exc:
-            if exc.code != _NOT_FOUND:
-                raise
-            return ()
-        return parse_links(answer.payload)
 
     def _resolved(self, link: WebLink) -> str:
         """Return the address of a link; empty for one of another host, which this one does not speak for."""

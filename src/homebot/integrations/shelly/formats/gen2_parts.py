@@ -78,20 +78,19 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 def build_diffuser(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe the slots of a diffuser of two scents: switch, intensity, and what is left in the vial."""
-    return tuple(part for slot in ("left", "right") for part in _build_slot(component, slot))
-
-
-def _build_slot(component: ShellyComponent, slot: str) -> tuple[JsonPart, ...]:
-    path = f"slots.{slot}"
-    switch = component.part(slot, "switch", name=slot)
-    component.add_value(switch, "on_off", f"{path}.on", "Cury.Set", "on", slot=slot)
-    intensity = component.part(f"{slot}/intensity", "x_setting", name=f"{slot} intensity", category="config")
-    component.add_value(
-        intensity, "number", f"{path}.intensity", "Cury.Set", "intensity", unit="%", bounds=_PERCENT, slot=slot
-    )
-    vial = component.part(f"{slot}/vial", "x_sensor", name=f"{slot} vial", category="diagnostic")
-    component.add_value(vial, "measurement", f"{path}.vial.level", unit="%")
-    return switch, intensity, vial
+    parts: list[JsonPart] = []
+    for slot in ("left", "right"):
+        path = f"slots.{slot}"
+        switch = component.part(slot, "switch", name=slot)
+        component.add_value(switch, "on_off", f"{path}.on", "Cury.Set", "on", slot=slot)
+        intensity = component.part(f"{slot}/intensity", "x_setting", name=f"{slot} intensity", category="config")
+        component.add_value(
+            intensity, "number", f"{path}.intensity", "Cury.Set", "intensity", unit="%", bounds=_PERCENT, slot=slot
+        )
+        vial = component.part(f"{slot}/vial", "x_sensor", name=f"{slot} vial", category="diagnostic")
+        component.add_value(vial, "measurement", f"{path}.vial.level", unit="%")
+        parts += (switch, intensity, vial)
+    return tuple(parts)
 
 
 def _decode_cover(status: Fields) -> Readings:

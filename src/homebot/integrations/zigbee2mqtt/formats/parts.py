@@ -6,6 +6,7 @@ Source: zigbee2mqtt.io, Usage > Exposes.
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 
 from homebot.conventions.command_values import push_writer
 from homebot.conventions.description import DescribedPart
@@ -104,7 +105,12 @@ class _PartsBuilder:
                 part.add_capability(capability)
             yield part.build()
         for number, name in self._device.scenes.items():
-            yield _scene(self._topics, number, name)
+            part = Zigbee2MqttPart(
+                self._topics, f"scene_{number}", "x_scene", name=clean_text(name), advertised="scene"
+            )
+            writer = push_writer("scene", partial(self._topics.publish, {"scene_recall": number}))
+            part.add_capability("scene", readable=False, writer=writer)
+            yield part.build()
 
     def _find_possible_roles(self) -> frozenset[str]:
         roles = {
@@ -219,13 +225,6 @@ def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
     )
     part.add_flag(state, "on_off")
     part.request(state)
-    return part.build()
-
-
-def _scene(topics: Zigbee2MqttTopics, number: int, name: str) -> DescribedPart:
-    part = Zigbee2MqttPart(topics, f"scene_{number}", "x_scene", name=clean_text(name), advertised="scene")
-    writer = push_writer("scene", lambda: topics.publish({"scene_recall": number}))
-    part.add_capability("scene", readable=False, writer=writer)
     return part.build()
 
 
