@@ -6,6 +6,8 @@ from hypothesis import strategies as st
 from tests.announcements import sighting_of
 from tests.discovery.announcements import announce, part_of, tell
 
+from homebot.conventions.device_classes import CONDITION_CLASSES
+from homebot.conventions.units import sensor_type
 from homebot.devices import KeyValue
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
@@ -222,3 +224,52 @@ def _do(
         )
     )
     index.expire(float(at))
+
+
+SPOKEN = {
+    "carbon_monoxide_alarm": ("smoke alarm",),
+    "contact": ("door", "window"),
+    "occupancy": ("motion", "presence", "motion sensor"),
+    "smoke": ("smoke detector",),
+    "water_leak": ("leak", "flood sensor"),
+}
+
+
+@pytest.mark.parametrize("capability", sorted(CONDITION_CLASSES.keys() - {"unlocked"}))  # that is a state itself
+def test_on_means_what_a_sensor_detects(capability: str) -> None:
+    """It was read as a switch, which no such sensor has."""
+    sensor = announce("s", part_of(sensor_type(capability), capability, id="s"), ids=("id:s",), area="Cellar")
+    index = DeviceIndex(forget_after=1000.0)
+    index.observe(sensor)
+    for value in (True, False):
+        index.report(tell(sensor, capability, value, part="s"))
+        for word in (capability.replace("_", " "), *SPOKEN.get(capability, ())):
+            found = {state: fits_in_sets_too(index, f"{word} in cellar {state}") for state in ("on", "off")}
+            assert found == {"on": value, "off": not value}, word
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "is_found"),
+    [
+        ("light", "hall motion light on", False),
+        ("plug", "with occupancy on", False),
+        ("occupancy_sensor", "motion on", True),
+        ("occupancy_sensor", "hall motion not on", False),
+    ],
+)
+def test_what_can_be_switched_is_asked_about_its_switch(kind: str, text: str, *, is_found: bool) -> None:
+    """A lamp with a motion sensor is off although somebody is there; a sensor with a switch detects all the same."""
+    index = DeviceIndex(forget_after=1000.0)
+    both = announce("s", part_of(kind, "occupancy", "on_off", id="s"), ids=("id:s",), name="Hall motion light")
+    index.observe(both)
+    for name, value in (("occupancy", True), ("on_off", False)):
+        index.report(tell(both, name, value, part="s"))
+    assert fits_in_sets_too(index, text) is is_found
+
+
+def fits_in_sets_too(index: DeviceIndex, text: str) -> bool:
+    """Return whether a device matches, by the sets and by a look at it."""
+    query = parse_query(text)
+    found = bool(index.find(query))
+    assert any(fits(query, facets_of(device)) for device in index.devices()) is found
+    return found

@@ -182,6 +182,9 @@ _DETECTED = {
 }
 """What sensors detect, as people say, with the capability."""
 
+_SENSED = frozenset(name for name, one in CAPABILITIES.items() if one.kind == "bool" and not (one.is_set or one.words))
+"""The capabilities that are detected or not, and never switched."""
+
 CONDITIONS: Mapping[str, Query] = MappingProxyType(
     {
         "low battery": _WEAK,
@@ -240,8 +243,35 @@ def all_of(terms: list[Query]) -> Query:
         terms = [_NOUNS.get(term, term) for term in terms]
     if any(term in _OF_LOCKS for term in terms):  # a locked door is one whose lock is
         terms = [Or((one, _LOCK)) if isinstance(one, TypeIs) and one.tag else one for one in terms]
-    scoped = _with_scopes(terms)
+    detections = _detections(terms)
+    scoped = [_or_detected(term, detections) if detections else term for term in _with_scopes(terms)]
     return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
+
+
+def _detections(terms: list[Query]) -> dict[str, frozenset[str]]:
+    """Return the detections of the sensors in *terms*, with their types; empty if a type or capability is another."""
+    found: dict[str, frozenset[str]] = {}
+    for term in terms:
+        nouns = [] if isinstance(term, Not) else [*leaves(term)]
+        types = frozenset(one for noun in nouns if isinstance(noun, TypeIs) for one in noun.types)
+        names = {noun.name for noun in nouns if isinstance(noun, CanDo)}
+        names = names or {name for name in _SENSED if CAPABILITIES[name].sensor in types}
+        if (types and not names) or not names <= _SENSED:
+            return {}
+        found |= dict.fromkeys(names, types)
+    return found
+
+
+def _or_detected(term: Query, detections: Mapping[str, frozenset[str]]) -> Query:
+    """Return *term* with ``on`` also as the detection of a sensor, or of a device without a switch."""
+    match term:
+        case StateIs("on_off", "=", value):
+            states = [StateIs(name, "=", value, types) for name, types in detections.items()]
+            alone = And((Not(CanDo("on_off")), Or(tuple(replace(state, types=frozenset()) for state in states))))
+            return Or((term, *(state for state in states if state.types), alone))
+        case Not(denied):
+            return Not(_or_detected(denied, detections))
+    return term
 
 
 def _with_scopes(terms: list[Query]) -> list[Query]:
