@@ -3,6 +3,7 @@
 import tomllib
 
 import pytest
+from tests.call_counts import calls
 
 from homebot.errors import UsageError
 from homebot.support.toml_edit import REMOVED, edit_toml
@@ -77,3 +78,28 @@ def test_what_only_a_person_can_change_is_left(table: tuple[str, ...], key: str)
 
 def test_an_empty_file_gets_its_first_table() -> None:
     assert edit_toml("", ("home",), {"name": "Villa"}) == '[home]\nname = "Villa"\n'
+
+
+@pytest.mark.parametrize("quote", ['"', "'"])
+def test_a_line_is_read_as_often_whatever_is_in_its_text(quote: str) -> None:
+    """All before each # was read as TOML."""
+
+    def count(length: int) -> int:
+        return calls(lambda: edit_toml(f"a = {quote}{'#' * length}{quote} # x\n", (), {"a": 1}))
+
+    assert count(400) < count(1) + 400
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('a = "#" # b', "a = 1 # b"),
+        ('a = "\\"#"# b', "a = 1# b"),
+        ("a = '\"#'  # b", "a = 1  # b"),
+        ("a = '''it's # x''' # b", "a = 1 # b"),
+        ('a = """say "#" """ # b', "a = 1 # b"),
+        ("a = [ '#' ] # b # c", "a = 1 # b # c"),
+    ],
+)
+def test_a_comment_begins_after_the_texts_of_its_line(old: str, new: str) -> None:
+    assert edit_toml(f"{old}\n", (), {"a": 1}) == f"{new}\n"

@@ -17,6 +17,7 @@ import homebot.words
 from homebot.errors import UsageError
 from homebot.words.conditions import read_condition
 from homebot.words.exact_queries import parse_cautious_query
+from homebot.words.message_values import read_message
 from homebot.words.patterns import read_pattern
 from homebot.words.queries import parse_query
 from homebot.words.steps import read_step
@@ -33,6 +34,8 @@ READERS: tuple[tuple[Callable[[str], object], str], ...] = (
     (read_trigger, "x press for 1 "),
     (read_trigger, "message on x with = "),
     (read_trigger, "x of x rises above x of x plus 1 "),
+    (lambda text: read_trigger(f"{text}changes"), "a "),
+    (lambda text: read_message(f"{{{text}}}"), "a "),
     (read_condition, "nobody is sleeps in or "),
     (read_step, "wait until x, at most "),
     (read_step, "and then a on, 1, "),

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from copy import deepcopy
-from typing import Any
+from typing import Any, Final, cast
 
 from homebot.errors import UsageError
 from homebot.support.toml_lines import line_of
@@ -13,6 +13,13 @@ from homebot.support.toml_text import toml_value
 
 REMOVED = object()
 """In place of a value: the key is taken out."""
+
+_CODE: Final = re.compile(
+    r"(?:[^#\"'\n]"
+    r'|"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"'
+    r"|'''.*?'''|'[^'\n]*')*"
+)
+"""A line before its comment; each text in it is read once."""
 
 
 def edit_toml(text: str, table: tuple[str, ...], values: Mapping[str, object]) -> str:
@@ -73,8 +80,9 @@ def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> I
 def _with_comment(old: str, new: str) -> str:
     """Return the line *new* with indent and comment of *old*."""
     indent = old[: len(old) - len(old.lstrip())]
-    for comment in re.finditer(r"\s*#", old):
-        with suppress(tomllib.TOMLDecodeError):
-            tomllib.loads(old[: comment.start()])
-            return f"{indent}{new.rstrip()}{old[comment.start() :]}"
+    code = cast("re.Match[str]", _CODE.match(old)).group()
+    with suppress(tomllib.TOMLDecodeError):
+        if old.startswith("#", len(code)):
+            tomllib.loads(code)
+            return f"{indent}{new.rstrip()}{old[len(code.rstrip()) :]}"
     return indent + new

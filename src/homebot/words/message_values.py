@@ -16,8 +16,9 @@ from homebot.words.vocabulary import CAPABILITY_WORDS
 _PLACE: Final = re.compile(r"\{([^{}]*)\}")
 _EXAMPLE: Final = "write it like {temperature of office}, {name}, {room}, {routine} or {time}"
 
-
 _ANY: Final = And(())
+
+_MAX_CAPABILITY_WORDS: Final = max(len(words.split()) for words in CAPABILITY_WORDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +102,7 @@ def read_comparison(text: str) -> Comparison | None:
 def split_capability(text: str) -> tuple[str, str]:
     """Return the words for devices in *text*, and the capability of the words at its end; empty if these are none."""
     words = text.split(" ")
-    for place in range(1, len(words)):
+    for place in range(max(1, len(words) - _MAX_CAPABILITY_WORDS), len(words)):
         capability = CAPABILITY_WORDS.get(fold(" ".join(words[place:])), "")
         if capability:
             return " ".join(words[:place]), capability
