@@ -142,6 +142,9 @@ def exclude_each_other(one: Condition, other: Condition) -> bool:
     match one, other:
         case SunIs(), SunIs():
             return one != other
+        case SunElevation(), SunElevation():
+            below, above = sorted((one, other))
+            return not below.is_above and above.is_above and below.degrees <= above.degrees
         case OnDays(), OnDays():
             return one.days.excludes(other.days)
         case ((TimeSpan() | SunSpan()), (TimeSpan() | SunSpan())):
@@ -162,7 +165,7 @@ def check_possible(texts: Sequence[str]) -> None:
         if exclude_each_other(one, other):
             words = sorted((text, other_text), key=lambda end: end.casefold().startswith("before "))
             ends = [end.split(" ", 1) for end in words if end.casefold().startswith(("after ", "before "))]
-            is_span = [end[0].casefold() for end in ends] == ["after", "before"]
+            is_span = [end[0].casefold() for end in ends] == ["after", "before"] and ends[0][1] != ends[1][1]
             hint = f"write 'between {ends[0][1]} and {ends[1][1]}'" if is_span else "leave out one of them"
             raise UsageError(f"{text!r} and {other_text!r} never hold together; {hint}")
 
