@@ -102,6 +102,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("sunset -30", "like 'sunset - 30m'"),
         ("door open for 5", "like 'door open for 5m'"),
         ("temperature nursery under 18", "write it like 'temperature in nursery under 18 °C'"),
+        ("temperature of tea urn above 26", "write it like 'tea urn temperature above 26 °C'"),
         ("temperature below", "write it like 'temperature below 18 °C'"),
         ("power above 5 kW", "power is a number in W, not '5kW'"),
         ("nobody home", "start by 'Anna arrives', 'everybody has left' or 'nobody is home'"),

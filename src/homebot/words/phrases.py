@@ -13,7 +13,7 @@ PLACED_LIMIT: Final = Phrase("{room} sign~below|above|under|over|<|<=|>|>= {limi
 """The words after ``in``, if a limit is among them."""
 
 LIMIT: Final = Phrase(
-    "{what:word} [in] [{area}] [is|drops|falls|rises] sign~below|above|under|over|<|> [{number:number}]"
+    "{what:word} [where~of|in] [{area}] [is|drops|falls|rises] sign~below|above|under|over|<|> [{number:number}]"
 )
 PRESS: Final = Phrase("{query} press|pressed|presses [{value:one}]")
 

@@ -435,6 +435,7 @@ def _limit_hint(text: str) -> str:
     can = CAPABILITIES.get(CAPABILITY_WORDS.get(fold(found["what"]), "")) if found else None
     if found is None or can is None or can.kind != "number" or " " in found["number"]:
         return ""
-    area = f" in {found['area']}" if found["area"] else ""
-    sign = found["sign"].removeprefix("is ")
-    return f"write it like '{found['what']}{area} {sign} {found['number'] or 18} {can.unit}'"
+    what, area, sign = found["what"], found["area"], found["sign"].removeprefix("is ")
+    if area:
+        what = f"{area} {what}" if found.get("where") == "of" else f"{what} in {area}"
+    return f"write it like '{what} {sign} {found['number'] or 18} {can.unit}'"
