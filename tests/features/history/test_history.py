@@ -45,6 +45,13 @@ async def test_a_query_that_names_a_value_reads_that_one_as_terms_and_in_words(k
             assert [one.capability for one in series] == ["energy"]
 
 
+async def test_the_power_of_a_plug_is_read_first(kept: MakeHouse) -> None:
+    async with kept() as house:
+        await house.add("new", "plug", on_off=True, current=0.1, power=3.5, energy=1.5)
+        series = await house.query(query_terms(parse_query("plug")))
+    assert [one.capability for one in series] == ["power", "current", "energy", "on_off"]
+
+
 async def test_numbers_are_values_then_five_minutes_then_hours(kept: MakeHouse) -> None:
     async with kept() as house:
         for hour in range(30):

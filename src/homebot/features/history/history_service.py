@@ -188,14 +188,14 @@ def _problem(
 
 
 def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list[Series]:
-    """Return *series* with those of settings and diagnostics last."""
+    """Return *series* with the power of each device before its others, and those of settings and diagnostics last."""
 
     def is_aside(one: Series) -> bool:
         device = devices.get(one.place[0])
         part = None if device is None else device.part(one.place[1])
         return part is not None and bool(part.part.category)
 
-    return sorted(series, key=is_aside)
+    return sorted(series, key=lambda one: (is_aside(one), one.place[0], one.place[2] != "power"))
 
 
 def _fitting(series: Iterable[Series], request: ReadHistoryRequest) -> list[Series]:
