@@ -16,7 +16,8 @@ def routine_text(table: Mapping[str, object]) -> str:
 
 def rename_scene(text: str, old: str, new: str) -> str:
     """Return the table *text* of a routine, with the scene *old* called *new* in the steps that apply it."""
-    step = re.compile(rf"""(?P<quote>["'])scene\s+{re.escape(old)}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
+    name = rf"""(?P<inner>\\?["'])?{re.escape(old)}(?(inner)(?P=inner))"""
+    step = re.compile(rf"""(?P<quote>["'])scene\s+{name}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
     return step.sub(lambda match: f"{match['quote']}scene {new}", text)
 
 

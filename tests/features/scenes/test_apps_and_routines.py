@@ -80,7 +80,8 @@ async def test_a_scene_that_is_renamed_is_so_in_its_routines_and_others_are_name
     kept = """[[routines]]
 name = "Evening"
 when = ["18:30"]
-do = ["scene Film", "wait 10m", 'scene film, over 5s', "scene Filmed"]
+do = ["scene Film", "wait 10m", 'scene film, over 5s', "scene 'Film'", 'scene "film", over 5s',
+    "scene \\"Film\\"", "scene Filmed"]
 """
     async with virtual_house_of(world=hall(), config={"routines": [configured], "home": {"zone": "UTC"}}) as house:
         await house.run_until("07:00")
@@ -94,7 +95,8 @@ do = ["scene Film", "wait 10m", 'scene film, over 5s', "scene Filmed"]
             assert answer.message == "the routine Late still applies Film; change it there"
             routines = (await person.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest())).routines
         (evening,) = (one for one in routines if one.is_kept)
-        assert evening.steps == ("scene Cinema night", "wait 10m", "scene Cinema night, over 5s", "scene Filmed")
+        renamed, faded = "scene Cinema night", "scene Cinema night, over 5s"
+        assert evening.steps == (renamed, "wait 10m", faded, renamed, faded, renamed, "scene Filmed")
 
 
 async def test_an_app_applies_a_scene_and_gets_the_outcome_of_each_part() -> None:
