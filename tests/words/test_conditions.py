@@ -115,3 +115,7 @@ def test_conditions_that_never_hold_together_are_told_with_the_text_to_write(tex
         check_possible(texts)
     with pytest.raises(ValidationError, match=f"never hold together; {hint}"):
         RoutineSettings.model_validate({"name": "A", "when": ["22:00"], "if": texts, "do": ["hall lamp off"]})
+    for key in ("if", "while", "until"):
+        block = {key: texts, "do": ["wait 1m"]}
+        with pytest.raises(ValidationError, match=f"never hold together; {hint}"):
+            RoutineSettings.model_validate({"name": "A", "when": ["22:00"], "do": [block]})

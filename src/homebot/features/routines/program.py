@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
-from homebot.words.conditions import Condition, read_condition
+from homebot.words.conditions import Condition, check_possible, read_condition
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, read_step
 
 _MAX_CHARACTERS = 300
@@ -24,13 +24,22 @@ def _condition(text: str) -> str:
     return text
 
 
+def _possible(texts: tuple[str, ...]) -> tuple[str, ...]:
+    with value_errors():
+        check_possible(texts)
+    return texts
+
+
 def _step(text: str) -> str:
     with value_errors():
         read_step(text)
     return text
 
 
-ConditionText = Annotated[Text, AfterValidator(_condition)]
+Conditions = Annotated[
+    tuple[Annotated[Text, AfterValidator(_condition)], ...], Field(max_length=MAX_LINES), AfterValidator(_possible)
+]
+"""Conditions that hold together at times."""
 
 
 class Choice(BaseModel):
@@ -44,7 +53,7 @@ class Choice(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
-    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", min_length=1, max_length=MAX_LINES)]
+    conditions: Annotated[Conditions, Field(alias="if", min_length=1)]
     do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
     otherwise: Annotated[tuple["StepSetting", ...], Field(alias="else", max_length=MAX_LINES)] = ()
 
@@ -66,8 +75,8 @@ class RepeatedSteps(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
     times: Annotated[int, Field(alias="repeat", ge=0, le=MAX_ROUNDS)] = 0
-    as_long_as: Annotated[tuple[ConditionText, ...], Field(alias="while", max_length=MAX_LINES)] = ()
-    until: Annotated[tuple[ConditionText, ...], Field(max_length=MAX_LINES)] = ()
+    as_long_as: Annotated[Conditions, Field(alias="while")] = ()
+    until: Conditions = ()
     do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
 
     def __str__(self) -> str:

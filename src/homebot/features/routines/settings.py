@@ -8,9 +8,9 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from homebot.apps import AppSettings
 from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
-from homebot.features.routines.program import Branch, ConditionText, StepSetting, Text, conditions_of, program_of
+from homebot.features.routines.program import Branch, Conditions, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
-from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, check_possible, single_conditions
+from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, single_conditions
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, SunElevation, Trigger, read_trigger
@@ -46,7 +46,7 @@ class RoutineSettings(AppSettings):
 
     name: Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_line)]
     when: Annotated[tuple[Annotated[Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=MAX_LINES)]
-    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MAX_LINES)] = ()
+    conditions: Annotated[Conditions, Field(alias="if")] = ()
     do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MAX_LINES)]
     mode: RunMode = "single"
     max: Annotated[int, Field(ge=1, le=MAX_ROUNDS)] = MAX_RUNS
@@ -84,8 +84,6 @@ class RoutineSettings(AppSettings):
         triggers = [read_trigger(one) for one in self.when]
         if twice := [text for place, text in enumerate(self.when) if triggers[place] in triggers[:place]]:
             raise ValueError(f"when: {twice[0]!r} is there twice")
-        with value_errors():
-            check_possible(self.conditions)
         asked = [one for line in program_of(self.do) if isinstance(line.step, Branch) for one in line.step.conditions]
         if inner := next((text for text, one in asked if LastRun in map(type, single_conditions(one))), ""):
             raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")
