@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from homebot.control.open_command import SimulatedExecution
     from homebot.control.settings import ControlSettings
     from homebot.devices import Device, DevicePart
-    from homebot.devices.command_messages import CommandRequest
+    from homebot.devices.command_messages import CommandDevicesRequest, CommandDevicesResponse, CommandRequest
     from homebot.devices.misspelt_names import ConfiguredNames
     from homebot.devices.outcomes import Outcome, Refused
     from homebot.journal.store import JournalStore
@@ -220,7 +220,7 @@ class Control:
         create, qos = self._node.create_service, QoSProfile(depth=_REFUSALS)
         create(PerformCommand, names.PERFORM_COMMAND, self.perform, concurrent=True)
         create(SendText, names.SEND_TEXT, lambda request: self._layer.executor.send_text(request), concurrent=True)
-        create(CommandDevices, names.COMMAND_DEVICES, lambda request: self._layer.words.serve(request), concurrent=True)
+        create(CommandDevices, names.COMMAND_DEVICES, self._command_devices, concurrent=True)
         create(leases.HoldPart, names.HOLD_PART, lambda request: self._layer.leases.hold(request), concurrent=True)
         create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
@@ -260,6 +260,10 @@ class Control:
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
         return self._layer.executor.perform(request) if self._begun.is_set() else self._perform_first(request)
+
+    async def _command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
+        await _load_layer()
+        return await self._layer.words.serve(request)
 
     async def _perform_first(self, request: CommandRequest) -> Outcome:
         await _load_layer()
