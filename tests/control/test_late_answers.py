@@ -1,11 +1,15 @@
 """Devices that answer after the time limit of a command; in virtual time."""
 
+from functools import partial
+
 import anyio
 import pytest
-from tests.control.conftest import Home, end_of_ramp, ignore, obey_after
+from tests.control.conftest import Home, OpenHome, end_of_ramp, ignore, obey, obey_after
+from tests.control.kept_store import KeptStore
 
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
+from homebot.journal.store import JournalNote
 
 pytestmark = pytest.mark.virtual_time
 
@@ -87,3 +91,70 @@ async def test_a_newer_command_ends_the_wait_for_a_late_answer(home: Home) -> No
     await anyio.sleep(30)
     home.behaviours["lamp"] = obey_after(14.0)
     assert not (await lamp.turn_off()).succeeded
+
+
+class KilledStore(KeptStore):
+    """A store that a killed homebot adds nothing more to."""
+
+    is_killed = False
+
+    def add(self, note: JournalNote) -> None:
+        if not self.is_killed:
+            super().add(note)
+
+
+@pytest.mark.parametrize(
+    ("after", "transition", "is_killed"),
+    [(5.0, 0.0, False), (40.0, 0.0, False), (40.0, 60.0, True), (40.0, 0.0, True)],
+    ids=["ended while open", "ended", "killed while open", "killed"],
+)
+async def test_a_lamp_that_hears_a_command_only_after_a_restart_obeys_that_command(
+    open_home: OpenHome, after: float, transition: float, *, is_killed: bool
+) -> None:
+    store = KilledStore()
+    async with open_home(store=store) as home:
+        lamp = await home.lamp("on_off", before={"on_off": False}, behaviour=ignore)
+        await anyio.sleep(1000)
+        home.begin(partial(lamp.turn_on, transition=transition))
+        await anyio.sleep(after)
+        store.is_killed = is_killed
+    store.is_killed = False
+    async with open_home(store=store, clock=home.graph.clock) as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(300)
+        await home.report("lamp", "on_off", True)
+        await anyio.sleep(1)
+        assert await told(home) == [("reported", "command", "/app")]
+        await anyio.sleep(60)
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(1)
+        assert (await told(home))[-1][:2] == ("changed", "person")
+
+
+async def test_a_doubt_ends_with_a_report_or_a_newer_command_and_is_known_to_a_command_after_a_restart(
+    open_home: OpenHome,
+) -> None:
+    store = KeptStore()
+    async with open_home(store=store) as home:
+        for key in ("lamp", "again", "moved"):
+            await home.new(Light, key, "on_off", before={"on_off": False}, behaviour=ignore)
+            assert isinstance(await (await home.handle(Light, key)).turn_on(), NoAnswer)
+        home.behaviours["again"] = obey
+        assert isinstance(await (await home.handle(Light, "again")).turn_on(), Confirmed)
+        await home.report("moved", "on_off", True)
+        await anyio.sleep(60)
+    async with open_home(store=store, clock=home.graph.clock) as home:
+        sent = dict[str, int]()
+        for key, value in (("lamp", False), ("again", True), ("moved", True)):
+            lamp = await home.new(Light, key, "on_off", before={"on_off": value})
+            outcome = await (lamp.turn_on() if value else lamp.turn_off())
+            sent[key] = len(home.commands)
+            assert outcome.succeeded
+        assert sent == {"lamp": 1, "again": 1, "moved": 1}  # it may have obeyed unseen; the others are so already
+
+
+async def told(home: Home) -> list[tuple[str, str, str]]:
+    """Return the kind, cause and issuer of each change in the journal."""
+    entries = (await home.read()).entries
+    return [(one.kind, one.cause, one.issuer) for one in entries if one.kind in {"reported", "changed"}]

@@ -116,6 +116,8 @@ class HouseWatch:
         changes = [change for change in changed.changes if _is_change(change)]
         if changes:
             await _load_layer()
+            if (learnt := self._layer().learnt).is_awaited:
+                await learnt.load()
         for change in changes:
             layer, place = self._layer(), (change.device, change.part)
             if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:

@@ -111,6 +111,8 @@ class CommandExecutor:
         Args:
             send: Sends the command; its result is no outcome if the journal has the end of the command already.
         """
+        if self.timelines.learnt.is_awaited:  # the policies ask the timelines
+            await self.timelines.learnt.load()
         asked_at, device, part, problem, text = target
         place = request.device, request.part if part is None else part.id
         shown = without_codes(request.settings, device, part)

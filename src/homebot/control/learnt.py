@@ -1,17 +1,20 @@
-"""Knowledge about devices that survives a restart, in the journal's store: records, and the profile of each part."""
+"""Knowledge that survives a restart, in the journal's store: its newest entries, records, the profile of each part."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache, partial
 from typing import Final, Literal, TypeAlias, final
 
 import anyio
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
+from homebot.control import durations
 from homebot.control.timeline.profile import DeviceProfile
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.errors import WireError
 from homebot.graph import Node
 from homebot.journal.store import JournalStore, LearntRow
+from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
 SaveRecord: TypeAlias = Callable[[str, str], None]
@@ -46,6 +49,8 @@ class LearntPersistence:
 
     Attributes:
         is_awaited: Whether a command has to wait for the records, for at most a second.
+        on_entries: Called, before the records are restored, with the newest entries of the journal, at most 1,000 of
+            15 minutes.
     """
 
     def __init__(self, node: Node, store: JournalStore) -> None:
@@ -54,6 +59,7 @@ class LearntPersistence:
         self._restorers: dict[str, RestoreRecord] = {}
         self._loaded: anyio.Event | None = None
         self.is_awaited = store.remembers
+        self.on_entries: Callable[[Iterable[JournalEntry]], None] = lambda _: None
 
     def saver(self, kind: str) -> SaveRecord:
         """Return the function that saves records of *kind*."""
@@ -78,6 +84,8 @@ class LearntPersistence:
         self.is_awaited = False
 
     async def _load(self, loaded: anyio.Event) -> None:
+        since = Time.from_seconds(max(0.0, self._node.graph.clock.now() - durations.REMEMBERED))
+        self.on_entries((await self._store.read(ReadJournalRequest(since=since))).entries)
         learnt = await self._store.learnt()
         restorers, self._restorers = self._restorers, {}
         rows = [row for row in learnt if row.kind in restorers or row.kind not in KINDS]

@@ -100,8 +100,6 @@ class Sending:
         if len(self.open) >= MAX_PENDING:
             reason = f"{MAX_PENDING:,} commands wait for their outcome"
             return Refused("control", reason, command_id=command.id)
-        if self._timelines.learnt.is_awaited:
-            await self._timelines.learnt.load()
         opened, is_so = self._begin(command)
         witnesses: list[Witness] = []
         try:

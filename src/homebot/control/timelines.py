@@ -8,16 +8,19 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final, final
 
+from homebot.control.command import IssuedCommand, device_settings, order_of
+from homebot.control.earlier_commands import EarlierCommand, commands_in_doubt
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.timeline.cause import MAX_NEARBY, NOWHERE, Nearby, NearbyCommands
-from homebot.control.timeline.facts import Attribution, Cause, GroupMessage, Order, PartRef, Reported
+from homebot.control.timeline.facts import Attribution, Cause, Decided, GroupMessage, Order, PartRef, Reported, Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import MOMENTARY, SETTABLE
+from homebot.devices.client_rights import ClientRights
 from homebot.devices.device import FIRST_REPORTS, ChangedSetting, target_of
-from homebot.devices.journal_messages import KnownCause
+from homebot.devices.journal_messages import JournalEntry, KnownCause
 from homebot.devices.value import PlainValue, SetBy, Value
 from homebot.devices.value_comparison import related
 from homebot.graph import Node
@@ -54,6 +57,8 @@ class Timelines:
         self.feed, self.learnt = feed, learnt
         self._profiles = Profiles(learnt.saver(PROFILE))
         learnt.add(PROFILE, self._profiles.restore)
+        learnt.on_entries = self._restore
+        self._in_doubt: dict[PartRef, list[EarlierCommand]] = {}
         self._timeout = timeout
         self._settle = settle
         self._limits = TimeLimits()
@@ -163,6 +168,8 @@ class Timelines:
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
         entry = self._entries[place] = _TrackedPart(timeline, target, part)
         self._move(entry, device)
+        for command in self._in_doubt.pop(place, ()):
+            self._put_back(command, timeline, device, part, before)
         timeline.on_news, timeline.on_undone = self.on_news, self.on_undone
         self._follow(entry, part)
         if len(self._entries) > _MAX_PARTS:
@@ -173,6 +180,28 @@ class Timelines:
                     known.stop_watch()
                     break
         return entry
+
+    def _restore(self, entries: Iterable[JournalEntry]) -> None:
+        """Keep the commands of earlier runs that may be obeyed yet until the timelines of their parts begin."""
+        self._in_doubt = commands_in_doubt(entries)
+
+    def _put_back(
+        self,
+        earlier: EarlierCommand,
+        timeline: PartTimeline,
+        device: Device,
+        part: DevicePart,
+        before: Mapping[str, PlainValue],
+    ) -> None:
+        """Record in a new *timeline* a command of an earlier run, from which its profile has learnt already."""
+        settings, rights = device_settings(earlier.settings, part.part), ClientRights()
+        command = IssuedCommand(earlier.id, device, part, settings, earlier.issuer, rights)
+        behind = self._clock.now() - self._clock.monotonic()
+        sent_at = [at - behind for at in earlier.sent_at]
+        progress = timeline.command(order_of(command), sent_at[0], last={**command.values, **before})
+        for at in sent_at:
+            timeline.append(Sent(earlier.id, settings, at))
+        progress.apply(Decided(earlier.id, earlier.ended_at - behind, earlier.outcome), self._settle)
 
     def _move(self, entry: _TrackedPart, device: Device) -> None:
         """Let the parts of a *device* be near each other, if it has several, and in the room where it is now."""
