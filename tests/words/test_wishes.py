@@ -95,10 +95,16 @@ def test_a_wish_for_devices(text: str, target: str, command: str) -> None:
     assert (wish.target, wish.command, wish.area) == (target, command, False)
 
 
-def test_a_wish_for_a_room_means_what_takes_it() -> None:
-    assert read_wishes("kitchen at 19 °C", HOUSE) == (
-        StateCondition("kitchen at 19 °C", "Kitchen", "19 °C", area=True),
-    )
+@pytest.mark.parametrize(
+    ("text", "room", "command"),
+    [
+        ("kitchen at 19 °C", "Kitchen", "19 °C"),
+        ("living room at 21 degrees", "Living", "21 degrees"),
+        ("the living room at 21 °C", "Living", "21 °C"),
+    ],
+)
+def test_a_wish_for_a_room_means_what_takes_it(text: str, room: str, command: str) -> None:
+    assert read_wishes(text, HOUSE) == (StateCondition(text, room, command, area=True),)
 
 
 @pytest.mark.parametrize("text", ["film", "scene film", "the film scene", "Film.", "start the film scene"])

@@ -187,8 +187,10 @@ _SENSED = frozenset(name for name, one in CAPABILITIES.items() if one.kind == "b
 
 CONDITIONS: Mapping[str, Query] = MappingProxyType(
     {
-        "low battery": _WEAK,
-        "weak battery": _WEAK,
+        **{f"{how} {what}": _WEAK for how in ("low", "weak") for what in ("battery", "batteries")},
+        **{f"{what} low": _WEAK for what in ("battery", "battery is", "batteries", "batteries are")},
+        **{f"who is {state}": And((type_is("person"), *ADJECTIVES[state])) for state in ("at home", "away")},
+        "who is home": And((type_is("person"), *ADJECTIVES["at home"])),
         **{
             f"{word} {state}": StateIs(capability, "=", state == "detected")
             for word, capability in _DETECTED.items()

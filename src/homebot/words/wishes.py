@@ -135,7 +135,7 @@ def _wishes(text: str, known: KnownNames) -> Iterator[GoalCondition]:
         phrase = part
         if fold(phrase) in ADJECTIVES and subject:
             phrase = f"{subject} {phrase}"
-        elif find_name(_without_the(part), known.areas) and (place := LAST_ROOM.match(before)) is not None:
+        elif _known_area(_without_the(part), known.areas) and (place := LAST_ROOM.match(before)) is not None:
             phrase = f"{place['what']} in {part}"
         try:
             yield _wish(phrase, known)
@@ -204,7 +204,7 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> GoalCon
 
 def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateCondition:
     target = being["what"] if (being := IS.match(target)) else target
-    area = find_name(target, known.areas)
+    area = _known_area(target, known.areas)
     if area and (named := NUMBERED.match(command)) is not None:  # living heat 19
         area, target, command = "", f"{target} {named['rest']}", named["number"]
     if area and command in {"on", "off"}:
@@ -222,9 +222,13 @@ def _scene(text: str, scenes: Collection[str]) -> str:
 
 def _area(name: str, areas: Collection[str]) -> str:
     name = name.strip('"')
-    if (room := ROOM.match(name)) and (found := find_name(room["name"], areas)) and not find_name(name, areas):
-        return found
-    return resolve_name("room", name, areas)
+    return _known_area(name, areas) or resolve_name("room", name, areas)
+
+
+def _known_area(name: str, areas: Collection[str]) -> str:
+    """Return the area *name*, with or without the word room; empty for none."""
+    found, room = find_name(name, areas), ROOM.match(name)
+    return found or (find_name(room["name"], areas) if room else "")
 
 
 def _without_the(text: str) -> str:
