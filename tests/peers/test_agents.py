@@ -26,6 +26,7 @@ TOOLS = {
     "find_devices",
     "command",
     "why",
+    "journal",
     "history",
     "scenes",
     "apply_scene",

@@ -96,6 +96,22 @@ async def test_several_devices_are_commanded_at_once_and_nothing_is_sent_if_one_
         assert (nothing.status, many.status) == (400, 400)
 
 
+async def test_all_that_words_mean_is_commanded_at_once_but_nothing_that_always_asks(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        done = await api.command("all lights", "on")
+        assert (done.values["outcome"], done.values["id"]) == ("confirmed", "all lights")
+        assert {*done.values["parts"]} == {"lamp1", "lamp2", "lamp3", "Door stop"}
+        for wrong in ("all ligths", "all lights in attic"):
+            assert (await api.command(wrong, "off")).status == 404
+        unlocked = await api.command("everything", "unlock", Authorization=bearer("keys"))
+        assert (unlocked.status, unlocked.values["outcome"]) == (403, "refused")
+        assert "a person must agree: front_door (it is a door lock)" in unlocked.values["detail"]
+        entries = (await api.get("/api/journal?since=1h")).values["entries"]
+        assert sum(" for on" in entry for entry in entries) == sum("confirmed" in entry for entry in entries) == 4
+        one = (await api.get("/api/journal?device=lamp2&limit=1")).values
+        assert (one["entries"][0].split(" ", 1)[1][:16], one["has_more"]) == ("lamp2: confirmed", True)
+
+
 async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         await api.until("/api/history?device=lamp1", lambda found: "series" in found)

@@ -26,6 +26,7 @@ from homebot.bridges.home_api.shapes import (
     MAX_COMMANDED,
     DeviceList,
     HomeAnswer,
+    JournalAnswer,
     OutcomeAnswer,
     WhyAnswer,
 )
@@ -219,7 +220,15 @@ def _add_questions(server: MCPServer, api: HouseApi) -> None:
         """Return why a device is in its state or, given a state such as `on`, why it is not in that one."""
         return tool_answer(await api.read("/api/why/", device, state=state))
 
-    for tool in (home, find_devices, why):
+    async def journal(
+        since: Annotated[str, Field(max_length=40, description="how far back")] = "12h",
+        device: Annotated[Words, Field(description="id or exact name; empty for all")] = "",
+        limit: Annotated[int, Field(ge=1, le=MAX_LISTED, description="most entries")] = 50,
+    ) -> Annotated[CallToolResult, JournalAnswer]:
+        """Return the commands of the last `12h` or `3d`, with their causes, and the changes by hand."""
+        return tool_answer(await api.read("/api/journal", since=since, device=device, limit=limit))
+
+    for tool in (home, find_devices, why, journal):
         server.add_tool(tool, annotations=READS)
 
 
@@ -245,8 +254,11 @@ def _add_command(server: MCPServer, api: HouseApi) -> None:
         return Elicit(printable(f"{', '.join(reasons)}: {do}? It always asks: {why}.", 2000), Sure)
 
     async def command(
-        device: Annotated[Words | Several, Field(description="ids or exact names, each with `#PART` or without")],
-        do: Annotated[Words, Field(max_length=300, description="as `on, 40 %`, `+10 %`, `lock`")],
+        device: Annotated[
+            Words | Several,
+            Field(description="ids or exact names, each with `#PART` or without; or as `all lights in kitchen`"),
+        ],
+        do: Annotated[Words, Field(max_length=300, description="as `on`, `30 %, warm white`, `+10 %`, `lock`")],
         details: Annotated[list[Any], Resolve(details)],
         sure: Annotated[ElicitationResult[Sure], Resolve(sure)],
     ) -> Annotated[CallToolResult, OutcomeAnswer]:

@@ -5,42 +5,48 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final, cast
 
 import anyio
 
 from homebot.bridges.home_api import shapes
-from homebot.bridges.home_api.device_search import HomeCalls, all_listed, listed, meant_device
+from homebot.bridges.home_api.device_search import HomeCalls, all_listed, all_meant, listed, meant_device
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.outcomes import OUTCOMES, Evidence
 from homebot.devices.wording.journal_words import (
+    caused_text,
     chain_lines,
     chains_of,
     clock_text,
     finding_text,
     issuer_text,
+    name_text,
+    repeats,
     result_text,
     was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import iso
+from homebot.devices.wording.time_format import from_seconds, iso
 from homebot.devices.wording.values import main_parts, span, state_text
 from homebot.support.folding import fold
 from homebot.support.printable import printable
+from homebot.units import parse_duration
 from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
-    from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
+    from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse, ReadJournalResponse
     from homebot.devices.services import ListedDevice
 
 _MAX_STEPS: Final = 12
 _MAX_NAMED: Final = 20
+_STEPS: Final = frozenset({"sent", "acknowledged", "reported"})  # of a command whose outcome follows
 _WIDEST: Final = 100
 _FLAGS: Final = {"true": True, "false": False}
 _BEST_FIRST: Final = tuple(OUTCOMES)
@@ -77,7 +83,9 @@ async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.De
 
 
 async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shapes.DeviceDetails:
-    """Return one device, with its commands."""
+    """Return one device, with its commands; of ``all lights in hall`` the ids."""
+    if ids := await all_meant(home, asked.id):
+        return shapes.DeviceDetails(id=asked.id, type="", state=", ".join(ids), by_words=True)
     device, target = await meant_device(home, asked.id)
     answer = await listed(home, ids=[device.id])
     asks: tuple[str, ...] = ()
@@ -95,27 +103,35 @@ async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shape
 
 
 async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.OutcomeAnswer:
-    """Command one device or several at once, and return the outcome; nothing is sent if one of them is unknown."""
+    """Command one device or several at once, and return the outcome; nothing is sent if one of them is unknown.
+
+    ``all lights in hall`` means no device that always asks, unless a person is asked first.
+    """
     wanted = (asked.device,) if isinstance(asked.device, str) else asked.device
-    meant = {one.target: one.device for one in [await meant_device(home, text) for text in wanted]}
+    meant: dict[str, Device | None] = {}  # by target; None for several devices
+    for text in wanted:
+        device, target = (None, text) if await all_meant(home, text) else await meant_device(home, text)
+        meant[target] = device
     answers: list[shapes.OutcomeAnswer] = []
     problems: list[ProblemError] = []
 
-    async def send(device: Device, target: str) -> None:
+    async def send(target: str, device: Device | None) -> None:
+        ident = target if device is None else device.id
+        unless_asks = device is None and not asked.ask
         try:
-            request = {"target": target, "command": asked.do, "ask_first": asked.ask}
+            request = {"target": target, "command": asked.do, "ask_first": asked.ask, "unless_asks": unless_asks}
             found = await home.call(names.COMMAND_DEVICES, request)
             answer = cast("CommandDevicesResponse", found)
             if not answer.results:
-                raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-            answers.append(outcome_of(answer, device.id, lambda one: one.part))
+                raise ProblemError(HTTPStatus.FORBIDDEN if answer.asks else HTTPStatus.NOT_FOUND, answer.message)
+            answers.append(outcome_of(answer, ident, lambda one: one.name if device is None else one.part))
         except ProblemError as exc:
             problems.append(exc)
-            answers.append(shapes.OutcomeAnswer(id=device.id, outcome="refused", text=str(exc), reason=str(exc)))
+            answers.append(shapes.OutcomeAnswer(id=ident, outcome="refused", text=str(exc), reason=str(exc)))
 
     async with anyio.create_task_group() as tasks:
         for target, device in meant.items():
-            tasks.start_soon(send, device, target)
+            tasks.start_soon(send, target, device)
     if len(problems) == len(answers):
         raise problems[0]
     worst = max(answers, key=lambda answer: _BEST_FIRST.index(answer.outcome))
@@ -165,6 +181,22 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
         steps=tuple(steps[-_MAX_STEPS:]),
         more=max(0, len(steps) - _MAX_STEPS),
     )
+
+
+async def journal(home: HomeCalls, asked: shapes.JournalQuestion) -> shapes.JournalAnswer:
+    """Return the commands and the changes without a command, in words."""
+    now = home.now()
+    since = from_seconds(max(0.0, now - parse_duration(asked.since, "since")))
+    device = (await meant_device(home, asked.device)).device.id if asked.device else ""
+    request = {"device": device, "since": since, "limit": asked.limit}
+    found = cast("ReadJournalResponse", await call_or_fail(home, names.READ_JOURNAL, request))
+    named = {name.key: name.value for name in found.names}
+    lines = [
+        f"{clock_text(entry.at, now)} {name_text(entry.device, named, entry.part)}: {caused_text(entry, named)}"
+        for before, entry in pairwise([None, *found.entries])
+        if entry is not None and entry.kind not in _STEPS and not repeats(entry, before)
+    ]
+    return shapes.JournalAnswer(entries=tuple(lines), has_more=not found.complete)
 
 
 def _why_not(wanted: ExplainMissingStateResponse, now: float) -> tuple[str, list[str]]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _MAX_PAGES = 10
 _MAX_NAMED = 10
 _MAX_SIMILAR = 3
+_SEVERAL = ("all ", "everything")
 
 
 class HomeCalls(Protocol):
@@ -76,6 +77,17 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     more = ", …" if len(ids) >= _MAX_NAMED else ""
     problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MAX_NAMED])}{more}"
     raise ProblemError(HTTPStatus.CONFLICT, problem)
+
+
+async def all_meant(home: HomeCalls, text: str) -> list[str]:
+    """Return the ids of at most ten devices of ``all lights in hall`` or ``everything``; empty for other words.
+
+    Raises:
+        ProblemError: There is none.
+    """
+    if not text.casefold().startswith(_SEVERAL) or await _named(home, text.strip()):
+        return []
+    return await _fitting(home, text)
 
 
 async def _named(home: HomeCalls, text: str) -> Sequence[Device]:

@@ -41,6 +41,7 @@ _CORE_ROUTES: Final = (
     ApiRoute("GET", "/api/devices/{id}", shapes.DeviceQuestion, shapes.DeviceDetails, answers.device_details),
     ApiRoute("POST", "/api/command", shapes.CommandQuestion, shapes.OutcomeAnswer, answers.command),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),
+    ApiRoute("GET", "/api/journal", shapes.JournalQuestion, shapes.JournalAnswer, answers.journal),
 )
 
 

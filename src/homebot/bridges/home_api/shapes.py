@@ -88,6 +88,14 @@ class WhyQuestion(DeviceQuestion):
     state: Annotated[str, Field(max_length=100)] = ""
 
 
+class JournalQuestion(Question):
+    """A length of time up to now, such as `12h`, and a device; empty for all."""
+
+    since: Annotated[str, Field(max_length=40)] = "12h"
+    device: ShortText = ""
+    limit: Annotated[int, Field(ge=1, le=MAX_LISTED)] = 50
+
+
 class CommandQuestion(Question):
     """A command in words to one device, or to each of several: `on`, `40 %`, `level 40`, `unlock`.
 
@@ -166,6 +174,13 @@ class WhyAnswer(Answer):
     is_so: bool | None = None
     steps: tuple[PrintableText, ...] = ()
     more: int = 0
+
+
+class JournalAnswer(Answer):
+    """The newest commands and changes by hand, in words, the oldest first; and whether older ones are left out."""
+
+    entries: tuple[PrintableText, ...] = ()
+    has_more: bool = False
 
 
 class Problem(Answer):

@@ -11,13 +11,7 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, entry_json
 from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
-from homebot.devices.wording.journal_words import (
-    clock_text,
-    entry_text,
-    name_text,
-    repeats,
-    trigger_text,
-)
+from homebot.devices.wording.journal_words import caused_text, clock_text, name_text, repeats
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import ago, from_seconds
 
@@ -108,7 +102,6 @@ class _EntryPrinter:
 
     def _text(self, entry: JournalEntry) -> str:
         names = self._client.names
-        cause = trigger_text(entry.trigger, names)
-        text = entry_text(entry, names) + (f", because {cause}" if cause else "")
+        text = caused_text(entry, names)
         name, command = name_text(entry.device, names, entry.part) or _NO_DEVICE, entry.command
         return f"{clock_text(entry.at, self._now)}  {name}  {command + '  ' if command else ''}{text}"

@@ -58,6 +58,12 @@ def entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
     return f"{text}, and {entry.folded:,} more times in the minute before" if entry.folded else text
 
 
+def caused_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
+    """Return *entry* as a clause, with its cause."""
+    cause = trigger_text(entry.trigger, names)
+    return entry_text(entry, names) + (f", because {cause}" if cause else "")
+
+
 def _entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
     text = _TEXTS.get(entry.kind)
     return printable(entry.results[0].text) if text is None else text(entry, name_text(entry.device, names, entry.part))

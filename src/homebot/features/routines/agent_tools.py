@@ -37,7 +37,7 @@ def add_tools(server: MCPServer, api: HouseApi) -> None:
         text: Annotated[str, Field(max_length=20_000, description="TOML")],
         days: Annotated[float, Field(gt=0.0, le=366.0, description="of the trial")] = 7.0,
     ) -> Annotated[CallToolResult, _TriedProposal]:
-        """Propose a rule to the owner, who enables it or not; returns what it would have done in the last days.
+        """Propose a rule, which only the owner enables; returns its trial on the last days.
 
         TOML: `name="Hall"`, `when=["hall motion occupied", "22:00"]`, `if=["sun is down"]`,
         `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
