@@ -1,1 +1,1 @@
-import"./chunk-MOF4PBBB.js";
+import"./chunk-4DKQKQC2.js";
