@@ -11,6 +11,7 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.message_values import Comparison, read_comparison
+from homebot.words.own_language import read_in_any_language
 from homebot.words.people import check_known, read_person
 from homebot.words.phrases import ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
@@ -116,7 +117,10 @@ def read_condition(text: str) -> Condition:
     Raises:
         UsageError: It is none; the message shows how it could be written.
     """
-    plain = " ".join(text.split())
+    return read_in_any_language(" ".join(text.split()), "condition", _read_condition)
+
+
+def _read_condition(plain: str) -> Condition:
     if plain[:1] == "(" and plain[-1:] == ")" and LASTING.match(plain[1:-1]) and len(split_at(plain, "or")) == 1:
         return read_condition(plain[1:-1])
     parts = split_at(plain, "or")
@@ -126,9 +130,9 @@ def read_condition(text: str) -> Condition:
         return found
     reject_joined(plain, "and")
     if _denies(split_at(plain, "and")):
-        raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
+        raise UsageError(f"{plain!r}: this denies a state of the same device; write each as a condition for itself")
     if (press := read_press(plain)) is not None and NOT.match(plain):
-        raise UsageError(f"{text!r}: a press is not denied; write it without the `not`, and the steps into `else`")
+        raise UsageError(f"{plain!r}: a press is not denied; write it without the `not`, and the steps into `else`")
     return _of_people(plain) or press or _of_state(plain)
 
 

@@ -18,6 +18,7 @@ from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
 from homebot.words.message_values import MessageValue, read_message
+from homebot.words.own_language import read_in_any_language
 from homebot.words.phrases import (
     DIM,
     DRIVE,
@@ -214,14 +215,17 @@ def read_step(text: str) -> Step:
     Raises:
         UsageError: It is none; the message shows how it could be written.
     """
-    plain = " ".join(text.split())
+    return read_in_any_language(" ".join(text.split()), "step", _read_step)
+
+
+def _read_step(plain: str) -> Step:
     if "{" in plain and not NOTIFY.match(plain):
         return _read_filled(plain)
     try:
         return _read(plain)
     except _NoStepError as exc:
         if advice := _several(plain) or _meant(plain):
-            raise UsageError(f"{text!r}: {advice}") from exc
+            raise UsageError(f"{plain!r}: {advice}") from exc
         raise
 
 

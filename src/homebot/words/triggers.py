@@ -16,6 +16,7 @@ from homebot.support.names import find_name
 from homebot.words.amounts import read_amount
 from homebot.words.days import read_days_after_word
 from homebot.words.message_values import Comparison, read_comparison, split_capability
+from homebot.words.own_language import read_in_any_language
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import (
     ALL,
@@ -250,13 +251,16 @@ def read_trigger(text: str) -> Trigger:
     Raises:
         UsageError: It is none; the message shows how it could be written.
     """
-    plain = " ".join(text.split())
+    return read_in_any_language(" ".join(text.split()), "trigger", _read_trigger)
+
+
+def _read_trigger(plain: str) -> Trigger:
     with suppress(UsageError):  # `22:00 on sat and sun` is one time
         if (moment := DaysAndTime.read(plain)) is not None:
             return moment
     if (interval := INTERVAL.match(plain)) is not None and interval["length"].count(" ") <= _MAX_INTERVAL_BLANKS:
         if read_duration(interval["length"], plain) < MIN_INTERVAL_S:
-            raise UsageError(f"{text!r}: the shortest interval is {MIN_INTERVAL_S:g} s")
+            raise UsageError(f"{plain!r}: the shortest interval is {MIN_INTERVAL_S:g} s")
         return EachInterval(interval["length"])
     if (hourly := EachHour.read(plain)) is not None:
         return hourly
@@ -271,7 +275,7 @@ def read_trigger(text: str) -> Trigger:
     state = read_state(limit, _EXAMPLES)
     if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and starts_unknown(state.query)):
         words = "'Anna arrives', 'everybody has left' or 'nobody is home'"
-        raise UsageError(f"{text!r} may only have been unknown before; start by {words}")
+        raise UsageError(f"{plain!r} may only have been unknown before; start by {words}")
     return state
 
 

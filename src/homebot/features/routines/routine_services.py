@@ -36,6 +36,7 @@ from homebot.graph import Node
 from homebot.support.logger import get_logger
 from homebot.support.names import resolve_name
 from homebot.support.toml_text import toml_value
+from homebot.words.own_language import TextKind, in_language
 from homebot.words.rights import read_scope
 from homebot.words.suitable_parts import part_name
 
@@ -168,6 +169,9 @@ class RoutineServices:
                 else frozenset()
             )
             infos = tuple(one for one in infos if one.name in meant)
+        language = self._house.home.language
+        if language != "en":
+            infos = tuple(_shown(one, language) for one in infos)
         return RoutinesResponse(routines=infos, zone=zone_name(self._house.home.zone))
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
@@ -337,6 +341,16 @@ async def _read_gallery(request: RoutineGalleryRequest) -> RoutineGalleryRespons
     except UsageError as exc:
         return RoutineGalleryResponse(success=False, message=str(exc))
     return RoutineGalleryResponse(success=True, text=text)
+
+
+def _shown(info: RoutineInfo, language: str) -> RoutineInfo:
+    """Return *info* with its lines as *language* says them; ``text`` stays as it was written."""
+
+    def lines(texts: Sequence[str], kind: TextKind) -> tuple[str, ...]:
+        return tuple(in_language(text, kind, language) for text in texts)
+
+    shown = {"when": lines(info.when, "trigger"), "conditions": lines(info.conditions, "condition")}
+    return info.model_copy(update={**shown, "steps": lines(info.steps, "step")})
 
 
 def _failure(error: HomebotError) -> ChangeRoutineResponse:

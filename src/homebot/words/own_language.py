@@ -1,0 +1,367 @@
+"""Texts of routines in other languages, as the English ones that the grammars read, and back. Pure.
+
+A language is a table ``languages/CODE.json``. Its forms stand by the English form, the one that is shown first. Slots
+are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or another name, ``t`` a length of time,
+``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``n`` a number with its unit, ``v`` a measured
+value, ``w`` a type after "no", ``s`` a state, and ``m`` a message. Names stay as they are. A text tells its language
+itself, so that it means the same in a house, its export, a trial and on another machine.
+"""
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, lru_cache
+from itertools import chain
+from pathlib import Path
+from typing import Final, Literal, TypeAlias, TypeVar, final
+
+from homebot.errors import UsageError
+from homebot.words.tokens import Phrase, split_at
+
+TextKind: TypeAlias = Literal["trigger", "condition", "step"]
+OWN_LANGUAGES: Final = ("de", "fr", "it", "es", "nl")
+
+_MAX_CHARACTERS: Final = 300
+"""Characters of a text in another language; as those of any text of a routine."""
+
+_MIN_MARKS: Final = 2
+_ALIKE: Final = 0.8
+_SLOT: Final = re.compile(r"\{(\w)\}")
+_AMOUNT: Final = re.compile(r"([+-]?\d+)(?:([.,])(\d+))? ?(\S*)")
+_LENGTHS: Final = re.compile(r"(\d+(?:[.,]\d+)?) ?([^\W\d_]+)")
+_CLOCK: Final = re.compile(r"(\d{1,2})(?: ?[:.h] ?(\d\d)(?:[:h](\d\d))?)?(?: ?(?:uhr|uur|heures?|h))?", re.IGNORECASE)
+_COLONS: Final = re.compile(r"(?<=\d):(?=\d\d\b)")
+_ENGLISH_UNITS: Final = {
+    spelling: unit
+    for unit, name in (("s", "second"), ("m", "minute"), ("h", "hour"), ("d", "day"))
+    for spelling in (unit, name, f"{name}s")
+} | {"min": "m"}
+_ENGLISH: Final = frozenset({"a", "do", "i", "lamp", "lamps", "minutes", "message", "of", "u", "was"})
+"""English words, besides those of the forms, that another language has too."""
+
+_KINDS_OF_SLOTS: Final = {"t": "{t:length}", "n": "{n:number}"}
+_QUOTES: Final = {'"': '"', "'": "'", "„": "“”", "“": "”", "«": "»"}
+_ELISION: Final = "\N{RIGHT SINGLE QUOTATION MARK}"
+"""The end of an elided word, such as an article before a vowel."""
+
+_WORD_END: Final = re.compile(rf"[\s,:|]+|(?<={_ELISION})")
+_ELIDED: Final = re.compile(rf"\b(\w{{1,7}})['{_ELISION}](?=\w)")
+
+ReadT = TypeVar("ReadT")
+
+
+def read_in_any_language(text: str, kind: TextKind, read: Callable[[str], ReadT]) -> ReadT:
+    """Return what *read* makes of the English for *text*.
+
+    Raises:
+        UsageError: It is none; a text in another language is answered in it.
+    """
+    english = to_english(text, kind)
+    try:
+        return read(text if english is None else english)
+    except UsageError as exc:
+        if english is None and (hint := _hint(text, kind)):
+            raise UsageError(hint) from exc
+        raise
+
+
+@lru_cache(maxsize=2000)
+def to_english(text: str, kind: TextKind) -> str | None:
+    """Return the English for *text*, which is in another language; None if it is in none of them."""
+    if len(text) > _MAX_CHARACTERS:
+        return None
+    words = _words(text)
+    tables = (_table(code) for code in OWN_LANGUAGES)
+    readings = (table.read(text, kind) for table in tables if not words.isdisjoint(table.marks))
+    return next(filter(None, readings), None)
+
+
+@lru_cache(maxsize=2000)
+def in_language(text: str, kind: TextKind, language: str) -> str:
+    """Return *text* as *language* says it; as it is if it is in it already, or has no form there."""
+    if len(text) > _MAX_CHARACTERS:
+        return text
+    if language not in OWN_LANGUAGES:
+        return to_english(text, kind) or text
+    table = _table(language)
+    if not _words(text).isdisjoint(table.marks) and table.read(text, kind) not in {None, text}:
+        return text
+    return table.shown(to_english(text, kind) or text, kind) or text
+
+
+def _hint(text: str, kind: TextKind) -> str:
+    """Return how *text* could be written, in its language; empty if that is not known."""
+    if len(text) > _MAX_CHARACTERS:
+        return ""
+    words = _words(text)
+    table = max(map(_table, OWN_LANGUAGES), key=lambda one: len(one.sure_marks & words))
+    return table.hint(text, kind) if len(table.sure_marks & words) >= _MIN_MARKS else ""
+
+
+@cache
+def _table(code: str) -> "_Table":
+    return _Table(json.loads((Path(__file__).parent / "languages" / f"{code}.json").read_text(encoding="utf-8")))
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(_WORD_END.split(text.casefold().replace("'", _ELISION)))
+
+
+@final
+class _Table:
+    """The table of a language.
+
+    Attributes:
+        marks: Its words; a text without one of them is in another language.
+        sure_marks: Those that are no English words.
+    """
+
+    def __init__(self, table: Mapping[str, Mapping[str, str]]) -> None:
+        self._forms = {kind: _rows(table[kind]) for kind in _SECTIONS}
+        self._lists = {kind: _rows(table[kind]) for kind in _LISTS}
+        self._meanings = {
+            kind: {word.casefold(): key for key, words in rows.items() for word in words}
+            for kind, rows in self._lists.items()
+        }
+        self._awaited = table["awaited"]
+        self._hints = table["hints"]
+        rows = chain.from_iterable(one.values() for one in (*self._forms.values(), *self._lists.values()))
+        words = {word for text in chain.from_iterable(rows) for word in _WORD_END.split(text.casefold())}
+        self.marks = frozenset(word.strip("[]") for word in words if "{" not in word and "}" not in word) - {""}
+        english = {
+            word for one in (self._forms, self._lists) for rows in one.values() for key in rows for word in key.split()
+        }
+        self.sure_marks = self.marks - english - _ENGLISH
+        self._phrases: dict[str, list[tuple[str, _WordForm]]] = {}
+        self._english: dict[str, list[tuple[str, _WordForm]]] = {}
+
+    def read(self, text: str, kind: str) -> str | None:
+        """Return the English for *text*; None if it has none of the forms."""
+        parts = [text] if kind == "step" else split_at(text, *self._lists["words"]["or"])
+        read = [self._read(part, kind) for part in parts]
+        return self._read(text, kind) if None in read else " or ".join(filter(None, read))
+
+    def _read(self, text: str, kind: str) -> str | None:
+        plain = _ELIDED.sub(self._split_elided, text)
+        plain = plain if kind == "step" else _COLONS.sub("h", plain)  # one token
+        for word in self._lists["words"]["when"]:
+            plain = plain[len(word) + 1 :] if plain.casefold().startswith(f"{word} ") else plain
+        return self._first(self._phrases, plain, kind, self._in)
+
+    def shown(self, english: str, kind: str) -> str | None:
+        """Return the text for an *english* one; None if there is no form for it."""
+        return self._first(self._english, english, kind, self._out)
+
+    def hint(self, text: str, kind: TextKind) -> str:
+        """Return how *text* could be written, in this language."""
+        from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
+
+        long = sorted(mark for mark in self.marks if len(mark) > 4)
+        for word in sorted(_words(text) - self.marks):
+            if close := get_close_matches(word, long, 1, _ALIKE):
+                return self._hints["meant"].format(text=text, word=word, close=close[0])
+        return self._hints[kind].format(text=text)
+
+    def _split_elided(self, found: re.Match[str]) -> str:
+        """Return an elided word with a blank after it, so that an article is a word."""
+        word = f"{found[1]}{_ELISION}"
+        return f"{word} " if word.casefold() in self.marks else found[0]
+
+    def _first(
+        self,
+        forms: dict[str, list[tuple[str, "_WordForm"]]],
+        text: str,
+        kind: str,
+        translate: Callable[[str, str], str | None],
+    ) -> str | None:
+        if kind not in forms:
+            compiled = self._compiled(kind, is_english=forms is self._english)
+            forms[kind] = sorted(compiled, key=lambda row: row[1].begins_with_slot)
+        words = _words(text)
+        for written, form in forms[kind]:
+            if (found := form.match(text, words)) is None:
+                continue
+            values = {slot: translate(slot, value) or "" for slot, value in found.items()}
+            if all(values.values()):
+                return written.format(**values).replace(" , ", ", ").replace(f"{_ELISION} ", "'")
+        return None
+
+    def _compiled(self, kind: str, *, is_english: bool) -> Iterator[tuple[str, "_WordForm"]]:
+        sections = {"trigger": ("trigger", "state"), "condition": ("state", "condition")}.get(kind, (kind,))
+        for section in sections:
+            for english, own in self._forms[section].items():
+                if is_english:
+                    yield _spoken(own[0]), _WordForm(english)
+                else:
+                    forms = ((english, _WordForm(text)) for text in own)
+                    yield from sorted(forms, key=lambda row: -row[1].words)
+
+    def _in(self, slot: str, text: str) -> str | None:
+        match slot:
+            case "x":
+                return self._device_in(text, "all", "some")
+            case "c":
+                return self._device_in(text, "all")
+            case "r":
+                return self._plain(text)
+            case "p":
+                return text
+            case "t":
+                return self._length(text, lambda unit: self._meanings["units"].get(unit) or _ENGLISH_UNITS.get(unit))
+            case "h" | "k":
+                plain = self._plain(text)
+                return self._meanings["sun"].get(plain.casefold()) or _clock(plain)
+            case "u":
+                return self._meanings["sun"].get(self._plain(text).casefold())
+            case "d":
+                return self._days_in(text)
+            case "n":
+                return self._amount(text, ".", self._meanings["amounts"])
+            case "v":
+                return self._meanings["values"].get(self._plain(text).casefold())
+            case "w":
+                return self._meanings["none"].get(text.casefold())
+            case "s":
+                return self.read(text, "state")
+        return _unquoted(text)
+
+    def _out(self, slot: str, text: str) -> str | None:
+        match slot:
+            case "x":
+                return self._device_out(text, "all", "some")
+            case "c":
+                return self._device_out(text, "all")
+            case "r" | "p":
+                return text
+            case "t":
+                return self._length(text, _ENGLISH_UNITS.get, self._lists["units"])
+            case "h" | "k" | "u":
+                found = self._lists["sun"].get(text.casefold())
+                return found[0] if found else (_clock(text) if slot != "u" and ":" in text else None)
+            case "d":
+                return self._days_out(text)
+            case "n":
+                return self._amount(text, ",", {})
+            case "v":
+                return next(iter(self._lists["values"].get(text.casefold(), ())), None)
+            case "w":
+                return next(iter(self._lists["none"].get(text.casefold(), ())), None)
+            case "s":
+                shown = self.shown(text, "state") or ""
+                return " ".join(self._awaited.get(word, word) for word in shown.split(" "))
+        return f'"{_unquoted(text)}"'
+
+    def _plain(self, text: str) -> str:
+        """Return *text* without the articles before it."""
+        words = text.split(" ")
+        while len(words) > 1 and words[0].casefold() in self._lists["words"]["the"]:
+            words = words[1:]
+        return " ".join(words)
+
+    def _device_in(self, text: str, *kinds: str) -> str:
+        """Return *text* without its article; types are translated only after words such as "all", since names stay."""
+        if text[:1] in _QUOTES:
+            return text
+        for own, english in (row for kind in kinds for row in self._meanings[kind].items()):
+            if f"{text.casefold()} ".startswith(f"{own} "):
+                return f"{english}{self._with_place(text[len(own) :])}"
+        return self._with_place(self._plain(text))
+
+    def _with_place(self, text: str) -> str:
+        head, *words = text.split(" ")
+        places, articles = self._lists["words"]["in"], self._lists["words"]["the"]
+        kept = [head]
+        for word in words:
+            if word.casefold() in places:
+                kept.append("in")
+            elif kept[-1] != "in" or word.casefold() not in articles:
+                kept.append(word)
+        return " ".join(kept)
+
+    def _device_out(self, text: str, *kinds: str) -> str:
+        first, *rest = text.removeprefix("the ").split(" ")
+        own = next((self._lists[kind][first][0] for kind in kinds if first in self._lists[kind]), first)
+        is_type = not rest or rest[0] == "in"
+        place = self._lists["words"]["in"][0]
+        return " ".join([own if is_type else first, *(place if word == "in" else word for word in rest)])
+
+    def _length(
+        self, text: str, unit_of: Callable[[str], str | None], shown: Mapping[str, list[str]] | None = None
+    ) -> str | None:
+        if _LENGTHS.sub("", text).strip():
+            return None
+        pieces = []
+        for number, name in _LENGTHS.findall(text):
+            if (unit := unit_of(name.casefold())) is None:
+                return None
+            if shown is None:
+                pieces.append(f"{number.replace(',', '.')}{unit}")
+            else:
+                pieces.append(f"{number.replace('.', ',')} {shown[unit][number != '1']}")
+        return ("" if shown is None else " ").join(pieces) or None
+
+    def _amount(self, text: str, point: str, units: Mapping[str, str]) -> str | None:
+        if (found := _AMOUNT.fullmatch(text)) is None:
+            return None
+        whole, _, fraction, unit = found.groups()
+        number = f"{whole}{point}{fraction}" if fraction else whole
+        return f"{number} {units.get(unit.casefold(), unit)}".strip()
+
+    def _days_in(self, text: str) -> str | None:
+        days = [
+            self._range(part, self._lists["words"]["to"]) for part in split_at(text, ",", *self._lists["words"]["and"])
+        ]
+        return ",".join(filter(None, days)) if None not in days else None
+
+    def _range(self, text: str, words: list[str]) -> str | None:
+        ends = [self._meanings["days"].get(self._plain(end).casefold()) for end in split_at(text, *words)]
+        return "-".join(filter(None, ends)) if None not in ends else None
+
+    def _days_out(self, text: str) -> str | None:
+        parts = [self._lists["days"].get(part.strip()) for part in re.split(r"[,-]", text.casefold())]
+        joint = self._lists["words"]["to" if "-" in text else "and"][0]
+        return f" {joint} ".join(part[0] for part in parts if part) if None not in parts else None
+
+
+@final
+class _WordForm:
+    """A form of words, which is tried only on texts with its words.
+
+    Attributes:
+        words: How many words it needs; forms with more are tried first.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._phrase = Phrase(_SLOT.sub(lambda slot: _KINDS_OF_SLOTS.get(slot[1], slot[0]), text.casefold()))
+        words = [word for word in text.casefold().split() if word[0] not in "{[" and word != ","]
+        self._needed = [frozenset(word.split("|")) for word in words]
+        self.words = len(words)
+        self.begins_with_slot = text[0] == "{"
+
+    def match(self, text: str, words: frozenset[str]) -> Mapping[str, str] | None:
+        """Return the values of the slots in *text*, which has *words*; None if it has another form."""
+        if any(words.isdisjoint(needed) for needed in self._needed):
+            return None
+        return self._phrase.match(text)
+
+
+_SECTIONS: Final = ("state", "trigger", "condition", "step")
+_LISTS: Final = ("words", "units", "amounts", "days", "sun", "values", "some", "all", "none")
+
+
+def _rows(table: Mapping[str, str]) -> dict[str, list[str]]:
+    return {key: row.replace("'", _ELISION).split(" / ") for key, row in table.items()}
+
+
+def _spoken(text: str) -> str:
+    """Return the form *text* with the first of its words, and without those that may be missing."""
+    return " ".join(word.split("|")[0] for word in text.split() if not word.startswith("["))
+
+
+def _clock(text: str) -> str | None:
+    found = _CLOCK.fullmatch(text)
+    return None if found is None else ":".join((found[1], found[2] or "00", *filter(None, (found[3],))))
+
+
+def _unquoted(text: str) -> str:
+    return text[1:-1].strip() if text[-1:] in tuple(_QUOTES.get(text[:1], "")) and len(text) > 1 else text

@@ -1,0 +1,197 @@
+"""Routines mean the same in each language, and are shown in it."""
+
+import json
+import re
+from collections.abc import Callable, Mapping
+from itertools import chain, product
+from pathlib import Path
+
+import pytest
+from tests.call_counts import calls
+
+from homebot.errors import UsageError
+from homebot.features.routines.gallery import gallery
+from homebot.features.routines.text import read_settings
+from homebot.words import own_language
+from homebot.words.conditions import read_condition
+from homebot.words.own_language import OWN_LANGUAGES, TextKind, in_language, to_english
+from homebot.words.steps import read_step
+from homebot.words.triggers import read_trigger
+
+FOLDER = Path(own_language.__file__).parent / "languages"
+ROUTINES = json.loads(Path(__file__).with_name("routines_in_languages.json").read_text("utf-8"))
+"""Ten routines, as natives of six languages write them."""
+
+READERS: Mapping[TextKind, Callable[[str], object]] = {
+    "trigger": read_trigger,
+    "condition": read_condition,
+    "step": read_step,
+}
+
+_DEVICES = (
+    "Flur open",
+    "Flur open for 5m",
+    "Flur closed",
+    "Flur closed for 2h",
+    "Flur on",
+    "Flur on for 1m",
+    "Flur off",
+    "Flur off for 10m",
+    "Flur locked",
+    "Flur unlocked",
+    "window open",
+    "lights in Flur on",
+    "no window open",
+    "no window open for 10m",
+    "motion occupied in Flur",
+    "no motion in Flur for 5m",
+    "temperature in Flur below 18.5 °C",
+    "humidity in Flur above 70 % for 10m",
+)
+FORMS: Mapping[TextKind, tuple[str, ...]] = {
+    "trigger": (
+        *_DEVICES,
+        "7:00",
+        "22:00:30",
+        "22:00 on weekdays",
+        "7:30 on sat,sun",
+        "6:15 on mon-fri",
+        "sunset",
+        "sunset - 30m",
+        "sunrise + 1h30m",
+        "every 30m",
+        "homebot starts",
+        "nobody is home",
+        "everybody has left",
+        "somebody arrives",
+        "Anna arrives",
+        "Anna leaves",
+        "Flur press",
+    ),
+    "condition": (
+        *_DEVICES,
+        "no motion in Flur",
+        "sun is up",
+        "sun is down",
+        "after 22:00",
+        "before sunrise",
+        "between 22:00 and 6:30",
+        "between sunset and 23:00",
+        "on weekdays",
+        "on sat,sun",
+        "nobody in Flur",
+        "somebody in Flur",
+        "nobody is home",
+        "everybody is home",
+        "somebody is home",
+        "Anna is home",
+        "Anna is away",
+        "sun is down or nobody is home",
+    ),
+    "step": (
+        "Flur on",
+        "Flur off",
+        "Flur toggle",
+        "Flur on, 20 %",
+        "Flur 40 %",
+        "Flur 21.5 °C",
+        "Flur open",
+        "Flur close",
+        "Flur lock",
+        "Flur unlock",
+        "lights off",
+        "lights in Flur off",
+        "wait 90s",
+        "wait until Flur closed, at most 30m",
+        "wait until no motion in Flur for 2m, at most 1h",
+        "notify {temperature of Flur}, that is cold: 7:00",
+        "scene Film",
+        "routine Film on",
+        "routine Film off",
+        "undo",
+        "stop",
+    ),
+}
+
+
+def every_form() -> list[tuple[TextKind, str]]:
+    return [(kind, text) for kind, texts in FORMS.items() for text in texts]
+
+
+@pytest.mark.parametrize("language", OWN_LANGUAGES)
+@pytest.mark.parametrize(("kind", "text"), every_form())
+def test_each_form_is_shown_in_each_language_and_read_again(kind: TextKind, text: str, language: str) -> None:
+    shown = " or ".join(in_language(part, kind, language) for part in text.split(" or "))
+    assert shown != text
+    if " or " not in text:
+        assert in_language(shown, kind, language) == shown
+        assert READERS[kind](shown) == READERS[kind](text)
+
+
+@pytest.mark.parametrize("language", OWN_LANGUAGES)
+def test_conditions_are_joined_by_the_word_of_the_language(language: str) -> None:
+    words = {"de": "oder", "fr": "ou", "it": "o", "es": "o", "nl": "of"}
+    own = f" {words[language]} ".join(
+        in_language(one, "condition", language) for one in ("sun is down", "nobody is home")
+    )
+    assert read_condition(own) == read_condition("sun is down or nobody is home")
+
+
+@pytest.mark.parametrize(("language", "number"), list(product(OWN_LANGUAGES, range(len(ROUTINES)))))
+def test_ten_routines_mean_the_same_in_each_language(language: str, number: int) -> None:
+    english, own = ROUTINES[number]["en"], ROUTINES[number][language]
+    for kind, read in READERS.items():
+        assert [read(text) for text in own[kind]] == [read(text) for text in english[kind]]
+
+
+def test_no_english_text_is_taken_for_another_language() -> None:
+    texts = [*every_form()]
+    for one in gallery().values():
+        table = read_settings(one.filled({key: "hall lamp" for key in one.inputs if not one.inputs[key].default}), "it")
+        texts += chain((("trigger", text) for text in table.when), (("condition", text) for text in table.conditions))
+        texts += (("step", step) for step in table.do if isinstance(step, str))
+    assert len(texts) > 100
+    assert [text for kind, text in texts if to_english(text, kind) not in {None, text}] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("wenn die Haustür 5 Minuten ofen ist", "offne|offen"),
+        ("quand la porte fait des bruits dans la cuisine", "n'est pas un déclencheur"),
+        ("quando la porta fa rumore nella cucina", "non è un evento"),
+        ("cuando la puerta hace ruido en la cocina", "no es un desencadenante"),
+        ("als de deur lawaai maakt in de keuken", "begrijp ik niet"),
+    ],
+)
+def test_a_mistake_is_answered_in_its_language(text: str, hint: str) -> None:
+    with pytest.raises(UsageError, match=hint):
+        read_trigger(text)
+
+
+@pytest.mark.parametrize("text", ["Alle Lampen on", "'Die Drei' on", "Lampe im Flur on"])
+def test_names_in_english_texts_stay(text: str) -> None:
+    assert read_step(text) == read_step(text.replace("  ", " "))
+    assert to_english(text, "step") is None
+
+
+def test_a_name_in_quotes_keeps_its_article() -> None:
+    assert read_step("schalte 'Die Drei' ein") == read_step("'Die Drei' on")
+
+
+@pytest.mark.parametrize("piece", ["wenn ", "die Lampe ist an ", "l'", "oder ", "ist seit 1 ", "21,5 ", "a la in di "])
+@pytest.mark.parametrize("kind", FORMS)
+def test_a_hostile_text_in_another_language_costs_little(kind: TextKind, piece: str) -> None:
+    for length in (300, 20_000):
+        text = piece * (length // len(piece))
+        assert calls(lambda text=text: to_english(text, kind)) < 500 * 300  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("language", OWN_LANGUAGES)
+def test_each_language_has_each_form_with_its_slots(language: str) -> None:
+    tables = {code: json.loads((FOLDER / f"{code}.json").read_text("utf-8")) for code in ("de", language)}
+    for kind in ("state", *READERS):
+        assert list(tables[language][kind]) == list(tables["de"][kind])
+        for english, row in tables[language][kind].items():
+            for form in row.split(" / "):
+                assert sorted(re.findall(r"{.}", form)) == sorted(re.findall(r"{.}", english)), form
