@@ -109,7 +109,7 @@ def _rgbw_to_rgb(rgbw: Channels, _white: KelvinRange) -> Channels:
 
 def _rgb_to_rgbww(rgb: Channels, white: KelvinRange) -> Channels:
     warmest, coldest = (kelvin_mired(one) for one in white)
-    middle = _white_rgb(kelvin_mired(coldest + (warmest - coldest) / 2))
+    middle = white_rgb(kelvin_mired(coldest + (warmest - coldest) / 2))
     level = min(one / part if part else 0 for one, part in zip(rgb, middle, strict=True))
     both = round(level * 255)
     return _as_bright(rgb, (*(one - part * level for one, part in zip(rgb, middle, strict=True)), both, both))
@@ -121,7 +121,7 @@ def _rgbww_to_rgb(rgbww: Channels, white: KelvinRange) -> Channels:
     warm_fraction = warm / (cold + warm) if cold + warm else 0.5
     mired = coldest + warm_fraction * (warmest - coldest)
     level = max(cold, warm) / 255
-    tint = _white_rgb(kelvin_mired(mired) if mired else 0)
+    tint = white_rgb(kelvin_mired(mired) if mired else 0)
     return _as_bright(rgbww, tuple(one + part * level for one, part in zip(rgbww[:3], tint, strict=True)))
 
 
@@ -132,7 +132,8 @@ def _as_bright(target: Channels, channels: Channels) -> Channels:
     return tuple(round(channel * factor) for channel in channels)
 
 
-def _white_rgb(kelvin: float) -> Channels:
+def white_rgb(kelvin: float) -> Channels:
+    """Return a white of *kelvin* as red, green and blue."""
     warmth = min(max(kelvin, 1_000), 40_000) / 100
     red = 255.0 if warmth <= 66 else 329.698727446 * (warmth - 60) ** -0.1332047592
     if warmth <= 66:

@@ -50,8 +50,8 @@ def part(part_id: str, kind: str, *names: str, name: str = "") -> DevicePart:
     return DevicePart(id=part_id, part=Part(id=part_id, service_type=kind, name=name, capabilities=able), routes=())
 
 
-def device(name: str, *parts: DevicePart, entities: str = "", key: str = "", area: str = "") -> Device:
-    endpoint = Endpoint(gateway="homeassistant", key=key or name, address="", command_address="", freshness="fresh",
+def device(name: str, *parts: DevicePart, entities: str = "", key: str = "", area: str = "", at: str = "") -> Device:
+    endpoint = Endpoint(gateway="homeassistant", key=key or name, address=at, command_address="", freshness="fresh",
                         last_seen=NOW)  # fmt: skip
     facts = (Fact(name="entities", value=entities, gateway="homeassistant", convention="", key=key, said_at=NOW),)
     return Device(
@@ -80,6 +80,7 @@ HOUSE = (
     device("Kitchen radio", part("", "speaker", "on_off", "volume", "playback")),
     device("Hall button", part("", "generic_switch", "press"), key="dev-button"),
     device("Remote", part("", "generic_switch", "press"), key="dev-remote"),
+    device("Wall dimmer", part("", "generic_switch", "press"), at="zigbee2mqtt/wall_dimmer"),
     device("Bell", part("", "generic_switch", "press"), entities="event.doorbell"),
     device("Movie", part("", "x_scene", "scene"), entities="scene.movie"),
     device("Anna", part("", "x_tracker", "place"), entities="person.anna"),
@@ -110,7 +111,7 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
     )
 
 
-@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen", "posts"])
+@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds"])
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
@@ -145,6 +146,19 @@ def test_each_automation_is_carried_over_or_refused_and_none_both(name: str, fou
     twice = {"Hall light by motion"} if name == "automations" else set()
     assert refused & carried == twice, "the second one of this name is refused"
     assert len(refused | carried) + len(twice) == found.total
+
+
+@pytest.mark.parametrize("variables", ["{a: '{{ a }}'}", "{a: '{{ b }}', b: '{{ a }}'}"])
+def test_variables_that_name_each_other_are_refused(variables: str) -> None:
+    found = read(f"""
+- alias: A
+  trigger: {{platform: time, at: '08:00'}}
+  action:
+    - variables: {variables}
+    - choose: [{{conditions: "{{{{ a == 'x' }}}}", sequence: [{{service: light.turn_on, entity_id: light.hall_lamp}}]}}]
+""")
+    assert not found.texts
+    assert "template 'a'" in found.refused[0].problem
 
 
 KEYS = (

@@ -203,6 +203,55 @@ PLAYS: tuple[Play, ...] = (
     Play("Mqtt json", ['08:10 topic zigbee2mqtt/Hall button {"action": "double"}'], ["08:10:00 Hall lamp on_off True"]),
     Play("Mqtt json",
          ['08:10 topic zigbee2mqtt/Hall button {"action": "single"}', "08:11 topic zigbee2mqtt/Hall button double"]),
+    Play("Lamp follows the window", ["08:10 Bath window contact true", "08:20 Bath window contact false"],
+         ["08:10:00 Floor lamp on_off True", "08:20:00 Floor lamp on_off False"]),
+    Play("Lamp follows the window", ["08:10 Front door contact true"]),
+    Play("Dimmer by its topic", ["08:10 Wall dimmer press single", "08:11 Wall dimmer press double"],
+         ["08:10:00 Hall lamp level 90", "08:11:00 Hall lamp on_off False"]),
+    Play("Dimmer by its topic", ["08:10 Wall dimmer press long", "08:11 Hall button press single"]),
+    Play("White by the hour", ["08:10 Hall lamp on_off true"], ["08:10:00 Hall lamp color_temperature 2200"]),
+    Play("White by the hour", ["18:10 Hall lamp on_off true"], ["18:10:00 Hall lamp color_temperature 3000"],
+         "18:00 19:00"),
+    Play("White by the hour", ["08:10 Floor lamp on_off true"]),
+    Play("Leak told and shown", ["08:10 Bath leak water_leak true"],
+         ["08:10:05 notify House: Bath leak at 08:10",
+          *(f"08:10:{second} Hall lamp on_off {state}" for second, state in
+            (("05", True), ("06", False), ("07", True), ("08", False)))]),
+    Play("Leak told and shown", ["08:05 Hall lamp on_off true", "08:10 Bath leak water_leak true"],
+         ["08:10:05 notify House: Bath leak at 08:10",
+          *(f"08:10:{second} Hall lamp on_off {state}" for second, state in
+            (("05", True), ("06", False), ("07", True), ("08", False), ("09", True)))]),
+    Play("Leak told and shown", ["08:10 Bath leak water_leak true", "08:10:03 Bath leak water_leak false"]),
+    Play("Reminder until it is closed", ["08:10 Front door contact true", "08:25 Front door contact false"],
+         ["08:13:00 notify The door is open.", "08:23:00 notify Still open, reminder 2."]),
+    Play("Reminder until it is closed", ["08:10 Front door contact true"],
+         ["08:13:00 notify The door is open.", *(f"08:{at}:00 notify Still open, reminder {number}."
+          for at, number in ((23, 2), (33, 3)))]),
+    Play("Reminder until it is closed", ["08:10 Front door contact true", "08:12 Front door contact false"]),
+    Play("Fan by a difference", ["08:10 Bath climate humidity 66", "08:20 Bath climate humidity 54"],
+         ["08:10:00 Bath fan fan_speed 70", "08:25:00 Bath fan on_off False"]),
+    Play("Fan by a difference", ["08:10 Bath climate humidity 64"]),
+    Play("Blind not before its hour", [],
+         ["07:00:00 Living blind movement open", "08:30:00 Living blind movement open"], "06:50 09:00"),
+    Play("Blind not before its hour", ["06:55 vacation on"],
+         ["08:30:00 Living blind movement open", "vacation True"], "06:50 09:00"),
+    Play("One of two reasons", ["08:10 Bath leak water_leak true"], ["08:10:00 notify Bath: water"]),
+    Play("One of two reasons", ["08:10 Bath climate humidity 71"], ["08:10:00 notify Bath: 71 %"]),
+    Play("One of two reasons", ["08:10 Bath climate humidity 69"]),
+    Play("The limit that was passed", ["08:10 Bath climate humidity 61", "08:20 Bath climate humidity 39"],
+         ["08:10:00 Bath fan on_off True", "08:20:00 Bath fan on_off False"]),
+    Play("The limit that was passed", ["08:10 Bath climate humidity 59"]),
+    Play("All lights white", ["08:10 Stairs motion occupancy true"],
+         ["08:10:00 Floor lamp on_off True", "08:10:00 Hall lamp level 100",
+          "08:10:00 Hall lamp color_temperature 5000"]),
+    Play("All lights white", ["08:10 Hall motion occupancy true"]),
+    Play("Eco or comfort", ["08:10 Household at_home false", "08:40 Household at_home true"],
+         ["08:25:00 Bath heating heating_setpoint 16", "08:40:00 Bath heating heating_setpoint 30"]),
+    Play("Eco or comfort", ["08:10 Household at_home false", "08:20 Household at_home false"],
+         ["08:25:00 Bath heating heating_setpoint 16"]),
+    Play("Motion light by variables", ["08:10 Hall motion occupancy true", "08:12 Hall motion occupancy false"],
+         ["08:10:00 Hall lamp level 80", "08:15:00 Hall lamp on_off False"]),
+    Play("Motion light by variables", ["08:05 Hall motion illuminance 15", "08:10 Hall motion occupancy true"]),
 )  # fmt: skip
 
 
@@ -234,7 +283,11 @@ class PlayedGateway(MemoryGateway):
 @lru_cache
 def routines() -> Mapping[str, dict[str, Any]]:
     """Return the routines of all files by name."""
-    texts = [text for name in ("forum", "asked", "unseen") for text in read((HERE / f"{name}.yaml").read_text()).texts]
+    texts = [
+        text
+        for name in ("forum", "asked", "unseen", "kinds")
+        for text in read((HERE / f"{name}.yaml").read_text()).texts
+    ]
     return {table["name"]: table for text in texts for table in tomllib.loads(text)["routines"]}
 
 

@@ -43,6 +43,13 @@ def templates_of(automation: Automation) -> Templates:
     return Templates(automation, any_of, denied)
 
 
+def template_text(node: Located | None) -> str:
+    """Return the template *node*, perhaps with values of its variables."""
+    if node is None or node.tag or not isinstance(node.value, str | bool):
+        raise NotCarriedError("a template is missing")
+    return node.value if isinstance(node.value, str) else str(node.value)
+
+
 def texts_of(conditions: Iterable[Condition]) -> list[str]:
     """Return the texts of *conditions* in routines."""
     texts = (
@@ -58,7 +65,7 @@ def _each(automation: Automation, nodes: Sequence[Located]) -> list[list[Conditi
 
 def _with_fields(node: Located) -> Located:
     """Return a condition that is only a template as those with fields."""
-    if not isinstance(node.value, str):
+    if not isinstance(node.value, str | bool):
         return node
     return Located({"condition": Located("template", node.line), "value_template": node}, node.line)
 
@@ -78,9 +85,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
             return templates_of(automation).started_by([one for one in automation.triggers if one.id in ids])
         case "template":
             node = fields.take("value_template")
-            if node is None or node.tag or not isinstance(node.value, str | bool):
-                raise NotCarriedError("condition template: `value_template` is missing")
-            return templates_of(automation).conditions(node.value if isinstance(node.value, str) else str(node.value))
+            return templates_of(automation).conditions(template_text(node))
         case kind if kind in STATES:
             return _states(automation, kind, fields)
         case "":

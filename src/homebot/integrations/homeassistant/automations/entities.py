@@ -178,6 +178,9 @@ class Entities:
                 siblings = [listed for listed in _listed(device) if listed.startswith(f"{domain}.")]
                 possible = [*_possible(device, domain)]
                 meant = possible if len(siblings) == len(possible) == 1 else []
+            if device is not None and len(meant) != 1:
+                possible = [*_possible(device, entity_id.partition(".")[0])]
+                meant = [entity for entity in possible if slug_of(entity.part.part.name) == entity_id.partition(".")[2]]
             is_helper = entity_id.partition(".")[0] in _HELPERS
             if is_helper and device is None:  # no other device has helpers
                 meant = [entity for entity in meant if _is_of_helpers(entity.device)]
@@ -231,12 +234,21 @@ class Entities:
         """True if a household is known."""
         return any(device.service_type == "x_household" for device in self._devices)
 
+    @property
+    def people(self) -> int:
+        """The number of its persons."""
+        return sum(device.service_type == "x_person" for device in self._devices)
+
     def of_target(self, domain: str, kind: str, place: str) -> list["KnownEntity"]:
         """Return the entities of *domain* that the target *place* means; *kind* is its field."""
         known = [entity for device in self._devices_at(kind, place) for entity in self._entities_of(device, domain)]
         if not known:
             raise NotCarriedError(f"{kind} {place!r}: homebot knows no {domain} there; name the entities")
         return known
+
+    def of_domain(self, domain: str) -> list["KnownEntity"]:
+        """Return all entities of *domain*."""
+        return [entity for device in self._devices for entity in self._entities_of(device, domain)]
 
     def _devices_at(self, kind: str, place: str) -> Iterable[Device]:
         match kind:
@@ -377,7 +389,7 @@ class StartTrigger(NamedTuple):
                 return self.entity or None
             case ("trigger", "to_state", "state"):
                 return self.state or None
-            case ("trigger", "event", "data", field):
+            case ("trigger", "event", "data", field) | ("trigger", "payload" | "above" | "below" as field):
                 return dict(self.data).get(field)
         return None
 
@@ -413,18 +425,23 @@ class Automation:
             raise NotCarriedError("variables: they have no names", variables.line)
         for name, node in variables.value.items():
             value = resolved(node, self.constants)
-            self.expressions.pop(name, None)
             self.constants.pop(name, None)
+            named = re.compile(rf"\b{re.escape(name)}\b")  # those that name it had its former value
+            self.expressions = {
+                key: text for key, text in self.expressions.items() if not named.search(f"{key} {text}")
+            }
             if is_constant(value):
                 self.constants[name] = value
-            elif isinstance(value.value, str):
+            elif isinstance(value.value, str) and not named.search(value.value):
                 self.expressions[name] = value.value
         return self.constants
 
     def forget_values(self) -> None:
-        """Forget the variables that a step may have changed: all but those of the trigger."""
+        """Forget the variables that a step may have changed: all but those of the trigger, and of the time."""
         self.expressions = {
-            name: text for name, text in self.expressions.items() if "trigger." in text and "states" not in text
+            name: text
+            for name, text in self.expressions.items()
+            if "state" not in text.replace("trigger.to_state.", "") and not (self.has_waited and "now()" in text)
         }
 
     def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:

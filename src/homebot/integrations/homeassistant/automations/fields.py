@@ -27,6 +27,7 @@ _FOR_PEOPLE: Final = frozenset({"alias", "metadata", "continue_on_error"})
 """Keys that change nothing: a routine goes on after an error."""
 
 _ADVICE: Final = {
+    "duration": "; write the steps `wait 2m` and `off` after it",
     "flash": "; write the steps `toggle`, `wait 1s` and `toggle`",
     "profile": "; write `brightness_pct` and `color_temp_kelvin`",
     "response_variable": "; write an app, see docs/apps.md",

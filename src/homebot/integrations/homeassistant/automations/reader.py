@@ -5,6 +5,7 @@ domains; the keys of before 2024.10 count as well.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from itertools import chain
 from typing import Final, cast
@@ -17,6 +18,7 @@ from homebot.integrations.homeassistant.automations.conditions import (
     any_of,
     conditions_of,
     denied,
+    template_text,
     templates_of,
     texts_of,
 )
@@ -30,9 +32,16 @@ from homebot.integrations.homeassistant.automations.entities import (
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
 from homebot.integrations.homeassistant.automations.files import from_blueprint, with_files
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.templates import NEVER, Condition, random_ends, round_limit
+from homebot.integrations.homeassistant.automations.templates import (
+    NEVER,
+    Condition,
+    keeps_state,
+    random_ends,
+    round_limit,
+)
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
 from homebot.integrations.homeassistant.automations.variables import plain, resolved
+from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 from homebot.support.located import Located
 from homebot.words.automations import ImportedRoutines, Load, Refusal, RoutineCheck
 from homebot.words.routine_text import routine_text
@@ -92,14 +101,16 @@ class Actions:
             if "variables" in fields and "service" not in fields and "action" not in fields:
                 with self._automation.in_line(node.line):
                     constants = self._automation.define(fields["variables"])
-                    further, rest = self._read([resolved(other, constants) for other in nodes[number + 1 :]])
+                    further, rest = self._read_with(constants, fields["variables"], nodes[number + 1 :])
                     first += further if not steps else []
                     steps += _choice(further, rest, []) if steps else rest
                 break
             if isinstance(node.value, dict) and _CONDITIONS.isdisjoint(node.value):
-                steps += [
-                    step for node_steps in self._automation.each([node], "action", self._steps) for step in node_steps
-                ]
+                for step in chain(*self._automation.each([node], "action", self._steps)):
+                    if steps and step == steps[-1] and isinstance(step, str) and step.startswith("notify "):
+                        self._automation.notes.append("a message to several is one to all of [notify]")
+                    else:
+                        steps.append(step)
                 continue
             first_here = conditions_of(self._automation, [node])
             if not steps:
@@ -111,7 +122,27 @@ class Actions:
             break
         return first, steps
 
+    def _read_with(
+        self, constants: Mapping[str, object], variables: Located, nodes: Sequence[Located]
+    ) -> tuple[list[Condition], list[Step]]:
+        """Read *nodes* with variables; one that keeps whether a state was so is a choice between two ways."""
+        names = [name for name in cast("dict[str, Located]", variables.value) if name in self._automation.expressions]
+        for name in names:
+            text = self._automation.expressions[name]
+            is_used_later = any(name in str(node) for node in nodes[1:]) and name not in str(nodes[0])
+            if is_used_later and keeps_state(text):
+                held = templates_of(self._automation).conditions(text)
+                rest = {key: value for key, value in self._automation.expressions.items() if key != name}
+                ways = []
+                for value in (True, False):
+                    self._automation.expressions = dict(rest)
+                    ways.append(self._branch([resolved(node, {**constants, name: value}) for node in nodes]))
+                return [], _choice(held, *ways)
+        return self._read([resolved(other, constants) for other in nodes])
+
     def _steps(self, fields: UnreadFields) -> Sequence[Step]:
+        if (older := fields.take("service_template")) is not None:
+            fields.left["service"] = older
         kind = fields.first_of(_KINDS)
         match kind:
             case "service" | "action" | "scene" | "device_id":
@@ -152,8 +183,10 @@ class Actions:
         if not ways:
             if (steps := self._kept_scene(fields, kind)) is None:
                 steps = self._script(fields, kind) or steps_of_service(self._automation, fields, kind)
-            self._commanded |= {step.target for step in _single(steps) if isinstance(step, Do)}
-            self._automation.forget_values()
+            commands = {step.target for step in _single(steps) if isinstance(step, Do)}
+            self._commanded |= commands
+            if commands:
+                self._automation.forget_values()
             return steps
         fields.left.clear()
         choice: Sequence[Step] = []
@@ -213,15 +246,20 @@ class Actions:
             raise NotCarriedError(f"script.{name} calls itself")
         fields.take(key)
         script, given = UnreadFields(self._scripts[name], "script"), fields.inner("data", "service_data")
-        for field in ("description", "icon", "mode", "max", "fields"):
+        inputs = script.take("fields")
+        for field in ("description", "icon", "mode", "max"):
             script.take(field)
-        constants = self._automation.define(Located(given.left, 0))
+        known, expressions = dict(self._automation.constants), dict(self._automation.expressions)
+        missing = {field: Located(UNDEFINED, 0) for field in _fields_of(inputs) if field not in given}
+        constants = self._automation.define(Located({**missing, **given.left}, 0))
         if (own := script.take("variables")) is not None:
             constants = self._automation.define(own)
         self._in_scripts.append(name)
         steps = self._branch([resolved(node, constants) for node in script.items("sequence")])
         self._in_scripts.pop()
         script.end()
+        self._automation.constants, self._automation.expressions = known, expressions
+        self._automation.forget_values()
         return steps
 
     def _delay(self, fields: UnreadFields) -> list[Step]:
@@ -258,7 +296,7 @@ class Actions:
                 raise NotCarriedError("action wait_for_trigger: these triggers cannot be written as one step")
         else:
             node = fields.take(kind)
-            held = templates_of(self._automation).conditions(str(node.value if node else ""))
+            held = templates_of(self._automation).conditions(template_text(node))
             return self._waited(_awaited(held, end, is_limited=bool(most)))
         return self._waited([text])
 
@@ -342,6 +380,10 @@ class Actions:
         return [*rounds_of_steps]
 
 
+def _fields_of(inputs: Located | None) -> Iterable[str]:
+    return inputs.value if inputs is not None and isinstance(inputs.value, dict) else ()
+
+
 def _single(steps: Iterable[Step]) -> Iterator[object]:
     """Yield the steps in *steps* and in their choices, as they are read, and choices and loops as they are."""
     for step in steps:
@@ -412,7 +454,7 @@ class HomeAssistantAutomations:
         nodes = [*_automations(document)]
         if not nodes:
             raise UsageError(f"{source} has no automations")
-        scripts = _scripts(document)
+        scripts = _scripts(document, load)
         aliases = [_name(node) for node in nodes]
         own = {slug_of(name): name for name in aliases}
         names = NamesOfIds(
@@ -463,9 +505,12 @@ def _automations(document: Located) -> Iterator[Located]:
     yield from document.value if isinstance(document.value, list) else items_of(document, "automations")
 
 
-def _scripts(document: Located) -> dict[str, Located]:
-    """Return the scripts of a configuration, by name."""
+def _scripts(document: Located, load: Load | None) -> dict[str, Located]:
+    """Return the scripts of a configuration, else those of the file beside it, by name."""
     scripts = document.value.get("script") if isinstance(document.value, dict) else None
+    if scripts is None and load is not None:
+        with suppress(UsageError):  # a house may have none
+            scripts = with_files(load("scripts.yaml"), load)
     return scripts.value if scripts is not None and isinstance(scripts.value, dict) and not scripts.tag else {}
 
 

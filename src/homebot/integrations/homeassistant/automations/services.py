@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Final, NamedTuple
 
+from homebot.conventions.light_color import to_hue_saturation, white_rgb
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.conditions import templates_of
@@ -159,7 +160,6 @@ _DROPPED: Final = {
 
 def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> list[str]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
-    entities = automation.entities
     name = _service_name(fields, key)
     domain, data = name.partition(".")[0], fields.inner("data", "data_template", "service_data")
     if key == "device_id":
@@ -200,15 +200,25 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
     data.end()
     if any(word.words[:1] == "-" or str(word.value)[:1] == "-" for word in settings) and domain == "light":
         automation.notes.append("a lamp stays on at 1 % where a step would turn it off in Home Assistant")
-    if target.entities == ["all"] or (target.areas and _is_of_lights(name, settings, over)):
-        return [*_of_rooms(automation, name, target, settings)]
-    known = [*map(entities.find, target.entities)]
+    if (target.entities == ["all"] or target.areas) and _is_of_lights(name, settings, over):
+        return [*_of_rooms(automation, target, settings)]
+    known = _entities_of(automation, target, domain)
+    return [text for entity in known for text in _steps_of(name, entity, settings, over)]
+
+
+def _entities_of(automation: Automation, target: "_Target", domain: str) -> list[KnownEntity]:
+    """Return the entities of *target*, which a service of *domain* commands."""
+    entities = automation.entities
+    known = [*map(entities.find, [entity for entity in target.entities if entity != "all"])]
+    if "all" in target.entities:
+        automation.notes.append(f"all means each {domain} that homebot knows now")
+        known += entities.of_domain(domain)
     for kind, place in target.places:
         automation.notes.append(f"{kind} {place} means the devices that homebot knows there now")
         known += entities.of_target(domain, kind, place)
     if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
-    return [text for entity in known for text in _steps_of(name, entity, settings, over)]
+    return known
 
 
 _DEVICE_DATA: Final = frozenset({"brightness_pct", "position", "hvac_mode", "preset_mode", "option", "value"})
@@ -235,11 +245,9 @@ def _is_of_lights(name: str, settings: Sequence[_Setting], over: str) -> bool:
     return name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
 
 
-def _of_rooms(automation: Automation, name: str, target: "_Target", settings: Sequence[_Setting]) -> Iterator[str]:
+def _of_rooms(automation: Automation, target: "_Target", settings: Sequence[_Setting]) -> Iterator[str]:
     """Yield the steps for the lights of rooms, or of the house."""
     if not target.areas:
-        if not _is_of_lights(name, settings, ""):
-            raise NotCarriedError(f"{name}: `all` lights are switched only on and off; name the entities")
         yield _step("all lights", [settings[0].words])
     for room in map(automation.entities.room_of, target.areas):
         yield _step(f"lights in {room}", [settings[0].words])
@@ -423,12 +431,37 @@ def _color(data: UnreadFields) -> tuple[float, float] | None:
 def _steps_of(name: str, entity: KnownEntity, settings: Sequence[_Setting], over: str) -> list[str]:
     """Return the steps that set *settings*; the mode of a heating is one of its own."""
     if name == "climate.set_temperature":
+        mode = next((str(setting.value) for setting in settings if setting.capabilities == "thermostat_mode"), "")
+        settings = [_of_mode(entity, setting, mode) for setting in settings]
         return [_step_of(entity, [setting], over) for setting in settings]
     if name == "fan.turn_on" and len(settings) > 1:
         settings = settings[1:]
+    if name == "light.turn_on":  # what a lamp cannot do, Home Assistant leaves out
+        settings = [_as_color(entity, setting) for setting in settings]
+        settings = [one for one in settings if one.capabilities not in _OF_LAMPS or entity.takes(one.capabilities)]
     if any(setting.words.startswith(("+", "-")) for setting in settings) and settings[0].words == "on":
         settings = settings[1:]  # a step of brightness turns it on
     return [_step_of(entity, settings, over)]
+
+
+def _of_mode(entity: KnownEntity, setting: _Setting, mode: str) -> _Setting:
+    """Return the target temperature of the mode that is set with it, if a device has one for each."""
+    wanted = {"heat": "heating_setpoint", "cool": "cooling_setpoint"}.get(mode, "")
+    is_of_mode = wanted in setting.capabilities.split() and entity.takes(wanted)
+    return setting._replace(capabilities=wanted) if is_of_mode else setting
+
+
+def _as_color(entity: KnownEntity, setting: _Setting) -> _Setting:
+    """Return a white as the colour of a lamp that has colours alone."""
+    if setting.capabilities != "color_temperature" or entity.takes("color_temperature") or not entity.takes("color"):
+        return setting
+    if isinstance(setting.value, str):
+        raise NotCarriedError(f"{entity.name} takes no color_temperature; write its colour")
+    hue, saturation = to_hue_saturation("rgb", white_rgb(setting.value), (0, 0))
+    return _Setting("color", f"color {hue:.0f} {saturation:.0f}")
+
+
+_OF_LAMPS: Final = frozenset({"level", "color", "color_temperature"})
 
 
 def _step_of(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> str:

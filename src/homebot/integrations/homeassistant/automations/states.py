@@ -303,6 +303,8 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     if entity.domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
         return _COVERS[state]
     capability = next(iter(entity.controls), "")
+    if entity.domain == "sensor" and entity.capability == "value" and not entity.options("value"):
+        return "value", "=", state
     if entity.has(capability) and state in _told(entity, capability):
         return capability, "=", state
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
@@ -332,9 +334,11 @@ def _text(entity: KnownEntity, states: Sequence[StateIs]) -> str:
     """Return the query for *states* of the part, which is read again to be sure of its meaning."""
     kind, capability = entity.part.part.service_type, states[0].capability
     having = [part for part in entity.device.parts if any(can.name == capability for can in part.part.capabilities)]
-    if len(having) != 1 and len([part for part in having if part.part.service_type == kind]) != 1:
+    batteries = [part for part in having if part.part.service_type == "x_battery"]
+    is_alone = len(having) == 1 or (capability == "battery" and len(batteries) == 1)  # a main part tells it as well
+    if not is_alone and len([part for part in having if part.part.service_type == kind]) != 1:
         raise NotCarriedError(f"{entity.id} is one of several parts of {entity.name}, which cannot be asked alone")
-    types = frozenset() if len(having) == 1 else frozenset({kind})
+    types = frozenset() if is_alone else frozenset({kind})
     words = [kind.removeprefix("x_").replace("_", " ")] if types else []
     text = " ".join([*words, f"name={text_value(entity.name)}", *map(_word, states)])
     if not _means(text, entity.name, [replace(state, types=types) for state in states]):

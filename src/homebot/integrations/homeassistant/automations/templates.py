@@ -26,7 +26,7 @@ from homebot.integrations.homeassistant.automations.states import (
     value_name,
     values_text,
 )
-from homebot.integrations.homeassistant.automations.variables import is_constant
+from homebot.integrations.homeassistant.automations.variables import BoundTemplate, is_constant
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes, parse, tree_of
 from homebot.integrations.homeassistant.formats.jinja.values import TemplateError
 from homebot.support.located import Located
@@ -52,6 +52,21 @@ _TIME_FORM: Final = re.compile(r"%-?[HI]:%M(:%S)?( ?%p)?|%[TRX]")
 """A time of day, however it is written."""
 
 _MAX_SHOWN: Final = 60
+_LIMITS: Final = (("trigger", "above"), ("trigger", "below"))
+_NAMED: Final[Mapping[tuple[str, ...], str]] = {
+    ("trigger", "to_state", "name"): "{name}",
+    ("trigger", "to_state", "attributes", "friendly_name"): "{name}",
+    ("trigger", "from_state", "name"): "{name}",
+    ("trigger", "entity_id"): "{name}",
+    ("trigger", "to_state", "entity_id"): "{name}",
+    ("this", "attributes", "friendly_name"): "{routine}",
+    ("this", "name"): "{routine}",
+}
+"""The values of messages that are names."""
+
+_FORMS: Final = frozenset({"float", "int", "round", "title", "lower", "upper", "string", "default", "d"})
+"""Filters that only shape a value of a message."""
+
 _SECONDS: Final = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 _CLOCK_OF_ONE: Final = re.compile(r"(?:00?:)*(\{\{[^{}]*\}\})(?P<after>(?::00)*)")
 """A length of time such as ``00:{{ … }}:00``."""
@@ -91,6 +106,17 @@ class Templates:
             expression = expression_of(self._automation.expressions[expression.name])
         return self._read(self._of_its_state(self._inlined(expression)))
 
+    def passed(self, text: str, entity: str, side: str, limit: float) -> str:
+        """Return the trigger that the difference in *text*, with the state of *entity*, is above or below *limit*."""
+
+        def put(node: nodes.Node) -> nodes.Node:
+            if _path_of(node) == ("state", "state"):
+                return nodes.Call(nodes.Name("states", "load"), [nodes.Const(entity)], [], None, None)
+            return _rebuilt(node, put)
+
+        difference = cast("nodes.Expr", put(self._inlined(expression_of(text))))
+        return self._of_two_values(difference, "gt" if side == "above" else "lt", nodes.Const(limit))
+
     def _of_its_state(self, node: nodes.Expr) -> nodes.Expr:
         """Return *node* with the state of the only entity that starts the automation."""
         triggers = self._automation.triggers
@@ -110,6 +136,8 @@ class Templates:
                 for inner in value:
                     if isinstance(inner, nodes.Node):
                         self._inlined(inner)
+            if isinstance(inlined := getattr(node, key), nodes.Node) and inlined is not value:
+                self._inlined(inlined)
         return node
 
     def message(self, text: str) -> str:
@@ -121,10 +149,11 @@ class Templates:
         for node in self._parts_of(text):
             if isinstance(node, nodes.If):
                 raise _refused(text, "it has statements")
-            if isinstance(node, nodes.TemplateData):
-                if "{" in node.data or "}" in node.data:
+            if isinstance(node, nodes.TemplateData | nodes.Const):
+                piece = str(node.data if isinstance(node, nodes.TemplateData) else node.value)
+                if "{" in piece or "}" in piece:
                     raise _refused(text, "braces in a message mean a value")
-                pieces.append(_without_unit(node.data, unit))
+                pieces.append(_without_unit(piece, unit))
                 unit = ""
             else:
                 value, unit = self._value(node)
@@ -154,12 +183,13 @@ class Templates:
         """Return the texts, values and choices of the template *text*, with those of variables."""
         if isinstance(text, _LeftTemplate):
             return text.parts
-        return [self._inlined_name(part) for part in _parts_of(_without_sets(_tree_of(text).body), text)]
-
-    def _inlined_name(self, node: nodes.Node) -> nodes.Node:
-        if isinstance(node, nodes.Name) and node.name in self._automation.expressions:
-            return expression_of(self._automation.expressions[node.name])
-        return self._inlined(node)
+        parts: list[nodes.Node] = []
+        for part in _parts_of(_without_sets(_tree_of(text).body), text):
+            if isinstance(part, nodes.Name) and part.name in self._automation.expressions:
+                parts += map(self._inlined, self._parts_of(self._automation.expressions[part.name]))
+            else:
+                parts += _pieces(part) if isinstance(part, nodes.Concat) else [self._inlined(part)]
+        return parts
 
     def _ways_of(
         self, node: nodes.Node, text: str, *, is_message: bool
@@ -167,13 +197,18 @@ class Templates:
         """Return the choices of *node*, each with its conditions; empty for none."""
         match node:
             case nodes.CondExpr():
-                no: list[nodes.Node] = [] if node.expr2 is None else [_folded(node.expr2)]
-                return [(self._read(node.test), [_folded(node.expr1)]), ([], no)]
+                no: list[nodes.Node] = [] if node.expr2 is None else _pieces(node.expr2)
+                return [(self._read(self._of_its_state(node.test)), _pieces(node.expr1)), ([], no)]
+            case nodes.Filter(name="int" | "float" | "round", node=nodes.CondExpr() as choice) if (
+                choice.expr2 is not None
+            ):
+                yes, no_value = (_filtered(node, value) for value in (choice.expr1, choice.expr2))
+                return [(self._read(self._of_its_state(choice.test)), [yes]), ([], [no_value])]
             case nodes.If():
                 rest: Sequence[nodes.Node] = node.else_
                 for other in node.elif_[:1]:
                     rest = [nodes.If(other.test, other.body, node.elif_[1:], node.else_)]
-                held = self._read(cast("nodes.Expr", node.test))
+                held = self._read(self._of_its_state(cast("nodes.Expr", node.test)))
                 return [(held, _parts_of(node.body, text)), ([], _parts_of(rest, text))]
             case nodes.TemplateData() | nodes.Const():
                 return []
@@ -208,18 +243,12 @@ class Templates:
 
     def _value(self, node: nodes.Node) -> tuple[str, str]:
         """Return a value for a message, and its unit, which homebot writes itself."""
-        if isinstance(node, nodes.Const):
-            return str(node.value), ""
-        while isinstance(node, nodes.Filter) and node.name in {"float", "int", "round", "title", "lower", "upper"}:
+        while isinstance(node, nodes.Filter) and node.name in _FORMS:
             assert node.node is not None  # noqa: S101 - only the filter of a block has none
             node = node.node
-        match _path_of(node):
-            case ("trigger", "to_state", "name") | ("trigger", "to_state", "attributes", "friendly_name"):
-                return "{name}", ""
-            case ("trigger", "from_state", "name") | ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
-                return "{name}", ""
-            case ("this", "attributes", "friendly_name") | ("this", "name"):
-                return "{routine}", ""
+        if (named := _NAMED.get(path := _path_of(node), "")) != "":
+            return named, ""
+        match path:
             case ("trigger", "to_state", "state"):
                 entities = {trigger.entity for trigger in self._automation.triggers}
                 if len(entities) == 1 and "" not in entities:
@@ -241,6 +270,19 @@ class Templates:
                 _TIME_FORM.fullmatch(form) and _is_now(inner)
             ):
                 return "{time}", ""
+            case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
+                _TIME_FORM.fullmatch(form)
+                and _path_of(inner) in {("trigger", "to_state", last) for last in ("last_changed", "last_updated")}
+                and not self._automation.has_waited
+            ):
+                self._automation.notes.append("the time in a message is that of the home's zone")
+                return "{time}", ""
+            case nodes.Or(left=left, right=right) if (
+                _path_of(right)[:1] == ("trigger",) and self._value(left)[0] == "{room}"
+            ):
+                starting = [self._automation.entities.find(trigger.entity) for trigger in self._automation.triggers]
+                if all(entity.device.area for entity in starting):
+                    return "{room}", ""
             case nodes.Getattr(attr="state") if entity := _states_path(node.node):
                 return self._state_value(entity, "")
         raise _refused(_text_of(node), "a message has states, {name}, {room}, {routine} and {time}")
@@ -294,7 +336,7 @@ class Templates:
         return f"{{{capability} of {name}}}", CAPABILITIES.get(capability, OWN).unit
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
-        for read in (days_of, self._known, _any_light):
+        for read in (days_of, self._known, self._tested, _any_light):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -321,13 +363,28 @@ class Templates:
                 return [(attribute_of(self._automation.entities, entity, str(attribute), value),)]
             case nodes.Getattr() if _path_of(node) in {("wait", "completed"), ("wait", "trigger")}:
                 return [("not wait timed out",)]
+            case nodes.Filter(name="bool", node=inner) if inner is not None:
+                return self._read(inner)
+        raise _refused(_text_of(node))
+
+    def _tested(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the conditions of ``is none`` and ``is defined``; None for another expression."""
+        match node:
+            case nodes.Test(name="defined" | "none" as test, node=inner) if _path_of(inner) in _LIMITS:
+                path = _path_of(inner)  # a limit that a trigger lacks is none, and one of another kind is undefined
+                return self.started_by(
+                    [
+                        trigger
+                        for trigger in self._automation.triggers
+                        if any(trigger.value(limit) is not None for limit in _LIMITS)
+                        and (test == "defined" or trigger.value(path) is None)
+                    ]
+                )
             case nodes.Test(name="none", node=inner) if _path_of(inner) == ("wait", "trigger"):
                 return [("wait timed out",)]
             case nodes.Test(name="none", node=inner) if self._is_last_run(inner):
                 return [NEVER]  # one that never ran is over any time ago
-            case nodes.Filter(name="bool", node=inner) if inner is not None:
-                return self._read(inner)
-        raise _refused(_text_of(node))
+        return None
 
     def _known(self, node: nodes.Expr) -> list[Condition] | None:
         """Return the conditions of a guard against unknown states; None for another expression.
@@ -347,6 +404,14 @@ class Templates:
                         return [known_texts(self._automation.entities, entity)]
                 paths = {_path_of(left), _path_of(right)}
                 if paths == {("trigger", "to_state", "state"), ("trigger", "from_state", "state")}:
+                    return self._by_a_state()
+            case nodes.Compare(expr=left, ops=[nodes.Operand(op="in", expr=right)]) if _path_of(left) == (
+                "trigger",
+                "from_state",
+                "state",
+            ) and {*_values_of(right)} == {"home", "not_home"}:
+                people = [trigger for trigger in self._automation.triggers if trigger.entity]
+                if all(trigger.entity.startswith("group.") for trigger in people):
                     return self._by_a_state()
             case nodes.Call(node=nodes.Name(name="has_value"), args=[nodes.Const(value=str(entity))]):
                 return [known_texts(self._automation.entities, entity)]
@@ -368,6 +433,15 @@ class Templates:
             return states if sign == "in" else self._denied(states)
         if isinstance(left, nodes.Const) and not isinstance(right, nodes.Const):
             left, right, sign = right, left, _SWAPPED[sign]
+        if isinstance(right, nodes.CondExpr) and right.expr2 is not None:
+            held = self._read(right.test)
+            ways = (
+                [*held, *self._compared(left, sign, right.expr1)],
+                [*self._denied(held), *self._compared(left, sign, right.expr2)],
+            )
+            return self._any_of(ways)
+        if _is_now(left) and (clock := _clock_of_today(right)) and sign in _SIGNS:
+            return _of_time("clock", _SIGNS[sign], clock)
         if not isinstance(right, nodes.Const | nodes.Neg) or (
             _is_of_two(left) and not self._since_last_run(left) and not _last_changed(left)
         ):
@@ -405,7 +479,7 @@ class Templates:
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
         path = _path_of(left)
         match path:
-            case ("trigger", "id") | ("trigger", "event", "data", _):
+            case ("trigger", "id") | ("trigger", "payload") | ("trigger", "event", "data", _):
                 return self.started_by(
                     [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
                 )
@@ -503,6 +577,14 @@ class Templates:
         return False
 
 
+def keeps_state(text: str) -> bool:
+    """Return whether the template *text* is only whether an entity is in a state."""
+    match expression_of(text):
+        case nodes.Call(node=nodes.Name(name="is_state"), args=[nodes.Const(), nodes.Const()]):
+            return True
+    return False
+
+
 _ANY_OR_NONE: Final = {"gt": "", "ne": "", "eq": "not "}
 
 
@@ -553,10 +635,10 @@ def expression_of(text: str) -> nodes.Expr:
     """Return the only expression of the template *text*."""
     if isinstance(text, _Expression):
         return text.tree
-    parts = [node for part in _output_of(text) for node in part.nodes]
+    parts = text.parts if isinstance(text, _LeftTemplate) else _parts_of(_output_of(text), text)
     parts = [node for node in parts if not (isinstance(node, nodes.TemplateData) and not node.data.strip())]
     if len(parts) == 1 and not isinstance(parts[0], nodes.TemplateData):
-        return parts[0]
+        return cast("nodes.Expr", parts[0])
     plain = text.strip().casefold()
     if plain in {"true", "false"}:
         return nodes.Const(plain == "true")
@@ -570,9 +652,25 @@ def bracketed(text: str) -> str:
 
 def _tree_of(text: str) -> nodes.Template:
     try:
-        return tree_of(text.strip())
+        tree = tree_of(text.strip())
     except TemplateError as exc:
         raise _refused(text, f"it {exc.problem}") from exc
+    return cast("nodes.Template", _with_values(tree, text.values)) if isinstance(text, BoundTemplate) else tree
+
+
+def _with_values(node: nodes.Node, values: Mapping[str, object]) -> nodes.Node:
+    """Return *node* with *values* in place of the variables of these names, and their fields and elements."""
+    node = _rebuilt(node, lambda inner: _with_values(inner, values))
+    match node:
+        case nodes.Name(name=name, ctx="load") if name in values:
+            return nodes.Const(values[name])
+        case nodes.Getattr(node=nodes.Const(value=dict(fields)), attr=key) if key in fields:
+            return nodes.Const(fields[key])
+        case nodes.Filter():
+            return _plain_filter(node)
+        case nodes.Getitem(node=nodes.Const(value=dict(fields)), arg=nodes.Const(value=key)) if key in fields:
+            return nodes.Const(fields[key])
+    return node
 
 
 def _parts_of(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
@@ -590,6 +688,7 @@ def _output_of(text: str) -> list[nodes.Output]:
     outputs = [node for node in body if isinstance(node, nodes.Output)]
     if len(outputs) == len(body):
         return outputs
+    body = [node for node in body if not _is_space(node)]
     match body:
         case [nodes.If(test=test, body=yes, elif_=[], else_=no)]:
             words = tuple(_words_of(branch).casefold() for branch in (yes, no))
@@ -597,7 +696,36 @@ def _output_of(text: str) -> list[nodes.Output]:
                 return [nodes.Output([test])]
             if words == ("false", "true"):
                 return [nodes.Output([nodes.Not(test)])]
+        case [nodes.If() as choice] if choice.else_:
+            return [nodes.Output([_as_expression(choice, text)])]
     raise _refused(text, "it has statements")
+
+
+def _is_space(node: nodes.Node) -> bool:
+    return isinstance(node, nodes.Output) and all(
+        isinstance(part, nodes.TemplateData) and not part.data.strip() for part in node.nodes
+    )
+
+
+def _as_expression(choice: nodes.If, text: str) -> nodes.CondExpr:
+    """Return a choice between single values, as people write them with statements, as an expression."""
+    rest: Sequence[nodes.Node] = choice.else_
+    for other in choice.elif_[:1]:
+        rest = [nodes.If(other.test, other.body, choice.elif_[1:], choice.else_)]
+    values: list[nodes.Expr] = []
+    for body in (choice.body, rest):
+        match [node for node in body if not _is_space(node)]:
+            case [nodes.If() as inner]:
+                values.append(_as_expression(inner, text))
+            case [nodes.Output(nodes=parts)]:
+                parts = [part for part in parts if not (isinstance(part, nodes.TemplateData) and not part.data.strip())]
+                if len(parts) != 1:
+                    raise _refused(text, "it has statements")
+                value = parts[0]
+                values.append(nodes.Const(value.data.strip()) if isinstance(value, nodes.TemplateData) else value)
+            case _:
+                raise _refused(text, "it has statements")
+    return nodes.CondExpr(cast("nodes.Expr", choice.test), values[0], values[1])
 
 
 def _words_of(body: Sequence[nodes.Node]) -> str:
@@ -665,6 +793,24 @@ def _without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
         else:
             rest.append(put(node) if known else node)
     return rest
+
+
+def _pieces(node: nodes.Expr) -> list[nodes.Node]:
+    """Return the values that *node* joins by ``~``."""
+    if isinstance(node, nodes.Concat):
+        return [piece for inner in node.nodes for piece in _pieces(inner)]
+    return [_folded(node)]
+
+
+def _filtered(chosen: nodes.Filter, value: nodes.Expr) -> nodes.Node:
+    """Return *value* with the filter of the choice that it is in."""
+    if isinstance(value, nodes.Const):
+        try:
+            number = float(str(value.value))
+        except ValueError:
+            raise _refused(_text_of(chosen), "it is no number") from None
+        return nodes.Const(int(number) if chosen.name == "int" else number)
+    return nodes.Filter(value, chosen.name, chosen.args, chosen.kwargs, chosen.dyn_args, chosen.dyn_kwargs)
 
 
 def _folded(node: nodes.Node) -> nodes.Node:
@@ -806,11 +952,24 @@ def _people(automation: Automation, sign: str, limit: float) -> str:
         return "somebody is home"
     if (sign, limit) in {("<", 1.0), ("<=", 0.0)}:
         return "nobody is home"
-    raise NotCarriedError("zone.home: homebot does not count people; ask for 0 or for any")
+    most = float(automation.entities.people)
+    if (sign, limit) in {(">", most - 1), (">=", most)}:
+        return "everybody is home"
+    if (sign, limit) in {("<", most), ("<=", most - 1)}:
+        return "not everybody is home"
+    raise NotCarriedError("zone.home: homebot does not count people; ask for none, any or all")
 
 
 def _is_now(node: nodes.Node) -> bool:
     return isinstance(node, nodes.Call) and node.node == nodes.Name("now", "load") and not node.args
+
+
+def _clock_of_today(node: nodes.Node) -> str:
+    """Return the time of day of ``today_at('07:00')``; empty for another expression."""
+    match node:
+        case nodes.Call(node=nodes.Name(name="today_at"), args=[nodes.Const(value=str(clock))]):
+            return clock
+    return ""
 
 
 def _unit_of_now(node: nodes.Node) -> str:
@@ -956,6 +1115,17 @@ def _without_unit(text: str, unit: str) -> str:
         if rest.startswith(name) and not rest[len(name) : len(name) + 1].isalnum():
             return rest[len(name) :]
     return text
+
+
+def _plain_filter(node: nodes.Filter) -> nodes.Node:
+    """Return the number of a constant, of which *node* is the filter."""
+    if not isinstance(node.node, nodes.Const) or node.name not in {"int", "float", "string"}:
+        return node
+    try:
+        number = float(str(node.node.value))
+    except ValueError:
+        return node
+    return nodes.Const(int(number) if node.name == "int" else number if node.name == "float" else str(node.node.value))
 
 
 def _text_of(node: nodes.Node) -> str:

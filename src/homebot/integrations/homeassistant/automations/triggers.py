@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device
 from homebot.errors import UsageError
-from homebot.integrations.homeassistant.automations.conditions import denied, templates_of
+from homebot.integrations.homeassistant.automations.conditions import denied, template_text, templates_of
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, StartTrigger, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import (
@@ -69,7 +69,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
         case "device" if "entity_id" not in fields:
             return [StartTrigger(_device_press(automation, fields))]
         case "mqtt":
-            return [StartTrigger(_message(automation, fields))]
+            return _messages(automation, fields)
         case "event":
             return _events(automation, fields)
         case "template":
@@ -80,15 +80,35 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
             is_leave = kind == "zone" and fields.text("event", "enter") == "leave"
             lasting = _lasting(fields)
             ids = fields.texts_of("entity_id")
+            limits = tuple((side, str(fields.left[side].value)) for side in ("above", "below") if side in fields)
+            if kind == "numeric_state" and (calculated := _calculated(automation, fields)):
+                return [
+                    StartTrigger(f"{text}{lasting}", entity=entity, data=limits)
+                    for entity, text in zip(ids, calculated, strict=True)
+                ]
             texts = STATES[kind](automation.entities, fields, "to")
             return [
-                StartTrigger(_moved(text, lasting, is_leave=is_leave), entity=entity)
+                StartTrigger(_moved(text, lasting, is_leave=is_leave), entity=entity, data=limits)
                 for entity, entity_texts in zip(ids, texts, strict=True)
                 for text in entity_texts
             ]
         case "":
             fields.end()
     raise NotCarriedError(f"trigger: {kind!r} has no counterpart in routines{_ADVICE.get(kind, '')}")
+
+
+def _calculated(automation: Automation, fields: UnreadFields) -> list[str]:
+    """Return the difference of two values of each entity, as it passes a limit; none for another value."""
+    node = fields.left.get("value_template")
+    sides = [side for side in ("above", "below") if side in fields]
+    if node is None or "states(" not in str(node.value) or len(sides) != 1:
+        return []
+    fields.take("value_template")
+    (limit,) = fields.numbers(sides[0])
+    return [
+        templates_of(automation).passed(template_text(node), entity, sides[0], limit)
+        for entity in fields.texts("entity_id")
+    ]
 
 
 _ADVICE: Final = {
@@ -181,7 +201,7 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     """Return the states that must all be for the template to be true, each as a trigger; the others are conditions."""
     node = fields.take("value_template")
     lasting = _lasting(fields)
-    conditions = templates_of(automation).conditions(str(node.value if node else ""))
+    conditions = templates_of(automation).conditions(template_text(node))
     texts = [text[1:-1] if text[:1] == "(" else text for condition in conditions for text in condition]
     if len(conditions) == 1 and len(texts) > 1 and not lasting:  # one begins while none of the others is so
         return [
@@ -217,6 +237,22 @@ def _one_state(text: str) -> list[StartTrigger]:
 
 _SUN_BEGINS: Final = {"sun is up": "sunrise", "sun is down": "sunset"}
 """The triggers with which these conditions begin to hold."""
+
+
+def _messages(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    """Return the message, or each press that a topic of actions tells of if no payload is named."""
+    topic = fields.texts_of("topic")
+    base, _, last = "".join(topic).rpartition("/")
+    device = automation.entities.device_at(base) if last == "action" else None
+    if device is None or "payload" in fields or "value_template" in fields or not options_of(device):
+        payload = "".join(fields.texts_of("payload"))
+        return [StartTrigger(_message(automation, fields), data=(("payload", payload),) if payload else ())]
+    for key in ("topic", "qos", "encoding"):
+        fields.take(key)
+    name, presses = automation.entities.name_of(device), sorted(options_of(device))
+    if len(presses) > MAX_LINES:
+        raise NotCarriedError(f"trigger mqtt: {device.name} has more than {MAX_LINES} actions; name one by `payload`")
+    return [StartTrigger(_press(name, press), data=(("payload", press),)) for press in presses]
 
 
 def _message(automation: Automation, fields: UnreadFields) -> str:

@@ -1,11 +1,11 @@
 """Values that are written elsewhere: variables, inputs of blueprints, and parts in other files. Pure."""
 
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Final, Self
 
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.formats.jinja.syntax import parse
-from homebot.integrations.homeassistant.formats.jinja.values import TemplateError
+from homebot.integrations.homeassistant.formats.jinja.values import TemplateError, Undefined
 from homebot.support.located import Located
 
 _MAX_DEPTH: Final = 20
@@ -27,15 +27,33 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
     if not isinstance(value, str) or "{" not in value:
         return node
     name = value.strip().removeprefix("{{").removesuffix("}}").strip()
-    if (known := constants.get(name)) is not None:
+    if (known := constants.get(name)) is not None and not isinstance(plain(known), Undefined):
         return known._replace(line=node.line) if isinstance(known, Located) else Located(known, node.line)
+    plain_values = {name: plain(value) for name, value in constants.items()}
     try:
         program = parse(value.strip())
-        if program.names - constants.keys() or not program.names:
-            return node
-        return node._replace(value=program.render({name: plain(value) for name, value in constants.items()}).strip())
+    except TemplateError:
+        return node._replace(value=BoundTemplate.of(value, plain_values))
+    if program.names - constants.keys():
+        return node._replace(value=BoundTemplate.of(value, plain_values))
+    try:
+        return node._replace(value=program.render(plain_values).strip()) if program.names else node
     except TemplateError:
         return node
+
+
+class BoundTemplate(str):
+    """A template with the values of some of its variables."""
+
+    values: Mapping[str, object]
+    __slots__ = ("values",)
+
+    @classmethod
+    def of(cls, text: str, values: Mapping[str, object]) -> Self:
+        """Return *text* with *values*, beside those that it has."""
+        template = cls(text)
+        template.values = {**values, **text.values} if isinstance(text, BoundTemplate) else values
+        return template
 
 
 def plain(value: object) -> object:
