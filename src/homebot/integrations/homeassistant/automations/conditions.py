@@ -9,10 +9,10 @@ from itertools import chain, product
 from math import prod
 from typing import Final
 
-from homebot.integrations.homeassistant.automations.entities import Automation
+from homebot.integrations.homeassistant.automations.entities import Automation, Condition
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, sun_moment
-from homebot.integrations.homeassistant.automations.templates import Condition, Templates, bracketed
+from homebot.integrations.homeassistant.automations.templates import Templates, bracketed
 from homebot.support.located import Located
 from homebot.words.times import read_span
 

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple, TypeVar, final
+from typing import Final, NamedTuple, TypeAlias, TypeVar, final
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.device import Device, DevicePart
@@ -362,6 +362,13 @@ def _measured(part: Part, domain: str) -> Iterator[str]:
 T = TypeVar("T")
 
 
+Condition: TypeAlias = tuple[str, ...]
+"""Texts of which at least one must hold. A query is in brackets."""
+
+NEVER: Final[Condition] = ()
+"""It does not hold."""
+
+
 class StartTrigger(NamedTuple):
     """A trigger of an automation in the words of routines.
 
@@ -378,7 +385,7 @@ class StartTrigger(NamedTuple):
     entity: str = ""
     state: str = ""
     data: tuple[tuple[str, str], ...] = ()
-    needs: tuple[tuple[str, ...], ...] = ()
+    needs: tuple[Condition, ...] = ()
 
     def value(self, path: Sequence[str]) -> str | None:
         """Return the value of ``trigger.…`` at *path*, such as ``("trigger", "id")``; None if it is not known."""

@@ -23,22 +23,21 @@ from homebot.integrations.homeassistant.automations.conditions import (
     texts_of,
 )
 from homebot.integrations.homeassistant.automations.entities import (
+    NEVER,
     Automation,
+    Condition,
     Entities,
     KnownEntity,
     NamesOfIds,
     slug_of,
 )
+from homebot.integrations.homeassistant.automations.expressions import round_limit
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
 from homebot.integrations.homeassistant.automations.files import from_blueprint, with_files
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.templates import (
-    NEVER,
-    Condition,
-    keeps_state,
-    random_ends,
-    round_limit,
-)
+from homebot.integrations.homeassistant.automations.template_numbers import step_length
+from homebot.integrations.homeassistant.automations.template_times import random_ends
+from homebot.integrations.homeassistant.automations.templates import keeps_state
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
 from homebot.integrations.homeassistant.automations.variables import plain, resolved
 from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
@@ -269,7 +268,7 @@ class Actions:
             least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
             fields.take("delay")
             return [f"wait {least or '0s'} to {most}"]
-        if node is not None and (length := templates_of(self._automation).length(node)):
+        if node is not None and (length := step_length(self._automation, node)):
             fields.take("delay")
             return [f"wait {length}"]
         length = fields.duration("delay")

@@ -13,6 +13,7 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.conditions import templates_of
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.template_numbers import step_length, step_number
 from homebot.support.located import Located
 from homebot.units import parse_duration
 from homebot.words.colors import COLORS
@@ -378,7 +379,7 @@ def _settings(automation: Automation, name: str, data: UnreadFields) -> Iterator
         node = data.left[key]
         if isinstance(node.value, str) and "{{" in node.value and not key.startswith("brightness_step"):
             data.take(key)
-            text, factor = templates_of(automation).number(node.value)
+            text, factor = step_number(automation, node.value)
             if not math.isclose(factor * row.factor, 1.0) or key == "color_temp":
                 raise NotCarriedError(f"data: `{key}` is calculated; a step takes a number of the house as it is")
             yield row._replace(value=text)
@@ -395,7 +396,7 @@ def _settings(automation: Automation, name: str, data: UnreadFields) -> Iterator
 
 def _minutes(automation: Automation, data: UnreadFields) -> str | float:
     """Return the minutes of a timer."""
-    if text := templates_of(automation).length(data.left["duration"]):
+    if text := step_length(automation, data.left["duration"]):
         data.take("duration")
         if not text.endswith("}m"):
             raise NotCarriedError("data: `duration` of a timer is a number of the house in minutes")

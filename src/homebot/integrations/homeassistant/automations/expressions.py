@@ -1,0 +1,377 @@
+"""Trees of the templates of automations, with the values that are known of their variables. Pure.
+
+Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Final, Self, cast
+
+from homebot.integrations.homeassistant.automations.entities import StartTrigger
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.integrations.homeassistant.automations.variables import BoundTemplate
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes, tree_of
+from homebot.integrations.homeassistant.formats.jinja.values import TemplateError
+from homebot.support.located import Located
+
+
+def expression_of(text: str) -> nodes.Expr:
+    """Return the only expression of the template *text*."""
+    if isinstance(text, _Expression):
+        return text.tree
+    parts = text.parts if isinstance(text, LeftTemplate) else parts_of_body(_output_of(text), text)
+    parts = [node for node in parts if not (isinstance(node, nodes.TemplateData) and not node.data.strip())]
+    if len(parts) == 1 and not isinstance(parts[0], nodes.TemplateData):
+        return cast("nodes.Expr", parts[0])
+    plain = text.strip().casefold()
+    if plain in {"true", "false"}:
+        return nodes.Const(plain == "true")
+    raise refused_template(text)
+
+
+def template_tree(text: str) -> nodes.Template:
+    """Return the tree of the template *text*, with the values that it is given."""
+    try:
+        tree = tree_of(text.strip())
+    except TemplateError as exc:
+        raise refused_template(text, f"it {exc.problem}") from exc
+    return cast("nodes.Template", _with_values(tree, text.values)) if isinstance(text, BoundTemplate) else tree
+
+
+def _with_values(node: nodes.Node, values: Mapping[str, object]) -> nodes.Node:
+    """Return *node* with *values* in place of the variables of these names, and their fields and elements."""
+    node = rebuilt(node, lambda inner: _with_values(inner, values))
+    match node:
+        case nodes.Name(name=name, ctx="load") if name in values:
+            return nodes.Const(values[name])
+        case nodes.Getattr(node=nodes.Const(value=dict(fields)), attr=key) if key in fields:
+            return nodes.Const(fields[key])
+        case nodes.Filter():
+            return _plain_filter(node)
+        case nodes.Getitem(node=nodes.Const(value=dict(fields)), arg=nodes.Const(value=key)) if key in fields:
+            return nodes.Const(fields[key])
+    return node
+
+
+def parts_of_body(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
+    """Return the nodes of *body*, of which statements are choices alone."""
+    parts: list[nodes.Node] = []
+    for node in body:
+        if not isinstance(node, nodes.Output | nodes.If):
+            raise refused_template(text, "it has statements")
+        parts += [node] if isinstance(node, nodes.If) else node.nodes
+    return parts
+
+
+def _output_of(text: str) -> list[nodes.Output]:
+    body = without_sets(template_tree(text).body)
+    outputs = [node for node in body if isinstance(node, nodes.Output)]
+    if len(outputs) == len(body):
+        return outputs
+    body = [node for node in body if not _is_space(node)]
+    match body:
+        case [nodes.If(test=test, body=yes, elif_=[], else_=no)]:
+            words = tuple(_words_of(branch).casefold() for branch in (yes, no))
+            if words in {("true", "false"), ("true", "")}:
+                return [nodes.Output([test])]
+            if words == ("false", "true"):
+                return [nodes.Output([nodes.Not(test)])]
+        case [nodes.If() as choice] if choice.else_:
+            return [nodes.Output([_as_expression(choice, text)])]
+    raise refused_template(text, "it has statements")
+
+
+def _is_space(node: nodes.Node) -> bool:
+    return isinstance(node, nodes.Output) and all(
+        isinstance(part, nodes.TemplateData) and not part.data.strip() for part in node.nodes
+    )
+
+
+def _as_expression(choice: nodes.If, text: str) -> nodes.CondExpr:
+    """Return a choice between single values, as people write them with statements, as an expression."""
+    rest: Sequence[nodes.Node] = choice.else_
+    for other in choice.elif_[:1]:
+        rest = [nodes.If(other.test, other.body, choice.elif_[1:], choice.else_)]
+    values: list[nodes.Expr] = []
+    for body in (choice.body, rest):
+        match [node for node in body if not _is_space(node)]:
+            case [nodes.If() as inner]:
+                values.append(_as_expression(inner, text))
+            case [nodes.Output(nodes=parts)]:
+                parts = [part for part in parts if not (isinstance(part, nodes.TemplateData) and not part.data.strip())]
+                if len(parts) != 1:
+                    raise refused_template(text, "it has statements")
+                value = parts[0]
+                values.append(nodes.Const(value.data.strip()) if isinstance(value, nodes.TemplateData) else value)
+            case _:
+                raise refused_template(text, "it has statements")
+    return nodes.CondExpr(cast("nodes.Expr", choice.test), values[0], values[1])
+
+
+def _words_of(body: Sequence[nodes.Node]) -> str:
+    """Return the text of a branch, also if it is written as ``{{ true }}``."""
+    parts = [part for node in body if isinstance(node, nodes.Output) for part in node.nodes]
+    return "".join(str(getattr(part, "data", getattr(part, "value", "?"))) for part in parts).strip()
+
+
+class LeftTemplate(str):
+    """A template after a choice in it, with its remaining parts."""
+
+    parts: list[nodes.Node]
+    __slots__ = ("parts",)
+
+
+def text_of_parts(text: str, parts: list[nodes.Node]) -> str:
+    """Return the remaining *parts* of the template *text*: plain text if possible."""
+    texts = [
+        str(part.data if isinstance(part, nodes.TemplateData) else part.value)
+        for part in parts
+        if isinstance(part, nodes.TemplateData | nodes.Const)
+    ]
+    if len(texts) == len(parts):
+        return "".join(texts).strip()
+    left = LeftTemplate(text)
+    left.parts = parts
+    return left
+
+
+def with_trigger(node: nodes.Node, trigger: StartTrigger, *, is_state: bool) -> nodes.Node:
+    """Return *node* with the values of *trigger*; its state, if that counts, is asked anew."""
+    path = path_of(node)
+    if is_state and path == ("trigger", "to_state", "state") and trigger.entity:
+        return nodes.Call(nodes.Name("states", "load"), [nodes.Const(trigger.entity)], [], None, None)
+    if (value := trigger.value(path)) is not None:
+        return nodes.Const(value)
+
+    return rebuilt(node, lambda inner: with_trigger(inner, trigger, is_state=is_state))
+
+
+def rebuilt(node: nodes.Node, change: Callable[[nodes.Node], nodes.Node]) -> nodes.Node:
+    """Return *node* with its changed parts."""
+
+    def of(field: object) -> object:
+        if isinstance(field, nodes.Node):
+            return change(field)
+        return [*map(of, field)] if isinstance(field, list) else field
+
+    return type(node)(*(of(field) for _, field in node.iter_fields()), environment=node.environment)
+
+
+def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
+    """Return *body* with the expressions of its ``{% set … %}`` where they are used."""
+    known: dict[str, nodes.Node] = {}
+
+    def put(node: nodes.Node) -> nodes.Node:
+        if isinstance(node, nodes.Name) and node.name in known:
+            return known[node.name]
+        return rebuilt(node, put)
+
+    rest: list[nodes.Node] = []
+    for node in body:
+        if isinstance(node, nodes.Assign) and isinstance(node.target, nodes.Name):
+            known[node.target.name] = put(node.node)
+        else:
+            rest.append(put(node) if known else node)
+    return rest
+
+
+def joined_pieces(node: nodes.Expr) -> list[nodes.Node]:
+    """Return the values that *node* joins by ``~``."""
+    if isinstance(node, nodes.Concat):
+        return [piece for inner in node.nodes for piece in joined_pieces(inner)]
+    return [folded(node)]
+
+
+def filtered(chosen: nodes.Filter, value: nodes.Expr) -> nodes.Node:
+    """Return *value* with the filter of the choice that it is in."""
+    if isinstance(value, nodes.Const):
+        try:
+            number = float(str(value.value))
+        except ValueError:
+            raise refused_template(shown_tree(chosen), "it is no number") from None
+        return nodes.Const(int(number) if chosen.name == "int" else number)
+    return nodes.Filter(value, chosen.name, chosen.args, chosen.kwargs, chosen.dyn_args, chosen.dyn_kwargs)
+
+
+def folded(node: nodes.Node) -> nodes.Node:
+    """Return the value of *node* if it is a constant."""
+    try:
+        return nodes.Const(node.as_const()) if isinstance(node, nodes.Expr) else node
+    except (nodes.Impossible, RuntimeError):
+        return node
+
+
+def refused_template(text: str, reason: str = "routines have no words for it") -> NotCarriedError:
+    """Return the error for the template *text*."""
+    shown = " ".join(text.split())
+    shown = shown if len(shown) <= _MAX_SHOWN else f"{shown[:_MAX_SHOWN]}…"
+    return NotCarriedError(
+        f"template {shown!r}: {reason}; carried over are states, numbers against limits, now() and the trigger"
+    )
+
+
+def path_of(node: nodes.Node | None) -> tuple[str, ...]:
+    """Return the names of ``trigger.to_state.state``; empty for another expression."""
+    names: list[str] = []
+    while isinstance(node, nodes.Getattr):
+        names.append(node.attr)
+        node = node.node
+    return (node.name, *reversed(names)) if isinstance(node, nodes.Name) else ()
+
+
+def states_path(node: nodes.Node) -> str:
+    """Return the entity of ``states.sensor.x``; empty for another expression."""
+    path = path_of(node)
+    return ".".join(path[1:]) if len(path) == 3 and path[0] == "states" else ""
+
+
+def state_entity(node: nodes.Node) -> str:
+    """Return the entity of which *node* is the state; empty for another expression."""
+    match node:
+        case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value=str(entity))]):
+            return entity
+        case nodes.Getattr(attr="state"):
+            return states_path(node.node)
+    return ""
+
+
+def constants_in(node: nodes.Expr) -> list[object]:
+    """Return the constants that *node* is, or lists."""
+    if isinstance(node, nodes.List | nodes.Tuple):
+        return [value for item in node.items for value in constants_in(item)]
+    if isinstance(node, nodes.Neg):
+        return [-constant_number(node.node)]
+    if isinstance(node, nodes.Const):
+        return [node.value]
+    raise refused_template(shown_tree(node), "it compares two values; routines compare a value with a number or a text")
+
+
+def constant_number(node: nodes.Expr) -> float:
+    """Return the number that *node* is by itself."""
+    match node:
+        case nodes.Const(value=int() | float() as value) if not isinstance(value, bool):
+            return float(value)
+        case nodes.Neg(node=inner):
+            return -constant_number(inner)
+    raise refused_template(shown_tree(node))
+
+
+def _plain_filter(node: nodes.Filter) -> nodes.Node:
+    """Return the number of a constant, of which *node* is the filter."""
+    if not isinstance(node.node, nodes.Const) or node.name not in {"int", "float", "string"}:
+        return node
+    try:
+        number = float(str(node.node.value))
+    except ValueError:
+        return node
+    return nodes.Const(int(number) if node.name == "int" else number if node.name == "float" else str(node.node.value))
+
+
+def shown_tree(node: nodes.Node) -> str:
+    """Return *node* as people write it."""
+    match node:
+        case nodes.Name(name=name):
+            return str(name)
+        case nodes.Const(value=value):
+            return repr(value)
+        case nodes.Getattr(node=inner, attr=attribute):
+            return f"{shown_tree(inner)}.{attribute}"
+        case nodes.Call(node=inner, args=args):
+            return f"{shown_tree(inner)}({', '.join(map(shown_tree, args))})"
+        case nodes.Filter(node=inner, name=name, args=args) if inner is not None:
+            given = f"({', '.join(map(shown_tree, args))})" if args else ""
+            return f"{shown_tree(inner)} | {name}{given}"
+        case nodes.Sub(left=left, right=right):
+            return f"{shown_tree(left)} - {shown_tree(right)}"
+        case nodes.Compare(expr=left, ops=ops):
+            return f"{shown_tree(left)} {' '.join(f'{one.op} {shown_tree(one.expr)}' for one in ops)}"
+        case nodes.BinExpr(left=left, right=right):
+            return f"{shown_tree(left)} {node.operator} {shown_tree(right)}"
+    return type(node).__name__.lower()
+
+
+def texts_in(node: Located, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    """Yield the templates in *node*, with their places."""
+    if isinstance(node.value, str) and "{" in node.value and not node.tag:
+        yield path, node.value
+    items = enumerate(node.value) if isinstance(node.value, list) else ()
+    for key, value in node.value.items() if isinstance(node.value, dict) else items:
+        yield from texts_in(value, (*path, key))
+
+
+def with_text(node: Located, path: tuple[str | int, ...], text: str) -> Located:
+    """Return *node* with another text in the place *path*."""
+    if not path:
+        return node._replace(value=text)
+    key, *rest = path
+    if isinstance(node.value, dict):
+        return node._replace(value={**node.value, key: with_text(node.value[key], tuple(rest), text)})
+    assert isinstance(node.value, list)  # noqa: S101 - for the type checker: the path is that of the text
+    values = list(node.value)
+    values[int(key)] = with_text(values[int(key)], tuple(rest), text)
+    return node._replace(value=values)
+
+
+def round_limit(node: Located, *, is_until: bool) -> tuple[int, Located] | None:
+    """Return the greatest number of rounds in the condition of a loop, and the other conditions; None for no number.
+
+    That is ``… or repeat.index >= 5`` of a loop *is_until*, and ``… and repeat.index <= 5`` of another.
+    """
+    joint = "or" if is_until else "and"
+    joined = _joined_by(joint, node)
+    for number, part in enumerate(joined):
+        if most := _most_rounds(part, is_until=is_until):
+            others = joined[:number] + joined[number + 1 :]
+            return most, Located({"condition": Located(joint, node.line), "conditions": Located(others, 0)}, node.line)
+    return None
+
+
+def _joined_by(joint: str, node: Located) -> list[Located]:
+    """Return the conditions that *node* joins by *joint*; *node* itself if it joins none so."""
+    value = node.value
+    if isinstance(value, list) and (joint == "and" or len(value) == 1):
+        return [part for inner in value for part in _joined_by(joint, inner)]
+    if isinstance(value, dict):
+        kind = value.get("condition")
+        if kind is not None and kind.value == joint and "conditions" in value:
+            listed = value["conditions"]
+            inner_nodes = listed.value if isinstance(listed.value, list) else [listed]
+            return [part for inner in inner_nodes for part in _joined_by(joint, inner)]
+        if kind is not None and kind.value == "template" and "value_template" in value:
+            return _joined_by(joint, value["value_template"])
+    if isinstance(value, str) and "repeat.index" in value:
+        tree = expression_of(value)
+        if isinstance(tree, nodes.Or if joint == "or" else nodes.And):
+            sides = (Located(_Expression(value, side), node.line) for side in (tree.left, tree.right))
+            return [part for side in sides for part in _joined_by(joint, side)]
+    return [node]
+
+
+def _most_rounds(node: Located, *, is_until: bool) -> int:
+    """Return the number of rounds that the condition *node* allows; 0 for another condition."""
+    if not isinstance(node.value, str) or "repeat.index" not in node.value:
+        return 0
+    match expression_of(node.value):
+        case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]) if path_of(
+            left
+        ) == ("repeat", "index"):
+            if (is_until, sign) in {(True, "gteq"), (True, "eq"), (False, "lteq")}:
+                return most
+            if (is_until, sign) in {(True, "gt"), (False, "lt")}:
+                return most + (1 if is_until else -1)
+    return 0
+
+
+class _Expression(str):
+    """A part of a template, with its tree."""
+
+    tree: nodes.Expr
+    __slots__ = ("tree",)
+
+    def __new__(cls, text: str, tree: nodes.Expr) -> Self:
+        """Return the part *tree* of the template *text*."""
+        self = super().__new__(cls, text)
+        self.tree = tree
+        return self
+
+
+_MAX_SHOWN: Final = 60

@@ -1,0 +1,112 @@
+"""Values in the messages of automations, in the words of homebot. Pure."""
+
+import re
+from collections.abc import Mapping
+from typing import Final
+
+from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.integrations.homeassistant.automations.entities import Automation
+from homebot.integrations.homeassistant.automations.expressions import (
+    path_of,
+    refused_template,
+    shown_tree,
+    states_path,
+)
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.integrations.homeassistant.automations.states import value_name
+from homebot.integrations.homeassistant.automations.template_times import is_now
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
+
+_TIME_FORM: Final = re.compile(r"%-?[HI]:%M(:%S)?( ?%p)?|%[TRX]")
+"""A time of day, however it is written."""
+
+_NAMED: Final[Mapping[tuple[str, ...], str]] = {
+    ("trigger", "to_state", "name"): "{name}",
+    ("trigger", "to_state", "attributes", "friendly_name"): "{name}",
+    ("trigger", "from_state", "name"): "{name}",
+    ("trigger", "entity_id"): "{name}",
+    ("trigger", "to_state", "entity_id"): "{name}",
+    ("this", "attributes", "friendly_name"): "{routine}",
+    ("this", "name"): "{routine}",
+}
+"""The values of messages that are names."""
+
+_FORMS: Final = frozenset({"float", "int", "round", "title", "lower", "upper", "string", "default", "d"})
+"""Filters that only shape a value of a message."""
+
+
+def without_unit(text: str, unit: str) -> str:
+    """Return *text* after a value without its unit, which homebot writes itself."""
+    names = {"%": ("%", "percent"), "°C": ("°C", "°", "C", "degrees", "ºC"), "W": ("W", "watts", "Watt")}.get(
+        unit, (unit,)
+    )
+    for name in filter(None, names):
+        rest = text.lstrip(" ")
+        if rest.startswith(name) and not rest[len(name) : len(name) + 1].isalnum():
+            return rest[len(name) :]
+    return text
+
+
+def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
+    """Return a value for a message, and its unit, which homebot writes itself."""
+    while isinstance(node, nodes.Filter) and node.name in _FORMS:
+        assert node.node is not None  # noqa: S101 - only the filter of a block has none
+        node = node.node
+    if (named := _NAMED.get(path := path_of(node), "")) != "":
+        return named, ""
+    match path:
+        case ("trigger", "to_state", "state"):
+            entities = {trigger.entity for trigger in automation.triggers}
+            if len(entities) == 1 and "" not in entities:
+                return _state_value(automation, entities.pop(), "")
+    match node:
+        case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value=str(entity))]):
+            return _state_value(automation, entity, "")
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
+        ) if attribute != "friendly_name":
+            return _state_value(automation, entity, str(attribute))
+        case nodes.Call(node=nodes.Name(name="area_name"), args=[inner]) if path_of(inner)[:1] == ("trigger",):
+            return "{room}", ""
+        case nodes.Call(node=nodes.Name(name="state_attr"), args=[inner, nodes.Const(value="friendly_name")]) if (
+            path_of(inner) == ("trigger", "entity_id")
+        ):
+            return "{name}", ""
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
+            _TIME_FORM.fullmatch(form) and is_now(inner)
+        ):
+            return "{time}", ""
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
+            _TIME_FORM.fullmatch(form)
+            and path_of(inner) in {("trigger", "to_state", last) for last in ("last_changed", "last_updated")}
+            and not automation.has_waited
+        ):
+            automation.notes.append("the time in a message is that of the home's zone")
+            return "{time}", ""
+        case nodes.Or(left=left, right=right) if (
+            path_of(right)[:1] == ("trigger",) and value_text(automation, left)[0] == "{room}"
+        ):
+            starting = [automation.entities.find(trigger.entity) for trigger in automation.triggers]
+            if all(entity.device.area for entity in starting):
+                return "{room}", ""
+        case nodes.Getattr(attr="state") if entity := states_path(node.node):
+            return _state_value(automation, entity, "")
+    raise refused_template(shown_tree(node), "a message has states, {name}, {room}, {routine} and {time}")
+
+
+def is_value(automation: Automation, node: nodes.Node) -> bool:
+    """Return whether *node* is a value that a message may have."""
+    noted = len(automation.notes)
+    try:
+        value_text(automation, node)
+    except NotCarriedError:
+        return False
+    finally:
+        del automation.notes[noted:]
+    return True
+
+
+def _state_value(automation: Automation, entity_id: str, attribute: str) -> tuple[str, str]:
+    name, capability = value_name(automation.entities, entity_id, attribute)
+    automation.notes.append(f"{entity_id} is written in the words of homebot, with its unit")
+    return f"{{{capability} of {name}}}", CAPABILITIES.get(capability, OWN).unit

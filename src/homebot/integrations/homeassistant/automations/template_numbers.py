@@ -1,0 +1,215 @@
+"""Numbers in the templates of automations: those of entities, their limits and differences. Pure."""
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+from homebot.devices.query.terms import Operator
+from homebot.integrations.homeassistant.automations.entities import Automation, text_value
+from homebot.integrations.homeassistant.automations.expressions import (
+    constant_number,
+    expression_of,
+    path_of,
+    refused_template,
+    shown_tree,
+    state_entity,
+)
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.integrations.homeassistant.automations.states import number_of, values_text
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
+from homebot.support.located import Located
+
+SIGNS: Final[Mapping[str, Operator]] = {"gt": ">", "lt": "<", "gteq": ">=", "lteq": "<="}
+
+
+class EntityNumber(NamedTuple):
+    """A number in a template: the state of an entity, or its attribute, times *factor* plus *offset*."""
+
+    entity: str
+    attribute: str = ""
+    default: float | None = None
+    is_whole: bool = False
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+def number_of_tree(node: nodes.Expr) -> EntityNumber:
+    """Return the number that *node* is."""
+    match node:
+        case nodes.Filter(name="float" | "int" as name, node=inner, args=args) if inner is not None:
+            number = number_of_tree(inner)
+            given = [
+                constant_number(value)
+                for value in (*args[:1], *(one.value for one in node.kwargs if one.key == "default"))
+            ]
+            default = given[0] if given else None
+            if number.factor != 1.0 or number.offset or (number.is_whole and name == "float"):
+                raise refused_template(shown_tree(node))
+            return number._replace(default=default, is_whole=name == "int" or number.is_whole)
+        case nodes.Filter(name="default" | "d", node=inner, args=[value, *_]) if inner is not None:
+            return number_of_tree(inner)._replace(default=constant_number(value))
+        case nodes.Call(node=nodes.Name(name="float" | "int" as name), args=[inner, *args]):
+            number = number_of_tree(inner)
+            return number._replace(default=constant_number(args[0]) if args else None, is_whole=name == "int")
+        case nodes.Mul(left=inner, right=nodes.Const(value=int() | float() as value)) if value:
+            number = number_of_tree(inner)
+            return _scaled(number, float(value), 0.0)
+        case nodes.Div(left=inner, right=nodes.Const(value=int() | float() as value)) if value:
+            return _scaled(number_of_tree(inner), 1 / float(value), 0.0)
+        case nodes.Add(left=inner, right=nodes.Const(value=int() | float() as value)):
+            return _scaled(number_of_tree(inner), 1.0, float(value))
+        case nodes.Sub(left=inner, right=nodes.Const(value=int() | float() as value)):
+            return _scaled(number_of_tree(inner), 1.0, -float(value))
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
+        ):
+            return EntityNumber(entity, str(attribute))
+    if entity := state_entity(node):
+        return EntityNumber(entity)
+    if len(path := path_of(node)) == 5 and path[0] == "states" and path[3] == "attributes":
+        return EntityNumber(f"{path[1]}.{path[2]}", path[4])
+    raise refused_template(shown_tree(node))
+
+
+EQUAL: Final = 0.0001
+"""The difference up to which two values count as one."""
+
+
+def is_of_two(node: nodes.Expr) -> bool:
+    """Return whether *node* is a sum or difference of two values."""
+    while isinstance(node, nodes.Filter) and node.name in {"float", "round", "int"} and node.node is not None:
+        node = node.node
+    if not isinstance(node, nodes.Add | nodes.Sub):
+        return False
+    return not any(isinstance(side, nodes.Const | nodes.Neg) for side in (node.left, node.right))
+
+
+def summands(node: nodes.Expr, sign: float) -> list[EntityNumber]:
+    """Return the numbers whose sum *node* is, times *sign*; one without an entity is only an offset."""
+    match node:
+        case nodes.Const() | nodes.Neg(node=nodes.Const()):
+            return [EntityNumber("", offset=sign * constant_number(node))]
+        case nodes.Neg(node=inner):
+            return summands(inner, -sign)
+        case nodes.Add(left=left, right=right):
+            return [*summands(left, sign), *summands(right, sign)]
+        case nodes.Sub(left=left, right=right):
+            return [*summands(left, sign), *summands(right, -sign)]
+        case nodes.Filter(name="float" | "round", node=nodes.Add() | nodes.Sub() as inner):
+            return summands(inner, sign)
+    number = number_of_tree(node)
+    return [number._replace(factor=sign * number.factor, offset=sign * number.offset)]
+
+
+def _scaled(number: EntityNumber, factor: float, offset: float) -> EntityNumber:
+    if number.is_whole:
+        raise NotCarriedError("template: it calculates with `int`; use `float`")
+    default = None if number.default is None else number.default
+    return number._replace(factor=number.factor * factor, offset=number.offset * factor + offset, default=default)
+
+
+def whole_limit(sign: Operator, limit: float) -> tuple[Operator, float]:
+    """Return the limit of a number for that of its whole part, which is cut towards 0."""
+    at = math.floor(limit)
+    if limit != at or at < 0 or (at == 0 and sign in {"<", ">="}):
+        raise NotCarriedError("template: `int` cuts a number off; compare with `float`")
+    match sign:
+        case ">":
+            return ">=", at + 1
+        case "<=":
+            return "<", at + 1
+    return sign, limit
+
+
+def holds(number: float, sign: str, limit: float) -> bool:
+    """Return whether *number* is on the side *sign* of *limit*."""
+    return {">": number > limit, "<": number < limit, ">=": number >= limit, "<=": number <= limit}[sign]
+
+
+def people_text(automation: Automation, sign: str, limit: float) -> str:
+    """Return the state of the household for a limit of the number of people at home."""
+    if not automation.entities.knows_people:
+        raise NotCarriedError("zone.home: nobody is known; write the persons in the table [people]")
+    if (sign, limit) in {(">", 0.0), (">=", 1.0)}:
+        return "somebody is home"
+    if (sign, limit) in {("<", 1.0), ("<=", 0.0)}:
+        return "nobody is home"
+    most = float(automation.entities.people)
+    if (sign, limit) in {(">", most - 1), (">=", most)}:
+        return "everybody is home"
+    if (sign, limit) in {("<", most), ("<=", most - 1)}:
+        return "not everybody is home"
+    raise NotCarriedError("zone.home: homebot does not count people; ask for none, any or all")
+
+
+_SECONDS: Final = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+_CLOCK_OF_ONE: Final = re.compile(r"(?:00?:)*(\{\{[^{}]*\}\})(?P<after>(?::00)*)")
+"""A length of time such as ``00:{{ … }}:00``."""
+
+
+def step_number(automation: Automation, text: str) -> tuple[str, float]:
+    """Return the number of an entity for a step, and the factor with which the template *text* takes it."""
+    node, factor = expression_of(text), 1.0
+    while True:
+        match node:
+            case nodes.Filter(name="float" | "int" | "round", node=inner) if inner is not None:
+                node = inner
+            case nodes.Mul(left=inner, right=nodes.Const(value=int() | float() as times)) if times:
+                node, factor = inner, factor * times
+            case nodes.Div(left=inner, right=nodes.Const(value=int() | float() as parts)) if parts:
+                node, factor = inner, factor / parts
+            case nodes.Call(node=nodes.Name(name="float" | "int"), args=[inner, *_]):
+                node = inner
+            case _:
+                break
+    number = number_of_tree(node)
+    entity, capability, own = number_of(automation.entities, number.entity, number.attribute)
+    if number.offset or entity.unit or not capability:
+        raise refused_template(text, "a step takes a number of the house as it is")
+    automation.notes.append("a number of the house is taken as it is, and the step left out while it is unknown")
+    return f"{{{capability} of name={text_value(entity.name)}}}", factor / own
+
+
+def step_length(automation: Automation, node: Located) -> str:
+    """Return a length of time that a number of the house tells, such as ``{number of pause}m``; else empty."""
+    text, seconds = node.value, 1.0
+    if isinstance(text, dict):
+        given = {unit: inner for unit, inner in text.items() if str(inner.value) not in {"0", "00"}}
+        unit = next(iter(given), "")
+        if len(given) != 1 or unit not in _SECONDS:
+            return ""
+        text, seconds = given[unit].value, _SECONDS[unit]
+    elif isinstance(text, str) and (clock := _CLOCK_OF_ONE.fullmatch(text)):
+        text, seconds = clock[1], 60.0 ** clock["after"].count(":")
+    if not isinstance(text, str) or "{{" not in text:
+        return ""
+    value, factor = step_number(automation, text)
+    letter = next((name[0] for name, length in _SECONDS.items() if math.isclose(length, factor * seconds)), "")
+    if not letter:
+        raise refused_template(text, "a length of time is a number of seconds, minutes or hours of the house")
+    return f"{value}{letter}"
+
+
+def two_values_text(automation: Automation, left: nodes.Expr, sign: str, right: nodes.Expr) -> str:
+    """Return the condition that one value is above or below another."""
+    if sign not in SIGNS:
+        raise refused_template(shown_tree(left), "two values are compared by < and >")
+    numbers = [*summands(left, 1.0), *summands(right, -1.0)]
+    offset = sum(number.offset for number in numbers)
+    numbers = sorted((number for number in numbers if number.entity), key=lambda number: -number.factor)
+    if [number.factor for number in numbers] != [1.0, -1.0]:
+        raise refused_template(shown_tree(left), "it calculates with two values; only their difference is compared")
+    if any(number.default is not None for number in numbers):
+        automation.notes.append("a comparison does not hold while one of its values is unknown")
+    if any(number.is_whole for number in numbers):
+        automation.notes.append("two values are compared as they are, without cutting their fractions off")
+    first, second = numbers
+    equal = EQUAL if sign in {"gteq", "lteq"} else 0.0
+    return values_text(
+        automation.entities,
+        (first.entity, first.attribute),
+        SIGNS[sign][0],
+        (second.entity, second.attribute),
+        -offset + (equal if sign == "lteq" else -equal),
+    )

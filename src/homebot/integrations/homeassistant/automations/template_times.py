@@ -1,0 +1,228 @@
+"""Times in the templates of automations: of now, of the last run and of last changes. Pure."""
+
+import operator
+import re
+from collections.abc import Callable, Mapping
+from datetime import date, timedelta
+from itertools import pairwise
+from typing import Any, Final
+
+from homebot.integrations.homeassistant.automations.entities import NEVER, Automation, Condition
+from homebot.integrations.homeassistant.automations.expressions import (
+    path_of,
+    refused_template,
+    shown_tree,
+    states_path,
+)
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.integrations.homeassistant.automations.template_numbers import holds
+from homebot.integrations.homeassistant.automations.variables import is_constant
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes, parse
+from homebot.integrations.homeassistant.formats.jinja.values import TemplateError
+from homebot.support.located import Located
+from homebot.words.times import read_span
+
+_DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+_MONTHS: Final = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_CLOCK: Final = re.compile(r"([01]\d|2[0-3]):[0-5]\d(:[0-5]\d)?")
+
+
+def is_now(node: nodes.Node) -> bool:
+    """Return whether *node* is ``now()``."""
+    return isinstance(node, nodes.Call) and node.node == nodes.Name("now", "load") and not node.args
+
+
+def clock_of_today(node: nodes.Node) -> str:
+    """Return the time of day of ``today_at('07:00')``; empty for another expression."""
+    match node:
+        case nodes.Call(node=nodes.Name(name="today_at"), args=[nodes.Const(value=str(clock))]):
+            return clock
+    return ""
+
+
+def unit_of_now(node: nodes.Node) -> str:
+    """Return the unit of the time that *node* is, such as ``hour``; empty for another expression."""
+    match node:
+        case nodes.Getattr(node=inner, attr="hour" | "month" as unit) if is_now(inner):
+            return unit
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="weekday" | "isoweekday" as unit), args=[]) if is_now(
+            inner
+        ):
+            return unit
+        case nodes.Call(
+            node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H:%M" | "%H:%M:%S" | "%T")]
+        ) if is_now(inner):
+            return "clock"
+        case nodes.Filter(
+            name="int", node=nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H")])
+        ) if is_now(inner):
+            return "hour"
+    return ""
+
+
+_ORDER: Final[Mapping[str, Callable[[Any, Any], bool]]] = {
+    **{name: getattr(operator, short) for name, short in (("gt", "gt"), ("lt", "lt"), ("gteq", "ge"), ("lteq", "le"))},
+    "eq": operator.eq,
+    "ne": operator.ne,
+    "in": lambda value, several: value in several,
+    "notin": lambda value, several: value not in several,
+}
+
+_LEAP_YEAR: Final = 2024
+_OF_DAY: Final = re.compile(r"(?:%-?[dmbB]|[^%])*")
+
+
+def days_of(node: nodes.Expr) -> list[Condition] | None:
+    """Return the days of the year on which *node* holds; None for another expression, or one of whole months."""
+    has_day = any(inner.attr == "day" and is_now(inner.node) for inner in node.find_all(nodes.Getattr))
+    has_day = has_day or any(re.search("%-?d", str(inner.value)) for inner in node.find_all(nodes.Const))
+    if not has_day:
+        return None
+    first = date(_LEAP_YEAR, 1, 1)
+    days = [first + timedelta(days=number) for number in range(366)]
+    try:
+        held = [bool(_on_day(node, day)) for day in days]
+    except (NotCarriedError, TypeError, ValueError):
+        return None
+    if all(held) or not any(held):
+        return [] if held[0] else [NEVER]
+    starts = [number for number in range(366) if held[number] and not held[number - 1]]
+    texts = []
+    for start in starts:
+        end = next(number for number in range(start + 1, start + 367) if not held[number % 366]) - 1
+        ends = dict.fromkeys(
+            f"{days[place % 366].day} {_MONTHS[days[place % 366].month - 1]}" for place in (start, end)
+        )
+        texts.append("-".join(ends))
+    return [(f"on {','.join(texts)}",)]
+
+
+def _on_day(node: nodes.Node, day: date) -> object:
+    """Return the value of *node* on *day*."""
+    match node:
+        case nodes.Const(value=value):
+            return value
+        case nodes.And():
+            return _on_day(node.left, day) and _on_day(node.right, day)
+        case nodes.Or():
+            return _on_day(node.left, day) or _on_day(node.right, day)
+        case nodes.Not():
+            return not _on_day(node.node, day)
+        case nodes.List() | nodes.Tuple():
+            return [_on_day(item, day) for item in node.items]
+        case nodes.Compare():
+            values = [_on_day(one, day) for one in (node.expr, *(operand.expr for operand in node.ops))]
+            signs = [_ORDER[operand.op] for operand in node.ops]
+            return all(sign(*two) for sign, two in zip(signs, pairwise(values), strict=True))
+        case nodes.Getattr(node=inner, attr="month" | "day" as unit) if is_now(inner):
+            return getattr(day, unit)
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if is_now(
+            inner
+        ) and _OF_DAY.fullmatch(form):
+            return day.strftime(form)
+        case nodes.Filter(name="int", node=inner, args=[]) if inner is not None:
+            return int(str(_on_day(inner, day)))
+    raise refused_template(shown_tree(node))
+
+
+def of_time(unit: str, sign: str, value: object) -> list[Condition]:
+    """Return the conditions that a time of now is so."""
+    match unit, value:
+        case "clock", str(text) if _CLOCK.fullmatch(text) and sign in {">", ">=", "<", "<="}:
+            side = "after" if sign[0] == ">" else "before"
+            span = read_span(f"{side} {text}")
+            return [(f"{side} {text}",)] if span is not None and span.begin != span.end else []
+        case "hour", int(hour):
+            held = [number for number in range(24) if _holds_whole(number, sign, hour)]
+            if len(held) in {0, 24}:
+                return [] if held else [NEVER]
+            begin, end = held[0], held[-1] + 1
+            texts = ([f"after {begin}:00"] if begin else []) + ([f"before {end}:00"] if end < 24 else [])
+            return [(f"between {begin}:00 and {end}:00",)] if len(texts) > 1 else [(text,) for text in texts]
+        case (("weekday" | "isoweekday"), int(day)):
+            first = int(unit == "isoweekday")
+            days = [name for number, name in enumerate(_DAYS, first) if _holds_whole(number, sign, day)]
+            return [(f"on {','.join(days)}",)] if 0 < len(days) < len(_DAYS) else [] if days else [NEVER]
+        case "month", int(month):
+            months = [name for number, name in enumerate(_MONTHS, 1) if _holds_whole(number, sign, month)]
+            if not 0 < len(months) < len(_MONTHS):
+                return [] if months else [NEVER]
+            return [(f"in {months[0]}" + (f"-{months[-1]}" if len(months) > 1 else ""),)]
+    raise NotCarriedError(f"template: now() against {value!r}")
+
+
+def _holds_whole(number: int, sign: str, value: int) -> bool:
+    return number == value if sign == "==" else holds(number, sign, value)
+
+
+def last_changed(node: nodes.Node | None) -> str:
+    """Return the entity if *node* is the time in seconds since its last change; else empty."""
+    while isinstance(node, nodes.Filter) and node.name in {"int", "float"}:
+        node = node.node
+    match node:
+        case nodes.Call(node=nodes.Getattr(node=nodes.Sub(left=now, right=last), attr="total_seconds"), args=[]):
+            pass
+        case nodes.Sub(
+            left=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[now]),
+            right=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[last, *_]),
+        ):
+            pass
+        case _:
+            return ""
+    if not is_now(now) or not isinstance(last, nodes.Getattr) or last.attr != "last_changed":
+        return ""
+    return states_path(last.node)
+
+
+def random_ends(node: Located) -> tuple[Located, Located] | None:
+    """Return a length with the least and the most of the only ``range(1, 30) | random`` in it; None for another."""
+    if isinstance(node.value, dict):
+        found = [(key, ends) for key, inner in node.value.items() if (ends := random_ends(inner))]
+        if len(found) != 1:
+            return None
+        ((key, ends),) = found
+        return node._replace(value={**node.value, key: ends[0]}), node._replace(value={**node.value, key: ends[1]})
+    found_ends = [*_RANDOM.finditer(node.value)] if isinstance(node.value, str) else []
+    if len(found_ends) != 1:
+        return None
+    least, most = int(found_ends[0]["least"] or 0), int(found_ends[0]["most"]) - 1
+    texts = [_RANDOM.sub(str(number), str(node.value)) for number in (least, most)]
+    try:
+        first, last = (node._replace(value=parse(text).render({}).strip()) for text in texts)
+    except TemplateError:
+        return None
+    return (first, last) if least < most and is_constant(first) else None
+
+
+_RANDOM: Final = re.compile(r"\brange\( *(?:(?P<least>\d+) *, *)?(?P<most>\d+) *\) *\| *random\b")
+
+
+def since_last_run(automation: Automation, node: nodes.Node | None) -> bool:
+    """Return whether *node* is the time in seconds since this automation ran."""
+    while isinstance(node, nodes.Filter) and node.name in {"int", "float"}:
+        node = node.node
+    match node:
+        case nodes.Call(node=nodes.Getattr(node=nodes.Sub(left=now, right=last), attr="total_seconds"), args=[]):
+            return is_now(now) and is_last_run(automation, last)
+        case nodes.Sub(
+            left=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[now]),
+            right=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[last, *_]),
+        ):
+            return is_now(now) and is_last_run(automation, last)
+    return False
+
+
+def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
+    """Return whether *node* is the time of the last run of *automation*."""
+    while isinstance(node, nodes.Filter) and node.name in {"default", "d", "as_timestamp"}:
+        node = node.node
+    match node:
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"),
+            args=[nodes.Const(value=entity), nodes.Const(value="last_triggered")],
+        ):
+            return str(entity).removeprefix("automation.") in automation.own_ids
+        case nodes.Getattr(node=nodes.Getattr(attr="attributes") as inner, attr="last_triggered"):
+            path = path_of(inner)[:-1]
+            return path == ("this",) or (path[:2] == ("states", "automation") and path[2] in automation.own_ids)
+    return False
