@@ -148,6 +148,30 @@ def test_each_automation_is_carried_over_or_refused_and_none_both(name: str, fou
     assert len(refused | carried) + len(twice) == found.total
 
 
+@pytest.mark.parametrize(
+    ("asked", "people", "texts"),
+    [
+        ("<= 1", 2, ['if = ["not everybody is home"]']),
+        (">= 2", 2, ['if = ["everybody is home"]']),
+        ("<= 1", 3, []),
+        (">= 0", 0, []),
+        ("< 0", 0, []),
+    ],
+)
+def test_people_at_home_are_counted_as_far_as_none_any_and_all(asked: str, people: int, texts: list[str]) -> None:
+    found = read(
+        f"""
+- alias: A
+  trigger: {{platform: time, at: '08:00'}}
+  condition: "{{{{ states('zone.home') | int(0) {asked} }}}}"
+  action: {{service: light.turn_on, entity_id: light.hall_lamp}}
+""",
+        (*HOUSE, *(device(f"Person {number}", part("", "x_person", "at_home")) for number in range(people))),
+    )
+    assert [line for text in found.texts for line in text.splitlines() if line.startswith("if =")] == texts
+    assert len(found.texts) == len(texts)
+
+
 @pytest.mark.parametrize("variables", ["{a: '{{ a }}'}", "{a: '{{ b }}', b: '{{ a }}'}"])
 def test_variables_that_name_each_other_are_refused(variables: str) -> None:
     found = read(f"""

@@ -135,11 +135,16 @@ def people_text(automation: Automation, sign: str, limit: float) -> str:
         return "somebody is home"
     if (sign, limit) in {("<", 1.0), ("<=", 0.0)}:
         return "nobody is home"
-    most = float(automation.entities.people)
-    if (sign, limit) in {(">", most - 1), (">=", most)}:
-        return "everybody is home"
-    if (sign, limit) in {("<", most), ("<=", most - 1)}:
-        return "not everybody is home"
+    all_of_them = float(automation.entities.people)
+    sides = {
+        (">", all_of_them - 1): "",
+        (">=", all_of_them): "",
+        ("<", all_of_them): "not ",
+        ("<=", all_of_them - 1): "not ",
+    }
+    if all_of_them > 1 and (sign, limit) in sides:
+        automation.notes.append("zone.home is taken as all of [people]")
+        return f"{sides[sign, limit]}everybody is home"
     raise NotCarriedError("zone.home: homebot does not count people; ask for none, any or all")
 
 
