@@ -251,6 +251,10 @@ PLAYS: tuple[Play, ...] = (
          ["08:25:00 Bath heating heating_setpoint 16"]),
     Play("Motion light by variables", ["08:10 Hall motion occupancy true", "08:12 Hall motion occupancy false"],
          ["08:10:00 Hall lamp level 80", "08:15:00 Hall lamp on_off False"]),
+    Play("Two speeds by the hour", ["08:10 Bath climate humidity 61"], ["08:10:00 Bath fan fan_speed 20"]),
+    Play("Two speeds by the hour", ["09:10 Bath climate humidity 61"], ["09:10:00 Bath fan fan_speed 70"],
+         "09:00 10:00"),
+    Play("Two speeds by the hour", ["08:10 Bath climate humidity 60"]),
     Play("Motion light by variables", ["08:05 Hall motion illuminance 15", "08:10 Hall motion occupancy true"]),
 )  # fmt: skip
 

@@ -62,6 +62,9 @@ def parts_of_body(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
     return parts
 
 
+_TRUTHS: Final = {("true", "false"), ("true", ""), ("false", "true")}
+
+
 def _output_of(text: str) -> list[nodes.Output]:
     body = without_sets(template_tree(text).body)
     outputs = [node for node in body if isinstance(node, nodes.Output)]
@@ -69,12 +72,10 @@ def _output_of(text: str) -> list[nodes.Output]:
         return outputs
     body = [node for node in body if not _is_space(node)]
     match body:
-        case [nodes.If(test=test, body=yes, elif_=[], else_=no)]:
-            words = tuple(_words_of(branch).casefold() for branch in (yes, no))
-            if words in {("true", "false"), ("true", "")}:
-                return [nodes.Output([test])]
-            if words == ("false", "true"):
-                return [nodes.Output([nodes.Not(test)])]
+        case [nodes.If(test=test, body=yes, elif_=[], else_=no)] if (
+            words := tuple(_words_of(branch).casefold() for branch in (yes, no))
+        ) in _TRUTHS:
+            return [nodes.Output([test if words[0] == "true" else nodes.Not(test)])]
         case [nodes.If() as choice] if choice.else_:
             return [nodes.Output([_as_expression(choice, text)])]
     raise refused_template(text, "it has statements")
