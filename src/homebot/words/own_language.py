@@ -72,7 +72,7 @@ def to_english(text: str, kind: TextKind) -> str | None:
         return None
     words = _words(text)
     tables = (_table(code) for code in OWN_LANGUAGES)
-    readings = (table.read(text, kind) for table in tables if not words.isdisjoint(table.marks))
+    readings = (table.read(text, kind) for table in tables if not words.isdisjoint(table.sure_marks))
     return next(filter(None, readings), None)
 
 
