@@ -16,7 +16,7 @@ from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, WireError
-from homebot.features.routines.watches import begun
+from homebot.features.routines.watches import follow_matches
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
 from homebot.testing import FakeGateway
@@ -385,9 +385,9 @@ MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
     "follow(DoorLock, area=''): nothing in the house is of this type.": (
         lambda node: anext(Devices(node).messages(DoorLock, area=""))
     ),
-    "haul lamp on: no device has the word 'haul'": lambda node: anext(begun(node, read_state("haul lamp on"))),
+    "haul lamp on: no device has the word 'haul'": lambda node: anext(follow_matches(node, read_state("haul lamp on"))),
     "lights on in hal for 5m: no device is in 'hal'; did you mean hall?": (
-        lambda node: anext(begun(node, read_state("lights on in hal for 5m")))
+        lambda node: anext(follow_matches(node, read_state("lights on in hal for 5m")))
     ),
 }
 

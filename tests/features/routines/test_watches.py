@@ -14,7 +14,7 @@ from tests.set_clock import SetClock
 from homebot.devices import Devices
 from homebot.devices.handles import ContactSensor
 from homebot.discovery import Directory, DirectorySettings
-from homebot.features.routines.watches import PressWatch, begun
+from homebot.features.routines.watches import PressWatch, follow_matches
 from homebot.graph import Graph, Node
 from homebot.mqtt.options import MqttOptions
 from homebot.testing import FakeGateway, VirtualHouse, virtual_house_of
@@ -37,7 +37,7 @@ async def end_of_wait(store: dict[str, Any], start: str, found: str, *told: str)
     ends: dict[str, None] = {}
 
     async def wait(house: VirtualHouse, node: Node) -> None:
-        async for _ in begun(node, OPEN, store, is_new=True):
+        async for _ in follow_matches(node, OPEN, store, is_new=True):
             ends[f"{house.now:%H:%M}"] = None
 
     async with (
@@ -102,7 +102,7 @@ async def test_a_clock_that_is_set_changes_no_wait(jump: float) -> None:
     door = announce("d", part_of("contact_sensor", "contact", id="c"), name="Front door", gateway="fake")
 
     async def wait(node: Node) -> None:
-        async for _ in begun(node, OPEN, is_new=True):
+        async for _ in follow_matches(node, OPEN, is_new=True):
             ends.append(clock.monotonic())  # noqa: PERF401 - it would be cancelled before it extends
 
     async with directory(graph) as (gateway, waiter, tasks):
@@ -124,7 +124,7 @@ async def test_the_first_value_of_a_device_that_told_others_before_starts_nothin
     door = announce("d", part_of("contact_sensor", "contact", "battery", id="c"), name="Front door", gateway="fake")
 
     async def wait(node: Node) -> None:
-        async for one in begun(node, read_state("front door open"), is_new=True):
+        async for one in follow_matches(node, read_state("front door open"), is_new=True):
             began.append(one.device.id)  # noqa: PERF401 - it would be cancelled before it extends
 
     async with directory(graph) as (gateway, waiter, tasks):
@@ -163,7 +163,7 @@ async def test_the_first_value_of_a_device_that_was_known_before_starts_what_wai
     began: list[str] = []
 
     async def wait(node: Node) -> None:
-        async for one in begun(node, read_state(f"{capability} = true"), is_new=True):
+        async for one in follow_matches(node, read_state(f"{capability} = true"), is_new=True):
             began.append(one.device.id)  # noqa: PERF401 - it would be cancelled before it extends
 
     async with (
@@ -219,7 +219,7 @@ async def test_a_value_that_is_unknown_for_a_moment_starts_nothing_again_and_end
     state = read_state(text)
 
     async def wait(node: Node) -> None:
-        async for _ in begun(node, state, is_new=True):
+        async for _ in follow_matches(node, state, is_new=True):
             began.append(round(clock.monotonic() - opened))  # noqa: PERF401 - it would be cancelled
 
     async def wait_in_an_app(node: Node) -> None:
@@ -246,3 +246,17 @@ async def test_a_value_that_is_unknown_for_a_moment_starts_nothing_again_and_end
             await anyio.sleep(1)
         await anyio.sleep(HOUR)
     assert len(began) == 4
+
+
+async def test_a_wait_until_none_is_open_counts_from_the_last_that_closed_not_from_another_value() -> None:
+    graph = Graph(clock := SetClock(1.8e9))
+    door = announce("d", part_of("contact_sensor", "contact", "battery", id="c"), name="Front door", gateway="fake")
+    async with directory(graph) as (gateway, waiter, _):
+        gateway.publish_sighting(door)
+        gateway.reports.publish(tell(door, "contact", False, part="c", at=clock.now()))
+        await anyio.sleep(HOUR)
+        gateway.reports.publish(tell(door, "battery", 0.5, part="c", at=clock.now()))
+        await anyio.sleep(1)
+        began = clock.monotonic()
+        await anext(follow_matches(waiter, read_state("no front door open for 10m")))
+        assert round(clock.monotonic() - began) == 0

@@ -23,18 +23,14 @@ from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace
 from homebot.features.routines.watches import (
-    ArrivalWatch,
-    ComparisonWatch,
     MessageWatches,
     OnStart,
-    PersonWatch,
-    PressWatch,
     TimeOfWatch,
-    ValueWatch,
-    begun,
     compared,
+    follow_matches,
     holds_for,
     is_press,
+    start_watch,
 )
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -72,21 +68,8 @@ _RAN_AT: Final = "ran_at"
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 _Conditions = Sequence[tuple[str, Condition]]
-_Watched = (
-    DaysAndTime
-    | SunMoment
-    | SunElevation
-    | EachInterval
-    | EachHour
-    | HomebotStarts
-    | Press
-    | Changes
-    | ValuePasses
-    | MessageComes
-    | AtTimeOf
-    | PersonMoves
-    | RobotArrival
-)
+_Timed = DaysAndTime | SunMoment | SunElevation | EachInterval | EachHour | HomebotStarts
+_Watched = _Timed | Press | Changes | ValuePasses | MessageComes | AtTimeOf | PersonMoves | RobotArrival
 
 
 class RoutineBase(App[SettingsT_co]):
@@ -181,6 +164,17 @@ class RoutineBase(App[SettingsT_co]):
             on_start(CURRENT_CAUSE.get())
 
         match trigger:
+            case MessageComes():
+                return self._messages.add(trigger, on_start)
+            case AtTimeOf():
+                return TimeOfWatch(self.node, trigger, partial(self._daily_at, start, name or trigger.text)).close
+            case Press() | Changes() | ValuePasses() | PersonMoves() | RobotArrival():
+                return start_watch(self.node, trigger, on_start)
+            case _:
+                return self._watch_time(trigger, start, name)
+
+    def _watch_time(self, trigger: _Timed, start: Callable[[], None], name: str | None) -> Callable[[], None]:
+        match trigger:
             case DaysAndTime():
                 return self.daily(trigger.time, start, days=trigger.days, name=name).cancel
             case SunMoment():
@@ -198,29 +192,13 @@ class RoutineBase(App[SettingsT_co]):
                     for hour in range(24)
                 ]
                 return partial(_cancel, hours)
-            case Press():
-                return PressWatch(self.node, trigger, on_start).close
-            case Changes():
-                return ValueWatch(self.node, trigger, on_start).close
-            case MessageComes():
-                return self._messages.add(trigger, on_start)
-            case AtTimeOf():
-                return TimeOfWatch(self.node, trigger, partial(self._daily_at, start, name or trigger.text)).close
-            case ValuePasses():
-                return ComparisonWatch(self.node, trigger, on_start).close
-            case PersonMoves():
-                return PersonWatch(self.node, trigger, on_start).close
-            case RobotArrival():
-                return ArrivalWatch(self.node, trigger, on_start).close
-            case _:
-                assert_never(trigger)
 
     def _daily_at(self, start: Callable[[], None], name: str, at: str) -> Callable[[], None]:
         return self.daily(at, start, name=f"{name} at {at}").cancel
 
     async def _follow(self, trigger: Becomes, on_start: OnStart, store: MutableMapping[str, Any]) -> None:
-        async for one in begun(self.node, trigger, store, is_new=True):
-            on_start(one.cause)
+        async for match in follow_matches(self.node, trigger, store, is_new=True):
+            on_start(match.cause)
 
     async def _check(
         self, conditions: _Conditions, start: Callable[[object], object], cause: object, facts: RoutineRunFacts
@@ -232,6 +210,34 @@ class RoutineBase(App[SettingsT_co]):
             start(cause)
 
     async def _holds(self, condition: Condition, facts: RoutineRunFacts) -> bool:
+        match condition:
+            case SunIs() | SunElevation() | OnDays() | TimeSpan() | SunSpan() | LastRun():
+                return self._is_time(condition)
+            case Matches() if condition.state.lasting:
+                devices = await self.devices.find()
+                return holds_for(condition.state, devices, self.clock.now(), is_none=condition.is_none)
+            case Matches():
+                state = condition.state
+                query = query_words(state.words) or query_terms(state.query)
+                answer = await self._query.call(QueryDevicesRequest(query=query, limit=1))
+                return bool(answer.results) is not condition.is_none
+            case Press():
+                return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
+            case StartedBy() | TimedOut():
+                return _is_of_run(condition, facts)
+            case Comparison():
+                holds = compared(condition, await self.devices.find())
+                return condition.is_denied if holds is None else holds
+            case AnyOf():
+                for alternative in condition.conditions:
+                    if await self._holds(alternative, facts):
+                        return True
+                return False
+            case _:
+                assert_never(condition)
+
+    def _is_time(self, condition: SunIs | SunElevation | OnDays | TimeSpan | SunSpan | LastRun) -> bool:
+        """Return whether *condition*, which asks no device, holds now."""
         match condition:
             case SunIs():
                 return self.sun_is_up() is condition.is_up
@@ -250,28 +256,6 @@ class RoutineBase(App[SettingsT_co]):
             case LastRun():
                 ago = self.clock.now() - self.store.get(_RAN_AT, -math.inf)
                 return (ago > condition.seconds) is condition.is_over
-            case Matches() if condition.state.lasting:
-                devices = await self.devices.find()
-                return holds_for(condition.state, devices, self.clock.now(), is_none=condition.is_none)
-            case Matches():
-                state = condition.state
-                query = query_words(state.words) or query_terms(state.query)
-                answer = await self._query.call(QueryDevicesRequest(query=query, limit=1))
-                return bool(answer.results) is not condition.is_none
-            case Press():
-                return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
-            case StartedBy() | TimedOut():
-                return _is_of_run(condition, facts)
-            case Comparison():
-                holds = compared(condition, await self.devices.find())
-                return condition.is_denied if holds is None else holds
-            case AnyOf():
-                for one in condition.conditions:
-                    if await self._holds(one, facts):
-                        return True
-                return False
-            case _:
-                assert_never(condition)
 
     def _sun_time(self, moment: SunMoment) -> time | None:
         """Return the time of *moment* today, or the nearest if it is on another day; None if there is none."""
@@ -281,8 +265,10 @@ class RoutineBase(App[SettingsT_co]):
         at = sun_time(moment.event, home.latitude, home.longitude, moment.seconds).on(today, home.zone)
         if at is None:
             return None
-        found = datetime.fromtimestamp(at, home.zone)
-        return found.time() if found.date() == today else time.max if found.date() > today else time(microsecond=1)
+        nearest = datetime.fromtimestamp(at, home.zone)
+        if nearest.date() == today:
+            return nearest.time()
+        return time.max if nearest.date() > today else time(microsecond=1)
 
 
 def _is_of_run(condition: StartedBy | TimedOut, facts: RoutineRunFacts) -> bool:

@@ -93,42 +93,49 @@ class HouseChecks:
             names: Those that are asked about, which costs far less; empty for all.
             lacking: Filled with the rights that each lacks, as queries.
         """
-        settings = {one.name: one for one in routines}
+        settings = {routine.name: routine for routine in routines}
         as_written = {
-            name: (tuple(map(read_trigger, one.when)), tuple(map(read_condition, one.conditions)))
-            for name, one in settings.items()
-            if names and one.enabled
+            name: (tuple(map(read_trigger, routine.when)), tuple(map(read_condition, routine.conditions)))
+            for name, routine in settings.items()
+            if names and routine.enabled
         }
-        found: dict[str, list[str]] = {}
+        problems: dict[str, list[str]] = {}
         known: list[RoutineEffects] = []
         self._forget()
-        waiting = [name for name in settings if not names or name in names]
+        asked = names or settings
+        waiting = [name for name in settings if name in asked]
         try:
             for name in waiting:  # which grows by those that they concern
                 effects: list[Effect] = []
-                one = settings[name]
-                found[name] = [problem async for problem in self._of(one, effects)]
-                for effect in effects:
-                    reason, right = self._refusal(app_of_routine(name), effect)
-                    found[name] += [f"{effect.text!r} is refused: {reason}"] if reason else []
-                    if lacking is not None and right:
-                        lacking.setdefault(name, []).append(right)
-                if one.enabled:
-                    conditions = tuple([await self._resolved(read_condition(text)) for text in one.conditions])
-                    triggers = tuple([await self._resolved(read_trigger(text)) for text in one.when])
-                    known.append(RoutineEffects(name, triggers, conditions, tuple(effects)))
+                problems[name] = [problem async for problem in self._of(settings[name], effects)]
+                problems[name] += self._refused(name, effects, lacking)
+                if settings[name].enabled:
+                    known.append(await self._resolved_effects(settings[name], effects))
                     others = [other for other in as_written if other not in waiting]
-                    routine = RoutineEffects(name, *as_written.get(name, ((), ())), tuple(effects))
-                    waiting += [one for one in others if routine.concerns(RoutineEffects(one, *as_written[one], ()))]
+                    written = RoutineEffects(name, *as_written.get(name, ((), ())), tuple(effects))
+                    waiting += [
+                        other for other in others if written.concerns(RoutineEffects(other, *as_written[other], ()))
+                    ]
         except ServiceError:
             return {}
         for name, problem in (*loops(known), *fights(known)):
-            found[name].append(problem)
-        return {
-            name: [*dict.fromkeys(problems)]
-            for name, problems in found.items()
-            if problems and (not names or name in names)
-        }
+            problems[name].append(problem)
+        return {name: [*dict.fromkeys(problems[name])] for name in problems if problems[name] and name in asked}
+
+    def _refused(self, routine: str, effects: Iterable[Effect], lacking: dict[str, list[str]] | None) -> Iterator[str]:
+        """Yield which *effects* the app of *routine* may not have, and add the rights that it lacks."""
+        for effect in effects:
+            reason, right = self._refusal(app_of_routine(routine), effect)
+            if reason:
+                yield f"{effect.text!r} is refused: {reason}"
+            if right and lacking is not None:
+                lacking.setdefault(routine, []).append(right)
+
+    async def _resolved_effects(self, routine: RoutineSettings, effects: Sequence[Effect]) -> RoutineEffects:
+        """Return *effects* with the triggers and conditions of *routine* as the house understands their words."""
+        conditions = tuple([await self._resolved(read_condition(text)) for text in routine.conditions])
+        triggers = tuple([await self._resolved(read_trigger(text)) for text in routine.when])
+        return RoutineEffects(routine.name, triggers, conditions, tuple(effects))
 
     async def commanding(self, routines: Iterable[RoutineSettings], device: str) -> frozenset[str]:
         """Return the names of those of *routines* that command the device with the id *device*."""
@@ -164,8 +171,7 @@ class HouseChecks:
             await self._command(step, effects, is_prompt=True)
         except ServiceError:
             return False
-        is_change = any(map(is_relative, (step.command, *[value for _, value in step.values])))
-        return bool(effects) and not is_change and not any(one.acts_each_time for one in effects)
+        return bool(effects) and not _is_change(step) and not any(effect.acts_each_time for effect in effects)
 
     async def _effects(self, routine: RoutineSettings) -> list[Effect]:
         effects: list[Effect] = []
@@ -299,8 +305,8 @@ class HouseChecks:
                     continue
                 taken += 1
                 results = (parsed, dict.fromkeys(parsed, False)) if is_toggled else (parsed,)
-                may_be = is_toggled or any(map(is_relative, (step.command, *(value for _, value in step.values))))
-                effects += [Effect(step.text, device, part.id, one, is_prompt, may_be) for one in results]
+                may_be = is_toggled or _is_change(step)
+                effects += [Effect(step.text, device, part.id, result, is_prompt, may_be) for result in results]
         return refused if len(targets) <= 1 or not taken else []
 
     async def _scene(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
@@ -386,6 +392,11 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
         return is_named or any(fits(query, facets_of(device)) for query in queries)
 
     return is_meant
+
+
+def _is_change(step: Do) -> bool:
+    """Return whether a word of *step* changes a value, such as ``brighter``."""
+    return any(map(is_relative, (step.command, *[value for _, value in step.values])))
 
 
 def _has_events(part: DevicePart) -> bool:

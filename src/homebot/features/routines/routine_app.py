@@ -58,7 +58,7 @@ class RoutineApp(RoutineBase[NoSettings]):
             UsageError: It is no step.
         """
         self.store[_STEP] = text
-        return await _RUN.get().take(read_step(text))
+        return await _RUN.get().execute(read_step(text))
 
     async def holds(self, *conditions: str) -> bool:
         """Return whether all *conditions* hold.

@@ -29,7 +29,7 @@ from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.wording.values import value_text
 from homebot.errors import HomebotError, ServiceError, UsageError
 from homebot.features.routines.program import Back, Branch, Line, Skip
-from homebot.features.routines.watches import begun, value_of
+from homebot.features.routines.watches import follow_matches, value_of
 from homebot.graph import Client, Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
@@ -119,7 +119,7 @@ class RoutineRun:
     """A run.
 
     Args:
-        program: All steps of the routine; without it, an app calls :meth:`take`.
+        program: All steps of the routine; without it, an app calls :meth:`execute`.
         before: The values before the earlier steps, as :class:`UndoRecord` has them; it is updated.
 
     Attributes:
@@ -138,7 +138,7 @@ class RoutineRun:
         self._program = program
         self._clock = owner.node.graph.clock
         self._before = UndoRecord(before)
-        self._is_undone = not program or any(isinstance(one.step, Undo) for one in program)
+        self._is_undone = not program or any(isinstance(line.step, Undo) for line in program)
 
     async def perform(self, first: int = 0, until: float = 0.0) -> None:
         """Perform the program from line *first* on; its wait ends at *until*, in seconds since the Unix epoch."""
@@ -153,28 +153,18 @@ class RoutineRun:
                 case Back():
                     place -= step.over + 1
                 case _:
-                    if not await self.take(step, place, until):
+                    if not await self.execute(step, place, until):
                         return
             place, until = place + 1, 0.0
 
-    async def take(self, step: Step, place: int = 0, until: float = 0.0) -> bool:
-        """Take one *step*, and return whether the run goes on.
+    async def execute(self, step: Step, line: int = 0, until: float = 0.0) -> bool:
+        """Execute one *step*, and return whether the run goes on.
 
         A wait ends at *until*, in seconds since the Unix epoch, if that is given.
         """
-        step = await self._filled(step)
-        match step:
-            case Do() if self._program:
-                may_repeat = await self._checks.may_repeat(step)
-            case Wait(seconds=length, most=most):
-                share = Random(f"{self._owner.title} {self._clock.now()}").random()  # noqa: S311 - no secret
-                length += share * max(0.0, most - length)
-                may_repeat, until = True, until or self._clock.now() + length
-            case WaitFor(most=length) | WaitUntil(most=length):
-                may_repeat, until = True, until or self._clock.now() + length
-            case _:
-                may_repeat = isinstance(step, Undo | Stop | SwitchRoutine)
-        await self._owner.keep(self, RunPlace(place, until, may_repeat), self._before.entries)
+        step = await self._with_numbers(step)
+        place = await self._place_of(step, line, until)
+        await self._owner.keep(self, place, self._before.entries)
         match step:
             case Do():
                 await self._do(step)
@@ -184,17 +174,17 @@ class RoutineRun:
                 await self._drive(step)
             case Notify():
                 text = await self._message(step)
-                is_told = await self._owner.notify(text) or self._owner.context.rehearse is not None
-                if not is_told:
+                is_sent = await self._owner.notify(text) or self._owner.context.rehearse is not None
+                if not is_sent:
                     self._owner.log_failure(f"notify {text}", "nobody was told; [notify] and the log say why")
             case Wait():
-                await anyio.sleep(self._left(max(step.seconds, step.most), until))
+                await anyio.sleep(self._left(max(step.seconds, step.most), place.until))
             case WaitFor() | WaitUntil():
-                with anyio.move_on_after(self._left(step.most, until)) as wait:
+                with anyio.move_on_after(self._left(step.most, place.until)) as wait:
                     if isinstance(step, WaitFor):
                         await self._owner.wait_for(step.triggers)
                     else:
-                        await anext(begun(self._owner.node, step.state))
+                        await anext(follow_matches(self._owner.node, step.state))
                 self.facts = self.facts._replace(has_timed_out=wait.cancelled_caught)
                 return not (step.stops and wait.cancelled_caught)
             case Undo():
@@ -205,6 +195,20 @@ class RoutineRun:
                 return False
         return True
 
+    async def _place_of(self, step: Step, line: int, until: float) -> RunPlace:
+        """Return the place of *step*, with the end of a wait that begins now unless it ends at *until*."""
+        match step:
+            case Do() if self._program:
+                return RunPlace(line, until, await self._checks.may_repeat(step))
+            case Wait(seconds=length, most=most):
+                share = Random(f"{self._owner.title} {self._clock.now()}").random()  # noqa: S311 - no secret
+                length += share * max(0.0, most - length)
+            case WaitFor(most=length) | WaitUntil(most=length):
+                pass
+            case _:
+                return RunPlace(line, until, isinstance(step, Undo | Stop | SwitchRoutine))
+        return RunPlace(line, until or self._clock.now() + length, may_repeat=True)
+
     @cached_property
     def _checks(self) -> HouseChecks:
         from homebot.features.routines.checks import HouseChecks  # noqa: PLC0415 - it reads routines
@@ -214,7 +218,20 @@ class RoutineRun:
     async def _do(self, step: Do) -> bool:
         node, devices = self._owner.node, self._owner.devices
         states = await known_states(node, await devices.find()) if self._is_undone else {}
-        answer = await self._give(step)
+        request = CommandDevicesRequest(
+            target=step.target,
+            command=step.command,
+            values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
+            issuer=node.full_name,
+            transition=step.transition,
+            trigger=current_trigger(),
+        )
+        try:
+            answer = await self._owner.commands.call(request, timeout=_MAX_WAIT_S)
+        except ServiceError as exc:
+            answer = CommandDevicesResponse(success=False, message=str(exc))
+        if not answer.success:
+            self._owner.log_failure(step.text, answer.message)
         self._before.add(states, answer.results)
         return answer.success
 
@@ -225,23 +242,6 @@ class RoutineRun:
             return await self._do(Do(step.text, step.target, SET, (("level", f"{level:.0f}"),)))
 
         await dim(self._owner.node, step, await self._owner.devices.find(), set_level)
-
-    async def _give(self, step: Do) -> CommandDevicesResponse:
-        request = CommandDevicesRequest(
-            target=step.target,
-            command=step.command,
-            values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
-            issuer=self._owner.node.full_name,
-            transition=step.transition,
-            trigger=current_trigger(),
-        )
-        try:
-            answer = await self._owner.commands.call(request, timeout=_MAX_WAIT_S)
-        except ServiceError as exc:
-            answer = CommandDevicesResponse(success=False, message=str(exc))
-        if not answer.success:
-            self._owner.log_failure(step.text, answer.message)
-        return answer
 
     async def _drive(self, step: SendRobot) -> None:
         from homebot.robots.drive import drive  # noqa: PLC0415 - few homes have a robot
@@ -292,7 +292,7 @@ class RoutineRun:
                 texts.append(value_text(piece.capability, value_of(piece, devices)))
         return "".join(texts)
 
-    async def _filled(self, step: Step) -> Step:
+    async def _with_numbers(self, step: Step) -> Step:
         """Return *step* with the numbers of now, or as no wait at all while one of them is unknown."""
         if not isinstance(step, Do | Wait) or not step.pieces:
             return step

@@ -1,6 +1,7 @@
 """The tables ``[[routines]]``."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Annotated
 
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
@@ -66,33 +67,40 @@ class RoutineSettings(AppSettings):
                     yield from ((line.text, trigger) for trigger in triggers)
                 case Dim(held=held):
                     yield held.text, held
-        yield from ((text, one) for text, condition in conditions for one in single_conditions(condition))
+        yield from ((text, single) for text, condition in conditions for single in single_conditions(condition))
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""
-        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs | SunSpan | SunElevation))
+        return tuple(
+            text for text, asked in self.asked() if isinstance(asked, SunMoment | SunIs | SunSpan | SunElevation)
+        )
 
     def written(self) -> dict[str, object]:
         """Return its table as a person would write it: without default values."""
         return self.model_dump(exclude_defaults=True)
 
     @model_validator(mode="after")
-    def _check_together(self) -> "RoutineSettings":
-        steps = [one.step for one in program_of(self.do)]
-        if steps[0] == Undo():
-            raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
-        triggers = [read_trigger(one) for one in self.when]
+    def _check_triggers_and_conditions(self) -> "RoutineSettings":
+        triggers = [read_trigger(text) for text in self.when]
         if twice := [text for place, text in enumerate(self.when) if triggers[place] in triggers[:place]]:
             raise ValueError(f"when: {twice[0]!r} is there twice")
-        asked = [one for line in program_of(self.do) if isinstance(line.step, Branch) for one in line.step.conditions]
-        if inner := next((text for text, one in asked if LastRun in map(type, single_conditions(one))), ""):
-            raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")
-        started_by = [one for _, one in self.asked() if isinstance(one, StartedBy)]
-        if other := next((one.text for one in started_by if one.trigger not in triggers), ""):
+        started_by = [asked for _, asked in self.asked() if isinstance(asked, StartedBy)]
+        if other := next((condition.text for condition in started_by if condition.trigger not in triggers), ""):
             raise ValueError(f"if: started by {other!r} is none of the triggers in `when`")
-        if early := next((text for text, one in conditions_of(self.conditions) if isinstance(one, TimedOut)), ""):
+        conditions = conditions_of(self.conditions)
+        if early := next((text for text, condition in conditions if isinstance(condition, TimedOut)), ""):
             raise ValueError(f"if: {early!r} is about a wait, and none comes before")
-        states = {fold(one.text) for one in triggers if isinstance(one, Becomes)}
+        return self
+
+    @model_validator(mode="after")
+    def _check_steps(self) -> "RoutineSettings":
+        steps = [line.step for line in program_of(self.do)]
+        if steps[0] == Undo():
+            raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
+        conditions = chain.from_iterable(step.conditions for step in steps if isinstance(step, Branch))
+        if inner := next((text for text, asked in conditions if LastRun in map(type, single_conditions(asked))), ""):
+            raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")
+        states = {fold(trigger.text) for trigger in map(read_trigger, self.when) if isinstance(trigger, Becomes)}
         for step in steps:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:
                 raise ValueError(f"do: {step.text!r} brings about what starts it, so it would start itself")

@@ -4,7 +4,6 @@ import math
 from collections.abc import AsyncIterator, Callable, MutableMapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
 import anyio
@@ -54,16 +53,16 @@ _MAX_VALUES: Final = 10_000
 """Values that are compared; of more, the oldest count as new."""
 
 
-class Begun(NamedTuple):
+class Match(NamedTuple):
     """A device that has matched for long enough, and the change with which it began to."""
 
     device: Device
     cause: object
 
 
-async def begun(
+def follow_matches(
     node: Node, state: Becomes, store: MutableMapping[str, Any] | None = None, *, is_new: bool = False
-) -> AsyncIterator[Begun]:
+) -> AsyncIterator[Match]:
     """Yield each device when it has matched *state* for as long as that says.
 
     Args:
@@ -71,12 +70,14 @@ async def begun(
         is_new: Whether a device that did so earlier than this call is left out, and so one that is found so, or whose
             first value matches: it may have been so before.
     """
-    kept = {} if store is None else store
-    if state.is_none:
-        async for one in _none_left(node, state, kept, is_new=is_new):
-            yield one
-        return
-    clock, due = node.graph.clock, TimerQueue[str, Begun]()
+    follow = _follow_none_left if state.is_none else _follow_each
+    return follow(node, state, {} if store is None else store, is_new=is_new)
+
+
+async def _follow_each(
+    node: Node, state: Becomes, kept: MutableMapping[str, Any], *, is_new: bool
+) -> AsyncIterator[Match]:
+    clock, due = node.graph.clock, TimerQueue[str, Match]()
     began = clock.monotonic()
     follow = Follow(node, query=state.query, text=state.text, words=WordsQuery(state.words) if state.words else None)
     while True:
@@ -98,18 +99,19 @@ async def begun(
                 matched_at = kept.get(key, matched_at) if matched_at == -math.inf else matched_at
                 if matched_at > -math.inf:
                     left = min(state.lasting, matched_at + state.lasting - now)  # the clock may have been set back
-                    due.set(device.id, clock.monotonic() + left, Begun(device, CURRENT_CAUSE.get()))
+                    due.set(device.id, clock.monotonic() + left, Match(device, CURRENT_CAUSE.get()))
                     if left > 0:
                         kept[key] = matched_at
-        if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
-            kept.pop(f"since {state.text} {found[0]}", None)
-            yield found[1]
+        if scope.cancelled_caught and (ended := due.pop(clock.monotonic())) is not None:
+            device_id, match = ended
+            kept.pop(f"since {state.text} {device_id}", None)
+            yield match
 
 
-async def _none_left(
+async def _follow_none_left(
     node: Node, state: Becomes, kept: MutableMapping[str, Any], *, is_new: bool
-) -> AsyncIterator[Begun]:
-    """Yield the last device that matched *state* when none has for as long as that says, as :func:`begun` does."""
+) -> AsyncIterator[Match]:
+    """Yield the last device that matched *state* when none has for as long as that says."""
     clock, key = node.graph.clock, f"since {state.text}"
     view, watcher = HouseView.of(node), HouseWatcher()
     view.add(watcher)
@@ -117,15 +119,13 @@ async def _none_left(
         await view.wait_until_complete()
         devices = tuple(view.devices)
         query = WordsQuery(state.words, devices).query
-        matching = {one.id for one in devices if fits(query, facets_of(one))}
-        able = [one for one in devices if fits(lasting(query), facets_of(one))]
-        at = max(
-            [one.since.to_seconds() for one in chain(*(one.states for one in able)) if one.live], default=clock.now()
-        )
-        waiting: tuple[float, Begun] | None = None
+        matching = {device.id for device in devices if fits(query, facets_of(device))}
+        able = [device for device in devices if fits(lasting(query), facets_of(device))]
+        waiting: tuple[float, Match] | None = None
         if able and not matching and (key in kept or not is_new):
-            left = min(state.lasting, kept.get(key, at) + state.lasting - clock.now())
-            waiting = clock.monotonic() + left, Begun(able[0], CURRENT_CAUSE.get())
+            since = kept.get(key, _last_change(able, state, clock.now()))
+            left = min(state.lasting, since + state.lasting - clock.now())
+            waiting = clock.monotonic() + left, Match(able[0], CURRENT_CAUSE.get())
         follow = Follow(node, text=state.text, words=WordsQuery(state.words))
         while True:
             wait = math.inf if waiting is None else waiting[0] - clock.monotonic()
@@ -140,7 +140,7 @@ async def _none_left(
                     matching.remove(change.device.id)
                     if not matching:
                         kept[key] = clock.now()
-                        waiting = clock.monotonic() + state.lasting, Begun(change.device, CURRENT_CAUSE.get())
+                        waiting = clock.monotonic() + state.lasting, Match(change.device, CURRENT_CAUSE.get())
             if scope.cancelled_caught and waiting is not None:
                 kept.pop(key, None)
                 yield waiting[1]
@@ -149,13 +149,19 @@ async def _none_left(
         view.remove(watcher)
 
 
+def _last_change(devices: Sequence[Device], state: Becomes, unknown: float) -> float:
+    """Return when a value that decides on *state* last changed, or *unknown*."""
+    decisive = [value for device in devices for value in device.states if value.capability in state.capabilities]
+    return max((value.since.to_seconds() for value in decisive if value.live), default=unknown)
+
+
 def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
     """Return since when *device* has the values of *state*; -inf if its wait was over before the time *since*."""
     cause, is_new = CURRENT_CAUSE.get(), since > -math.inf
-    values = [one for one in device.states if one.capability in state.capabilities and one.live]
+    values = [value for value in device.states if value.capability in state.capabilities and value.live]
     if not values:
         return -math.inf if is_new else now
-    newest = max(values, key=lambda one: one.since.to_seconds())
+    newest = max(values, key=lambda value: value.since.to_seconds())
     at = newest.since.to_seconds()
     is_found_so = isinstance(cause, DeviceChange) and cause.kind == "appeared" and not newest.is_first
     return -math.inf if is_new and (is_found_so or device.may_be_old(newest) or at + state.lasting < since) else at
@@ -168,9 +174,8 @@ def holds_for(state: Becomes, devices: Sequence[Device], now: float, *, is_none:
         matching = [device for device in devices if fits(query, facets_of(device))]
         return any(_matched_at(device, state, now, -math.inf) + state.lasting <= now for device in matching)
     able = [device for device in devices if fits(lasting(query), facets_of(device))]
-    decisive = [one for device in able for one in device.states if one.live and one.capability in state.capabilities]
-    ended = max((one.since.to_seconds() for one in decisive), default=-math.inf)
-    return not any(fits(query, facets_of(device)) for device in able) and ended + state.lasting <= now
+    is_over = _last_change(able, state, -math.inf) + state.lasting <= now
+    return is_over and not any(fits(query, facets_of(device)) for device in able)
 
 
 def is_press(view: HouseView, press: Press, change: object, query: Query | None = None) -> bool:
@@ -185,10 +190,27 @@ def is_press(view: HouseView, press: Press, change: object, query: Query | None 
     if known is None or not change.live or press.value not in {"", value}:
         return False
     device = known.current()
-    is_button = not press.part or any(one.id == change.readings[0].part and press.is_of(one) for one in device.parts)
+    is_button = not press.part or any(part.id == change.readings[0].part and press.is_of(part) for part in device.parts)
     return is_button and fits(
         WordsQuery(press.words, view.devices).query if query is None else query, facets_of(device)
     )
+
+
+def start_watch(
+    node: Node, trigger: Press | Changes | ValuePasses | PersonMoves | RobotArrival, on_start: OnStart
+) -> Callable[[], None]:
+    """Call *on_start* whenever *trigger* comes, until the returned function is called."""
+    match trigger:
+        case Press():
+            return PressWatch(node, trigger, on_start).close
+        case Changes():
+            return ValueWatch(node, trigger, on_start).close
+        case ValuePasses():
+            return ComparisonWatch(node, trigger, on_start).close
+        case PersonMoves():
+            return PersonWatch(node, trigger, on_start).close
+        case RobotArrival():
+            return ArrivalWatch(node, trigger, on_start).close
 
 
 @final
@@ -221,7 +243,7 @@ class PressWatch(HouseWatcher):
         if known is None or not is_press(self._view, self._press, change, self._words.query):
             return
         event = change.readings[0]
-        kinds = [one.part.advertised for one in known.current().parts if one.id == event.part]
+        kinds = [part.part.advertised for part in known.current().parts if part.id == event.part]
         if self._echoes.is_new((change.device, event.capability), "".join(kinds), now=change.told_at.to_seconds()):
             self._on_start(change)
 
@@ -468,7 +490,7 @@ class PersonWatch(HouseWatcher):
 
     def on_values(self, change: StateChange) -> None:
         """Start the routine if a person was elsewhere before."""
-        if any(one.capability == self._move.fact for one in change.readings):
+        if any(reading.capability == self._move.fact for reading in change.readings):
             self._record(change.device, change)
 
     def _record(self, device_id: str, change: DeviceChange | StateChange) -> None:
@@ -476,7 +498,7 @@ class PersonWatch(HouseWatcher):
         device = None if known is None else known.current()
         if device is None or not fits(self._move.query, facets_of(device)):
             return
-        states = [one for one in device.states if one.capability == self._move.fact and one.live]
+        states = [state for state in device.states if state.capability == self._move.fact and state.live]
         if states and isinstance(is_home := states[0].value.plain(), bool):
             before = self._was_home.get(device_id)
             self._was_home[device_id] = is_home
