@@ -145,8 +145,8 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
         return f"none now; in another state there would be {_names(able, postings)}"
     if places and (elsewhere := postings.find(_without(InArea, _without(AreaIs, may)))):
         return f"none is in {' or '.join([place.text for place in places])}; there is in {_rooms(elsewhere, postings)}"
-    is_named = any(isinstance(term, HasText | NameIs) for term in leaves(may))
-    if others := postings.find(_without(CanDo, may)) if is_named else ():
+    is_named = not {HasText, NameIs}.isdisjoint(map(type, leaves(may)))
+    if is_named and (others := postings.find(_without(CanDo, may))):
         return f"what is called so has no such value: {_names(others, postings)}"
     return next(filter(None, (_missing(term, postings) for term in leaves(may) if not postings.find(term))), "")
 

@@ -86,7 +86,7 @@ class Inquiry:
         self._is_prompt = still == STILL_LOOKS
         if self._is_prompt:  # they may fade on after their reports
             yield None
-        self.belief = self._begun(still)
+        self.belief = self._initial_belief(still)
         while not self.is_sure:
             yield self._next_code(self.belief)
 
@@ -119,7 +119,7 @@ class Inquiry:
             self.belief.add(seen)
             self._conclude(self.belief, trouble)
 
-    def _begun(self, still: int) -> Belief:
+    def _initial_belief(self, still: int) -> Belief:
         dark, *_, bright = blinked = self._looks[still:]
         whole = max(median(abs(seen.value) for seen in blinked), _TINY)
         noise = _DEVIATIONS * sqrt(min(seen.variance for seen in blinked))
@@ -170,10 +170,9 @@ class Inquiry:
         if self._waits and can_repeat:
             return None
         best = max(range(self._count), key=belief.each.__getitem__)
-        last = [level > 0.5 for level in latest.levels]
         is_turn = len(self._looks) % 5 > 0  # what is tied may be untied by other codes
         if is_turn and belief.each[best] >= _LIKELY and (others := belief.tied(best) - self._dropped):
-            return tuple(is_bright != (number in others) for number, is_bright in enumerate(last))
+            return tuple((level > 0.5) != (number in others) for number, level in enumerate(latest.levels))
         rivals = [best, *belief.alike(best)] if belief.each[best] >= _LIKELY else []
         gain, code = self._draw_code(belief, rivals)
         if latest.levels != before.levels:

@@ -60,14 +60,7 @@ def change_layout(book: LayoutBook, request: ChangeLayoutRequest) -> LayoutBook:
         icons = {name: KeyValue(key=name, value=request.icon) for name in names if request.icon}
         value: tuple[object, ...] = tuple((known | icons).values())
     else:
-        field, listed = request.list, getattr(now, request.list)
-        others = [name for name in listed if name not in names]
-        if request.change == "order":
-            value = (*names, *others)
-        elif request.change == "remove":
-            value = tuple(others)
-        else:
-            value = (*listed, *(name for name in names if name not in listed))
+        field, value = request.list, _changed_list(getattr(now, request.list), request.change, names)
     if len(value) > _MAX_NAMES:
         raise RefusedError(f"the {field} of the page", f"there may be {_MAX_NAMES}; remove one first")
     if value == getattr(now, field):
@@ -75,3 +68,14 @@ def change_layout(book: LayoutBook, request: ChangeLayoutRequest) -> LayoutBook:
     shown = ", ".join(names[:_MAX_SHOWN]) + (", …" if len(names) > _MAX_SHOWN else "")
     after = now.model_copy(update={field: value, "undoes": f"{request.change} {field}: {shown}"})
     return LayoutBook(layout=after, before=now)
+
+
+def _changed_list(listed: tuple[str, ...], change: str, names: tuple[str, ...]) -> tuple[str, ...]:
+    others = tuple(name for name in listed if name not in names)
+    match change:
+        case "order":
+            return names + others
+        case "remove":
+            return others
+        case _:
+            return listed + tuple(name for name in names if name not in listed)

@@ -163,19 +163,7 @@ class Setup:
                 raise UsageError("there is nothing to undo, or the file was changed since")
             after, secrets = self._last.before, dict(self._last.secrets)
         else:
-            table = request.table
-            changeable = _TABLES | {key for key, of_feature in feature_tables().items() if of_feature.is_on_page}
-            if not table or table[0] not in changeable or not all(table):
-                listed = ", ".join(sorted(changeable))
-                raise UsageError(f"the table {'.'.join(table)!r} is not among those that a page may change: {listed}")
-            given = _secret_files(request, path.parent)
-            names = {f"{key}_file": file.name for key, (file, _) in given.items()}
-            after = edit_toml(text, table, _values(request) | names)
-            used = tomllib.loads(text).get(table[0], {}).get(table[-1], {}) if given else {}
-            for key, (file, _) in given.items():
-                if file.exists() and used.get(f"{key}_file") != file.name:
-                    raise UsageError(f"{file} is there already; remove it, or give the gateway another name")
-            secrets = dict(given.values())
+            after, secrets = _edit(text, request, path.parent)
         kept = {file: file.read_bytes() if file.exists() else None for file in secrets}
         _put_secrets(secrets)
         try:
@@ -233,6 +221,23 @@ async def _listens_here(port: int) -> bool:
 def _gateways_in(file: Path | None) -> Mapping[str, object]:
     tables = tomllib.loads(file.read_text("utf-8")).get("gateways", {}) if file is not None else {}
     return tables if isinstance(tables, dict) else {}
+
+
+def _edit(text: str, request: ChangeSetupRequest, folder: Path) -> tuple[str, dict[Path, bytes | None]]:
+    """Return *text* after the change of a table, and the files in *folder* for its secrets with their content."""
+    table = request.table
+    changeable = _TABLES | {key for key, of_feature in feature_tables().items() if of_feature.is_on_page}
+    if not table or table[0] not in changeable or not all(table):
+        listed = ", ".join(sorted(changeable))
+        raise UsageError(f"the table {'.'.join(table)!r} is not among those that a page may change: {listed}")
+    given = _secret_files(request, folder)
+    names = {f"{key}_file": file.name for key, (file, _) in given.items()}
+    after = edit_toml(text, table, _values(request) | names)
+    used = tomllib.loads(text).get(table[0], {}).get(table[-1], {}) if given else {}
+    for key, (file, _) in given.items():
+        if file.exists() and used.get(f"{key}_file") != file.name:
+            raise UsageError(f"{file} is there already; remove it, or give the gateway another name")
+    return after, dict(given.values())
 
 
 def _secret_files(request: ChangeSetupRequest, folder: Path) -> Mapping[str, tuple[Path, bytes]]:
