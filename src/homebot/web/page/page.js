@@ -1,1 +1,1 @@
-import"./chunk-4DKQKQC2.js";
+import"./chunk-MOF4PBBB.js";
