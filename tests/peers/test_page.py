@@ -316,7 +316,7 @@ async def test_the_system_view_shows_what_the_doctor_finds_and_when_jobs_are_due
         await own.shows("→ homebot place DEVICE ROOM")
         await own.shows("run daily at 22:00, next ")
         await own.shows("22:00 GMT+14")
-        await own.shows("gateway mqtt is active and sends commands")
+        await own.shows("Gateway mqtt is active and sends commands")
         await own.click(".entries a")
         await own.shows("What is known, and from where")
         assert own.problems() == []
@@ -460,6 +460,19 @@ async def test_a_page_with_a_token_that_is_valid_no_more_goes_on_without_one(pag
         await own.open("#token=of-yesterday", shows="a valid token is needed")
         await own.click("form button[type=button]")
         await own.shows("3 devices")
+
+
+async def test_a_screen_that_may_only_look_is_told_which_right_it_lacks(page: OpenPage, tmp_path: Path) -> None:
+    """Its sheets had no controls, and no word why."""
+    (tmp_path / "token").write_text("of-the-wall")
+    panel = {"panel": {"token_file": str(tmp_path / "token"), "scope": ["read"]}}
+    scenes = [{"name": "Bright", "values": {"philips165": "on"}}]
+    async with page(tables={"scenes": scenes}, token="hunter2", tokens=panel) as own:
+        await own.open("#token=of-the-wall", shows="only to look at")
+        await own.shows("This screen lacks the right act.", "main")
+        await own.click("button[aria-label='more of philips165']")
+        await own.shows("This screen lacks the right act.", ".sheet")
+        await own.open("#/routines", shows="This screen lacks the right manage.")
 
 
 async def test_an_address_with_a_mistake_and_a_narrow_window_show_the_page(page: OpenPage) -> None:

@@ -24,7 +24,9 @@ TEXTS = "\n".join(one.read_text() for one in (*SOURCE.rglob("*.js"), *FEATURES.r
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
 LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
 PYTHON = "\n".join(
-    one.read_text() for folder in ("control", "gateways") for one in (SOURCE.parents[1] / folder).rglob("*.py")
+    one.read_text()
+    for folder in ("bridges", "control", "devices", "gateways")
+    for one in (SOURCE.parents[1] / folder).rglob("*.py")
 )
 FIELD = re.compile(r"\{\w+\}")
 

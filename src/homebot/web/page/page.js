@@ -1,1 +1,1 @@
-import"./chunk-MOF4PBBB.js";
+import"./chunk-QB27CDWH.js";

@@ -9,6 +9,7 @@ import { SIGNS, Sign } from "./icons.js";
 import { kindOf, signOf, stateOf, toneOf } from "./kinds.js";
 import { say } from "./language.js";
 import { isKept, keep } from "./layout.js";
+import { Lacking, Managing } from "./managing.js";
 import { LastKnown, Marks } from "./marks.js";
 import { Owner } from "./owner.js";
 import { Picture, hasPicture } from "./picture.js";
@@ -55,10 +56,11 @@ function Opened({ id }) {
         <${LastKnown} device=${device} />
         ${(hasPicture(device) || EXTRA.has(device.type)) && html`<${Picture} of=${id} text=${device.name} isExtra=${!hasPicture(device)} />`}
         ${device.may_act && (kind.Main ? html`<${kind.Main} device=${device} />` : kind.act?.(device) && html`<div class="solo"><${ActButton} device=${device} act=${kind.act(device)} /></div>`)}
+        ${device.settable.length > 0 && html`<${Lacking} right="act" lacks=${!device.may_act} />`}
         ${kind.group === "climate" && html`<${Added} at="next" device=${device} />`}
         <${Why} device=${device} isShort />
         <${Rest} device=${device} main=${kind.main} />
-        ${may("manage") && html`<details class="part"><summary>${say("Name, room and tags")}</summary><${Owner} device=${device} /></details>`}
+        <details class="part"><summary>${say("Name, room and tags")}</summary><${Managing}><${Owner} device=${device} /><//></details>
         <p class="links"><a href=${`#/device/${encodeURIComponent(id)}`}>${say("Values, history, facts")} <${Sign} path=${SIGNS.right} /></a></p>
         <${Added} at="day" device=${device} />
       </div>

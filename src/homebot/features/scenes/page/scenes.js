@@ -7,7 +7,7 @@ import { deviceOf, rooms } from "../../house.js";
 import { html } from "../../html.js";
 import { SIGNS, Sign, sceneSign } from "../../icons.js";
 import { say } from "../../language.js";
-import { Remove } from "../../managing.js";
+import { Lacking, Remove } from "../../managing.js";
 import { capital, spoken, titled } from "../../words.js";
 
 const LONGEST = 300; // seconds until the last part has obeyed
@@ -63,6 +63,7 @@ export function Scenes({ room }) {
       </span>`)}
       ${may("manage") && html`<button type="button" class="new" aria-expanded=${opened === "new"} onClick=${open("new")}><${Sign} path=${SIGNS.plus} size=${20} /> ${capital(say("new scene"))}</button>`}
     </div>
+    ${shown.length > 0 && html`<${Lacking} right="act" />`}
     ${opened === "new" && html`<${NewScene} room=${room} onClose=${close} />`}
     ${scene && html`<${OneScene} key=${scene.id} scene=${scene} onClose=${close} />`}`;
 }
@@ -108,6 +109,7 @@ function OneScene({ scene, onClose }) {
     ${problems.map((one) => html`<p key=${one.key} class="bad">${one.key}: ${one.value}</p>`)}
     ${!parts.length && html`<p class="quiet">${say("What keeps this scene does not tell its values.")}</p>`}
     ${mayChange && html`<p class="quiet">${say("A device without a value is left out.")}</p>`}
+    ${!scene.is_native && !scene.is_configured && html`<${Lacking} right="manage" />`}
     <p class="buttons">
       ${mayChange && html`<button>${say("save")}</button>
         <button type="button" onClick=${() => change(name, "save").then(onClose)}>${say("take the present values")}</button>

@@ -9,6 +9,7 @@ import { html } from "../html.js";
 import { SIGNS, Sign } from "../icons.js";
 import { stateOf } from "../kinds.js";
 import { say } from "../language.js";
+import { Lacking } from "../managing.js";
 import { LastKnown, Marks } from "../marks.js";
 import { Owner } from "../owner.js";
 import { openSheet } from "../tile.js";
@@ -87,7 +88,8 @@ function Values({ short, full }) {
 }
 
 function Commands({ short, device }) {
-  if (!may("act") || !device.parts.some(({ part }) => !part.category && part.capabilities.some((one) => one.settable))) return null;
+  if (!may("act")) return html`<${Lacking} right="act" />`;
+  if (!device.parts.some(({ part }) => !part.category && part.capabilities.some((one) => one.settable))) return null;
   return html`<section>
     <h2>${say("Commands")}</h2>
     <${Controls} short=${short} device=${device} />

@@ -44,9 +44,9 @@ export function Plan() {
     ${floors.length > 1 && html`<p class="choices">${floors.map((one) => html`<button key=${one} type="button" aria-pressed=${one === shown} onClick=${() => setFloor(one)}>${one || say("Ground")}</button>`)}</p>`}
     <div class="scroll" role="region" tabindex="0" aria-label=${say("plan")}>
       <svg class="plan" viewBox=${`${box.left} ${-box.top} ${box.width} ${box.height}`} font-size=${unit} stroke-width=${unit / 9} role="group" aria-label=${say(rooms.length === 1 ? "plan with {count} room" : "plan with {count} rooms", { count: rooms.length })}>
+        <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} isTurned=${isTurned} />
         ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${(inside.get(room.name) ?? []).filter((id) => !isHidden(id))} isTurned=${isTurned} />`)}
         ${doors.filter((door) => door.rooms.some((one) => names.has(one))).map((door) => html`<${Doorway} key=${door.name} door=${door} rooms=${rooms} unit=${unit} />`)}
-        <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} isTurned=${isTurned} />
       </svg>
     </div>
     <p class="legend">${say("A full dot is on, open or occupied.")} <${Whereabouts} /></p>

@@ -3,10 +3,10 @@ import { useEffect, useState } from "preact/hooks";
 import { ask, call, connection, may, subscribeFrames } from "../door.js";
 import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
-import { locale, say } from "../language.js";
+import { locale, say, sayReason } from "../language.js";
 import { Managing } from "../managing.js";
 import { Screen } from "../screen.js";
-import { label, seconds, timeIn, timeText } from "../words.js";
+import { capital, label, seconds, spoken, timeIn, timeText } from "../words.js";
 
 const AGAIN = 5000; // ms
 const LINES = 50; // of the log
@@ -46,11 +46,11 @@ export function System() {
         <h2>${say("Apps")}</h2>
         ${!found.apps.length && html`<p class="empty">${say("No app runs.")}</p>`}
         <table class="facts"><tbody>
-          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td class=${app.state === "running" ? "" : "bad"}>${say(app.state)}${app.jobs.map((job) => html`<br /><small>${jobText(job, found.zone)}</small>`)}</td></tr>`)}
+          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${spoken(app.name)}</th><td class=${app.state === "running" ? "" : "bad"}>${say(app.state)}${app.jobs.map((job) => html`<br /><small>${jobText(job, found.zone)}</small>`)}</td></tr>`)}
         </tbody></table>
       </section>`}
       ${found.gateways.map((part) => html`<section key=${part.name}>
-        <h2>${part.text}</h2>
+        <h2>${capital(sayReason(part.text))}</h2>
         ${part.counts.every((one) => !one.count) && html`<p class="empty">${say("Nothing is counted yet.")}</p>`}
         <table class="facts"><tbody>
           ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString(locale.value)}</td></tr>`)}
@@ -90,7 +90,7 @@ function Finding({ finding }) {
   const more = finding.total - finding.rows.length;
   const nameIn = (row) => (deviceOf(row.what) ? html`<a href=${`#/device/${encodeURIComponent(row.what)}`}>${nameOf(row.what)}</a>` : row.what);
   return html`<li>
-    <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${say(finding.title)}:`}</span>
+    <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${sayReason(finding.title)}:`}</span>
     ${finding.rows.map((row, index) => html` ${(row.what || index > 0) && html`<br />`}${nameIn(row)} ${row.why !== nameOf(row.what) && row.why}`)}
     ${more > 0 && html`<br />${say("… and {count} more", { count: more })}${finding.hint}`}
     ${finding.next && html`<br /><small>→ ${say(finding.next)}</small>`}
@@ -131,7 +131,7 @@ function Waiting({ devices, onApproved }) {
     <ul class="entries">
       ${devices.devices.map((id) => html`<li key=${id}>
         <div class="choices">
-          <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> <span>${reasons.get(id)}</span>
+          <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> <span>${sayReason(reasons.get(id) ?? "")}</span>
           ${may("manage") && html`<button type="button" aria-label=${say("show what approving {name} allows", { name: nameOf(id) })} onClick=${() => show(id)}>${say("show")}</button>`}
         </div>
         ${shown?.device === id && html`<div class="box">

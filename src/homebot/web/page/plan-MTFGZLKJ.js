@@ -1,11 +1,11 @@
-import{A as D,Aa as H,I as E,J as F,a as L,b as C,ca as P,da as z,e as j,ea as G,f as N,ia as r,j as R,m as S,o as A,v as u}from"./chunk-MOF4PBBB.js";var v=j(new Map),B=N(()=>[...v.value.keys()].join(`
+import{A as D,Aa as H,I as E,J as F,a as L,b as C,ca as P,da as z,e as j,ea as G,f as N,ia as r,j as R,m as S,o as A,v as u}from"./chunk-QB27CDWH.js";var v=j(new Map),B=N(()=>[...v.value.keys()].join(`
 `)),I=matchMedia("(max-width: 37rem)"),k=j(I.matches);I.addEventListener("change",()=>k.value=I.matches);function ct(){let[t,o]=L(null),[n,c]=L(null),a=R.value.state==="open";if(C(()=>{a&&S("/discovery/places").then(o,()=>{})},[a]),C(()=>A("/robots/poses",e=>v.value=new Map(v.value).set(e.robot,e)),[]),!t)return r`<p class="empty">${u("Asking homebot for the plan \u2026")}</p>`;let i=t.rooms.filter(e=>e.areas.length);if(!i.length)return r`<p class="empty">${u("No room has a shape yet. Give it corners in the table [places.rooms], or import a map: homebot places import FILE.")}</p>`;let s=[...new Set(i.map(e=>e.floor))],$=n??s[0],m=i.filter(e=>e.floor===$),[{width:M,height:d},w]=[U(m),e=>({...e,x:e.y,y:e.x.map(g=>-g)})],x=k.value&&M>d,p=x?m.map(e=>({...e,areas:e.areas.map(w)})):m,O=x?t.doors.map(w):t.doors,h=U(p),f=k.value?h.width/28:Math.max(h.width,h.height)/72,b=new Set(p.map(e=>e.name)),y=new Map(P.value);return r`<section>
     ${s.length>1&&r`<p class="choices">${s.map(e=>r`<button key=${e} type="button" aria-pressed=${e===$} onClick=${()=>c(e)}>${e||u("Ground")}</button>`)}</p>`}
     <div class="scroll" role="region" tabindex="0" aria-label=${u("plan")}>
       <svg class="plan" viewBox=${`${h.left} ${-h.top} ${h.width} ${h.height}`} font-size=${f} stroke-width=${f/9} role="group" aria-label=${u(p.length===1?"plan with {count} room":"plan with {count} rooms",{count:p.length})}>
+        <${J} unit=${f} floor=${s.length<2?null:$} isTurned=${x} />
         ${p.map(e=>r`<${Q} key=${e.name} room=${e} unit=${f} ids=${(y.get(e.name)??[]).filter(g=>!G(g))} isTurned=${x} />`)}
         ${O.filter(e=>e.rooms.some(g=>b.has(g))).map(e=>r`<${X} key=${e.name} door=${e} rooms=${p} unit=${f} />`)}
-        <${J} unit=${f} floor=${s.length<2?null:$} isTurned=${x} />
       </svg>
     </div>
     <p class="legend">${u("A full dot is on, open or occupied.")} <${K} /></p>
