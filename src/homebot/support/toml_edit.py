@@ -15,9 +15,9 @@ REMOVED = object()
 """In place of a value: the key is taken out."""
 
 _CODE: Final = re.compile(
-    r"(?:[^#\"'\n]"
+    r"(?>[^#\"'\n]"
     r'|"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"'
-    r"|'''.*?'''|'[^'\n]*')*"
+    r"|'''.*?'''|'[^'\n]*')*+"
 )
 """A line before its comment; each text in it is read once."""
 

@@ -27,8 +27,8 @@ _MAX_CHARACTERS: Final = 300
 _MIN_MARKS: Final = 2
 _ALIKE: Final = 0.8
 _SLOT: Final = re.compile(r"\{(\w)\}")
-_AMOUNT: Final = re.compile(r"([+-]?\d+)(?:([.,])(\d+))? ?(\S*)")
-_LENGTHS: Final = re.compile(r"(\d+(?:[.,]\d+)?) ?([^\W\d_]+)")
+_AMOUNT: Final = re.compile(r"([+-]?\d++)(?:([.,])(\d++))?+ ?(\S*+)")
+_LENGTHS: Final = re.compile(r"(?<!\d)(\d++(?:[.,]\d++)?+) ?([^\W\d_]++)")
 _CLOCK: Final = re.compile(r"(\d{1,2})(?: ?[:.h] ?(\d\d)(?:[:h](\d\d))?)?(?: ?(?:uhr|uur|heures?|h))?", re.IGNORECASE)
 _COLONS: Final = re.compile(r"(?<=\d):(?=\d\d\b)")
 _ENGLISH_UNITS: Final = {
