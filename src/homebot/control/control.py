@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from functools import cached_property, partial
 from importlib import import_module
@@ -13,7 +12,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
-from anyio import to_thread
 from anyio.abc import TaskStatus
 
 from homebot.control.gateway_feed import GatewayFeed
@@ -28,6 +26,7 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
+from homebot.support.production_loop import load_beside_loop
 
 if TYPE_CHECKING:
     from datetime import time
@@ -75,12 +74,6 @@ def _is_change(change: ChangedSetting) -> bool:
     return not (isinstance(value, float) and value and before and is_soon)
 
 
-async def _load_layer() -> None:
-    """Load the modules of the control layer in a thread: others would wait for 100 ms."""
-    if _LAYER not in sys.modules:
-        await to_thread.run_sync(import_module, _LAYER)
-
-
 @final
 class HouseWatch:
     """Records unexplained changes and raw commands in the journal.
@@ -89,16 +82,24 @@ class HouseWatch:
 
     Args:
         layer: Returns the control layer, which is built for the first entry.
+        load: Loads its modules.
         is_dry_run: Whether gateways send nothing, so raw commands have no effect.
     """
 
     def __init__(
-        self, node: Node, lookup: DeviceLookup, layer: Callable[[], ControlLayer], *, is_dry_run: bool
+        self,
+        node: Node,
+        lookup: DeviceLookup,
+        layer: Callable[[], ControlLayer],
+        load: Callable[[], Awaitable[None]],
+        *,
+        is_dry_run: bool,
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._lookup = lookup
         self._layer = layer
+        self._load = load
         self._is_dry_run = is_dry_run
 
     def follow_settings(self) -> None:
@@ -115,7 +116,7 @@ class HouseWatch:
     async def _on_settings(self, changed: ChangedSettings) -> None:
         changes = [change for change in changed.changes if _is_change(change)]
         if changes:
-            await _load_layer()
+            await self._load()
             if (learnt := self._layer().learnt).is_awaited:
                 await learnt.load()
         for change in changes:
@@ -178,7 +179,7 @@ class Control:
         lookup = DeviceLookup(node)
         self._feed = GatewayFeed(node)
         is_dry_run = rehearsal is not None and rehearsal.is_live
-        self._house_watch = HouseWatch(node, lookup, lambda: self._layer, is_dry_run=is_dry_run)
+        self._house_watch = HouseWatch(node, lookup, lambda: self._layer, self._load, is_dry_run=is_dry_run)
 
         self._build: Callable[[type[ControlLayer]], ControlLayer] = lambda kind: kind(
             node,
@@ -196,6 +197,7 @@ class Control:
         )
         self._feed.on_gateway = self._house_watch.follow_gateway
         self._begun, self._has_names = anyio.Event(), anyio.Event()
+        self._loading = anyio.Lock()  # commands keep their order
         self._begin_check()
         if settings is not None and settings.needs_house:
             _ = self._layer  # the layer follows the house from the start
@@ -261,14 +263,14 @@ class Control:
 
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
-        return self._layer.executor.perform(request) if self._begun.is_set() else self._perform_first(request)
+        return self._layer.executor.perform(request) if self._is_loaded else self._perform_first(request)
 
     async def _command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
-        await _load_layer()
+        await self._load()
         return await self._layer.words.serve(request)
 
     async def _perform_first(self, request: CommandRequest) -> Outcome:
-        await _load_layer()
+        await self._load()
         return await self._layer.executor.perform(request)
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
@@ -339,6 +341,16 @@ class Control:
             return named._replace(patterns=(*named.patterns, *patterns_of_rights(self._scopes())))
 
         return ConfiguredNames(self._node, stated)
+
+    async def _load(self) -> None:
+        """Load the modules of the layer, without letting others wait for 100 ms."""
+        if not self._is_loaded:
+            async with self._loading:
+                await load_beside_loop(import_module, _LAYER)
+
+    @property
+    def _is_loaded(self) -> bool:
+        return self._begun.is_set() and not self._loading.locked()
 
     @cached_property
     def _layer(self) -> ControlLayer:

@@ -48,7 +48,7 @@ from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
 from homebot.support.logger import get_logger, observed_lines
 from homebot.support.owner_token import OwnerToken, make_owner_token
-from homebot.support.production_loop import LoopWatch
+from homebot.support.production_loop import LoopWatch, load_beside_loop
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -517,7 +517,7 @@ class Runtime:
         self.graph.coming |= names
         try:
             await anyio.sleep(_LATER)
-            run = await to_thread.run_sync(load, feature.runs)  # the modules of some take 50 ms
+            run = await load_beside_loop(load, feature.runs)
             await run(self._feature_context)
         finally:
             self.graph.coming -= names

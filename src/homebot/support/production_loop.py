@@ -12,10 +12,12 @@ import sysconfig
 import threading
 import time
 import traceback
-from collections.abc import Awaitable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, Final, Protocol, Self, TypeVar, final
+
+from anyio import to_thread
 
 from homebot.support.logger import get_logger
 
@@ -250,3 +252,13 @@ class ProductionLoop(asyncio.SelectorEventLoop):
                     return
             else:
                 return
+
+
+async def load_beside_loop(load: Callable[[str], T], name: str) -> T:
+    """Return what *load* makes of the module *name*, without letting others wait.
+
+    On another loop than that of production it is loaded at once: what happens there depends on no thread.
+    """
+    if isinstance(asyncio.get_running_loop(), ProductionLoop):
+        return await to_thread.run_sync(load, name)
+    return load(name)
