@@ -235,6 +235,7 @@ PLAYS: tuple[Play, ...] = (
          ["07:00:00 Living blind movement open", "08:30:00 Living blind movement open"], "06:50 09:00"),
     Play("Blind not before its hour", ["06:55 vacation on"],
          ["08:30:00 Living blind movement open", "vacation True"], "06:50 09:00"),
+    Play("Blind not before its hour", ["06:55 vacation on"], ["vacation True"], "06:50 08:00"),
     Play("One of two reasons", ["08:10 Bath leak water_leak true"], ["08:10:00 notify Bath: water"]),
     Play("One of two reasons", ["08:10 Bath climate humidity 71"], ["08:10:00 notify Bath: 71 %"]),
     Play("One of two reasons", ["08:10 Bath climate humidity 69"]),
