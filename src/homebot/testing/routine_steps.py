@@ -1,6 +1,6 @@
 """The steps that an exported routine takes, for its test."""
 
-from collections.abc import Collection
+from collections.abc import AsyncIterator, Collection
 from typing import Protocol
 
 
@@ -28,6 +28,9 @@ async def steps_of(kind: type[ExportedRoutine], holds: Collection[str] = ()) -> 
 
         async def holds(self, *conditions: str) -> bool:
             return set(conditions) <= set(holds)
+
+        async def turns(self, _: str) -> AsyncIterator[None]:
+            yield
 
     await Noted.perform(object.__new__(Noted))
     return taken

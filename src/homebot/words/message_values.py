@@ -1,6 +1,7 @@
 """Values of the house, such as ``temperature of office``: in messages of routines, and compared. Pure."""
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -26,8 +27,8 @@ class MessageValue:
     """A value that is known when the message is sent.
 
     Attributes:
-        kind: ``name`` and ``room`` of the device that started the routine, ``routine`` for its own name, ``time`` for
-            the time of day, or ``value`` of the first device that matches *query*.
+        kind: ``name`` and ``room`` of the first device that matches *words*, or without them of that which started the
+            routine, ``routine`` for its own name, ``time`` for the time of day, or ``value`` of the first device.
         words: The query as text, in which names of devices count.
     """
 
@@ -59,6 +60,11 @@ def read_message(text: str) -> tuple[str | MessageValue, ...]:
     return tuple(read_value(piece) if place % 2 else piece for place, piece in enumerate(pieces) if len(pieces) > 1)
 
 
+def with_values(text: str, change: Callable[[str], str]) -> str:
+    """Return *text* with each value in braces as *change* returns it."""
+    return _PLACE.sub(lambda place: f"{{{change(place[1])}}}", text)
+
+
 def read_value(text: str) -> MessageValue:
     """Return the value *text*, such as ``temperature of office``.
 
@@ -72,8 +78,11 @@ def read_value(text: str) -> MessageValue:
     for word in ("of", "in"):
         first, *rest = split_at(plain, word)
         capability = CAPABILITY_WORDS.get(fold(first), "")
+        words = plain[len(first) + len(word) + 1 :].strip()
+        match fold(first):
+            case ("name" | "room") as kind if rest and word == "of":
+                return MessageValue(plain, kind, parse_query(words), words=words)
         if rest and capability:
-            words = plain[len(first) + len(word) + 1 :].strip()
             words = f"in {words}" if word == "in" else words
             return MessageValue(plain, "value", parse_query(words), capability, words)
     words, capability = split_capability(plain)

@@ -17,8 +17,8 @@ from homebot.support.similar import did_you_mean
 from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
-from homebot.words.message_values import MessageValue, read_message
-from homebot.words.own_language import read_in_any_language
+from homebot.words.message_values import MessageValue, read_message, with_values
+from homebot.words.own_language import TextKind, read_in_any_language, to_english
 from homebot.words.phrases import (
     DIM,
     DRIVE,
@@ -34,13 +34,19 @@ from homebot.words.phrases import (
 )
 from homebot.words.queries import parse_query
 from homebot.words.times import read_duration
-from homebot.words.tokens import split_at, split_steps
+from homebot.words.tokens import replaced, split_at, split_steps
 from homebot.words.triggers import Becomes, Press, Trigger, read_press, read_state, read_trigger
 
 MAX_LINES: Final = 50
 """The limit of the steps, triggers and conditions of a routine, each."""
 
 MAX_ROUNDS: Final = 100
+MAX_TURNS: Final = 100
+"""The limit of devices of a loop over devices."""
+
+IT: Final = "it"
+"""The device in turn."""
+
 MAX_RUNS: Final = 10
 """The runs of a routine that run or wait, unless it says another number."""
 
@@ -216,6 +222,14 @@ def read_step(text: str) -> Step:
         UsageError: It is none; the message shows how it could be written.
     """
     return read_in_any_language(" ".join(text.split()), "step", _read_step)
+
+
+def in_turn(text: str, kind: TextKind, devices: str) -> str:
+    """Return the step or condition *text* with the query *devices* for each ``it``; in a message in its values only."""
+    text = to_english(" ".join(text.split()), kind) or text
+    if kind == "step" and NOTIFY.match(text):
+        return with_values(text, lambda value: replaced(value, IT, devices))
+    return replaced(text, IT, devices)
 
 
 def _read_step(plain: str) -> Step:

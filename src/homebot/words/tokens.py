@@ -258,6 +258,17 @@ def split_at(text: str, *words: str) -> list[str]:
     return [*parts, text[begin:].strip()]
 
 
+def replaced(text: str, word: str, by: str) -> str:
+    """Return *text* with *by* for each *word* in just these letters outside of quotes, also in braces."""
+    pieces, begin = [], 0
+    for token in _pieces_of(text):
+        if token.kind == "word" and token.text.strip("{}") == word:
+            place = token.at - 1 + token.text.index(word)
+            pieces += [text[begin:place], by]
+            begin = place + len(word)
+    return "".join([*pieces, text[begin:]])
+
+
 _STEP_JOINT: Final = re.compile(r" ?[;,] ?(?:(?:and|then) )*| (?:(?:and|then) )+", re.IGNORECASE)
 _CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
 

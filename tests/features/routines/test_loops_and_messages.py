@@ -15,6 +15,11 @@ OTHER: dict[str, object] = {"name": "Other", "when": ["08:05"], "do": ["hall lam
 MESSAGE = {"repeat": 2, "do": ["notify Hello", "wait 1m"]}
 MOVES = {"while": ["hall motion occupied"], "do": ["notify Somebody is here", "wait 5m"]}
 EMPTY = {"until": ["hall motion clear"], "do": ["notify Waiting", "wait 5m"]}
+EACH = {
+    "for_each": "motion sensor or lamp",
+    "do": [{"if": ["it on"], "do": ["notify Close it: {name of it} in {room of it}"], "else": ["notify {name of it}"]}],
+}
+OFF_ONE_BY_ONE = {"for_each": "lamp on", "do": ["it off", "wait 1m"]}
 WAIT = "wait until hall lamp on, at most 1m"
 
 
@@ -28,6 +33,10 @@ WAIT = "wait until hall lamp on, at most 1m"
         (({"repeat": 2, "do": [MESSAGE, {"if": ["after 7:00"], "do": ["stop"]}]},), ["Hello"] * 2, True),
         ((MOVES, "notify Over"), ["Somebody is here"] * 3 + ["Over"], True),
         ((EMPTY, "notify Over"), ["Waiting"] * 3 + ["Over"], True),
+        ((EACH, "notify Over"), ["hall_lamp", "hall_motion", "Over"], True),
+        (("wait 10m", EACH), ["Close it: hall_lamp in hall", "hall_motion"], True),
+        ((OFF_ONE_BY_ONE, "notify Over"), ["Over"], True),
+        (("wait 10m", OFF_ONE_BY_ONE, "notify Over"), ["Over"], False),
         (("notify One", "stop", "notify Two"), ["One"], True),
         ((f"{WAIT}, then stop", "notify Two"), [], True),
         ((f"{WAIT}, then go on", "notify Two"), ["Two"], True),
@@ -61,6 +70,10 @@ async def test_a_run_takes_its_steps(steps: tuple[object, ...], told: list[str],
         ([{"repeat": 2, "while": ["sun is up"], "do": ["wait 1m"]}], "a loop has one of the keys"),
         ([{"repeat": 40, "do": [{"repeat": 40, "do": ["wait 1s"]}]}], "more than 1,000 steps"),
         ([{"if": ["last run over 1h ago"], "do": ["stop"]}], "only the conditions of the routine know"),
+        ([{"for_each": "lamp", "do": [{"for_each": "plug", "do": ["it off"]}]}], "another for_each is in this one"),
+        ([{"for_each": "level above", "do": ["it off"]}], "for_each"),
+        ([{"for_each": "lamp", "do": ["notify {it}"]}], "write it like {temperature of office}"),
+        (["it off"], "`it` is the device in turn of a for_each; write which device is meant"),
         (["notify {the weather}"], "{the weather} is no value; write it like {temperature of office}"),
     ],
 )
@@ -72,11 +85,20 @@ def test_a_mistake_in_a_step_is_named(steps: list[object], problem: str) -> None
 
 
 def test_loops_and_ends_are_exported_as_an_app_whose_test_passes() -> None:
-    steps = [MESSAGE, MOVES, EMPTY, f"{WAIT}, then stop", {"if": ["sun is down"], "do": [MESSAGE, "stop"]}, "undo"]
+    steps = [
+        MESSAGE,
+        MOVES,
+        EMPTY,
+        f"{WAIT}, then stop",
+        {"if": ["sun is down"], "do": [MESSAGE, "stop"]},
+        EACH,
+        "undo",
+    ]
     routine = RoutineSettings.model_validate({"name": "Visit", "when": ["8:00"], "do": steps})
     text = app_text(routine)
     assert "for _ in range(2):" in text
     assert "while await self.holds('hall motion occupied'):" in text
+    assert "async for _ in self.turns('motion sensor or lamp'):" in text
     names: dict[str, object] = {}
     exec(compile(text, "visit.py", "exec"), names)  # noqa: S102 - what homebot wrote
     test = pytest_text(routine, "visit").replace("from visit import Visit\n", "")

@@ -36,6 +36,7 @@ from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
 from homebot.words.message_values import Comparison
+from homebot.words.steps import MAX_TURNS
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
 from homebot.words.triggers import (
     AtTimeOf,
@@ -114,6 +115,14 @@ class RoutineBase(App[SettingsT_co]):
                         watches.callback(self._watch(trigger, on_start))
                 await came.wait()
             tasks.cancel_scope.cancel()
+
+    async def fitting(self, devices: str) -> tuple[str, ...]:
+        """Return the ids of the devices that the query *devices* finds now, in the order of their names."""
+        answer = await self._query.call(QueryDevicesRequest(query=query_words(devices), limit=MAX_TURNS))
+        if answer.total > MAX_TURNS:
+            self.log_failure(f"for each {devices}", f"{answer.total:,} devices fit; the limit is {MAX_TURNS}")
+        found = [result.device for result in answer.results]
+        return tuple(device.id for device in sorted(found, key=lambda device: (device.name, device.id)))
 
     def start_if(
         self, conditions: _Conditions, start: Callable[[object], object], cause: object, started_by: str

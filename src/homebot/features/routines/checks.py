@@ -23,7 +23,7 @@ from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.features.routines.effects import Effect, RoutineEffects, fights, loops
-from homebot.features.routines.program import program_of
+from homebot.features.routines.program import ForEach, program_of
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.tables import app_of_routine
 from homebot.graph import Node
@@ -200,6 +200,9 @@ class HouseChecks:
         is_prompt = True
         for line in program_of(routine.do):
             match line.step:
+                case ForEach(devices=devices):
+                    if problem := await self._problem_of(await self._meant(devices, parse_query(devices))):
+                        yield f"for each {devices}: {problem}"
                 case Do(pieces=(_, *_)) as step:
                     if problem := await self._problem_of(await self._meant(step.target, parse_query(step.target))):
                         yield f"{step.text!r}: {problem}"
@@ -382,10 +385,11 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
             queries.append(lasting(asked.query))
             names.update(() if isinstance(asked, PersonMoves) else names_in(asked.words))
         for line in program_of(one.do):
-            if isinstance(line.step, Do | Dim):
-                names.add(fold(line.step.target))
+            if isinstance(line.step, Do | Dim | ForEach):
+                words = line.step.devices if isinstance(line.step, ForEach) else line.step.target
+                names.add(fold(words))
                 with suppress(UsageError):
-                    queries.append(lasting(parse_query(line.step.target)))
+                    queries.append(lasting(parse_query(words)))
 
     def is_meant(device: Device) -> bool:
         is_named = not names.isdisjoint(map(fold, (device.id, *device.names)))

@@ -6,7 +6,18 @@ from itertools import product
 from keyword import iskeyword
 from typing import Final
 
-from homebot.features.routines.program import Back, Branch, Choice, RepeatedSteps, Skip, program_of
+from homebot.features.routines.program import (
+    Back,
+    Block,
+    Branch,
+    Choice,
+    ForEach,
+    NextTurn,
+    RepeatedSteps,
+    Skip,
+    StepsForEach,
+    program_of,
+)
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_settings
 from homebot.support.folding import words_of
@@ -84,7 +95,7 @@ def pytest_text(routine: RoutineSettings, module: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _choices(steps: Sequence[str | Choice | RepeatedSteps]) -> Iterator[Choice]:
+def _choices(steps: Sequence[str | Block]) -> Iterator[Choice]:
     for one in steps:
         if not isinstance(one, str):
             yield from (one,) if isinstance(one, Choice) else ()
@@ -92,7 +103,7 @@ def _choices(steps: Sequence[str | Choice | RepeatedSteps]) -> Iterator[Choice]:
             yield from _choices(one.otherwise if isinstance(one, Choice) else ())
 
 
-def _body(steps: Sequence[str | Choice | RepeatedSteps], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
+def _body(steps: Sequence[str | Block], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
     for one in steps:
         if isinstance(one, str):
             match read_step(one):
@@ -103,6 +114,10 @@ def _body(steps: Sequence[str | Choice | RepeatedSteps], indent: str = _INDENT, 
                     yield f"{indent}    return"
                 case _:
                     yield f"{indent}await self.step({one!r})"
+            continue
+        if isinstance(one, StepsForEach):
+            yield f"{indent}async for _ in self.turns({one.devices!r}):"
+            yield from _body(one.do, f"{indent}    ")
             continue
         if isinstance(one, RepeatedSteps):
             conditions = ", ".join(map(repr, one.as_long_as or one.until))
@@ -124,9 +139,7 @@ def _body(steps: Sequence[str | Choice | RepeatedSteps], indent: str = _INDENT, 
             yield from _body(one.otherwise, f"{indent}    ")
 
 
-def _way(
-    steps: Sequence[str | Choice | RepeatedSteps], taken: Sequence[bool]
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _way(steps: Sequence[str | Block], taken: Sequence[bool]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the conditions that hold on a way through the choices, and its steps.
 
     No loop goes on while something holds, and each that goes on until something holds ends after one round.
@@ -139,14 +152,14 @@ def _way(
     return tuple(sorted(holds)), tuple(_taken(steps, holds))
 
 
-def _loops(steps: Sequence[str | Choice | RepeatedSteps]) -> Iterator[RepeatedSteps]:
+def _loops(steps: Sequence[str | Block]) -> Iterator[RepeatedSteps]:
     for one in steps:
         if not isinstance(one, str):
             yield from (one,) if isinstance(one, RepeatedSteps) else ()
             yield from _loops((*one.do, *(one.otherwise if isinstance(one, Choice) else ())))
 
 
-def _taken(steps: Sequence[str | Choice | RepeatedSteps], holds: set[str]) -> Iterator[str]:
+def _taken(steps: Sequence[str | Block], holds: set[str]) -> Iterator[str]:
     """Yield the steps that are taken while *holds* hold, up to the end of the run."""
     program, place = program_of(steps), 0
     while place < len(program):
@@ -160,6 +173,8 @@ def _taken(steps: Sequence[str | Choice | RepeatedSteps], holds: set[str]) -> It
                 place += step.over
             case Back():
                 place -= step.over + 1
+            case ForEach() | NextTurn():  # one device fits
+                pass
             case _:
                 yield text
         place += 1

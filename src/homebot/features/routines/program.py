@@ -9,7 +9,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
 from homebot.words.conditions import Condition, check_possible, read_condition
-from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, read_step
+from homebot.words.queries import parse_query
+from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, in_turn, read_step
 
 _MAX_CHARACTERS = 300
 _MAX_PROGRAM: Final = 1000
@@ -33,6 +34,12 @@ def _possible(texts: tuple[str, ...]) -> tuple[str, ...]:
 def _step(text: str) -> str:
     with value_errors():
         read_step(text)
+    return text
+
+
+def _devices(text: str) -> str:
+    with value_errors():
+        parse_query(text)
     return text
 
 
@@ -98,12 +105,42 @@ class RepeatedSteps(BaseModel):
         return self
 
 
-def _step_or_block(value: object) -> str | Choice | RepeatedSteps:
+class StepsForEach(BaseModel):
+    """Steps that are taken once for each device that fits when they begin, in the order of their names.
+
+    Attributes:
+        devices: The key ``for_each``: a query.
+        do: The steps, in which ``it`` is the device in turn.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
+
+    devices: Annotated[Text, Field(alias="for_each"), AfterValidator(_devices)]
+    do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
+
+    def __str__(self) -> str:
+        return f"for each {self.devices}: {'; '.join(map(str, self.do))}"
+
+    @model_validator(mode="after")
+    def _check_together(self) -> "StepsForEach":
+        with value_errors():
+            lines = program_of((self,))
+        if sum(isinstance(line.step, ForEach) for line in lines) > 1:
+            raise ValueError("do: another for_each is in this one; write it as a step after it")
+        return self
+
+
+Block: TypeAlias = Choice | RepeatedSteps | StepsForEach
+
+
+def _step_or_block(value: object) -> str | Block:
     """Check a step here, because the errors of a union would name all of its members."""
     if isinstance(value, dict):
         try:
             if "if" in value:
                 return parse_settings(Choice, value, "", "")
+            if "for_each" in value:
+                return parse_settings(StepsForEach, value, "", "")
             return parse_settings(RepeatedSteps, value, "", "")
         except ConfigError as exc:
             raise ValueError(f"{exc.key}: {exc.reason}") from exc
@@ -111,15 +148,15 @@ def _step_or_block(value: object) -> str | Choice | RepeatedSteps:
         return _step(value)
     raise ValueError(
         f"must be a text of at most {_MAX_CHARACTERS} characters, a choice {{ if = [...], do = [...] }}, "
-        "or a loop { repeat = 3, do = [...] }"
+        "or a loop { repeat = 3, do = [...] } or { for_each = 'open window', do = [...] }"
     )
 
 
-def _written(step: str | Choice | RepeatedSteps) -> object:
+def _written(step: str | Block) -> object:
     return step if isinstance(step, str) else step.model_dump(exclude_defaults=True)
 
 
-StepSetting = Annotated[str | Choice | RepeatedSteps, PlainValidator(_step_or_block), PlainSerializer(_written)]
+StepSetting = Annotated[str | Block, PlainValidator(_step_or_block), PlainSerializer(_written)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +181,22 @@ class Back:
     over: int
 
 
-Instruction: TypeAlias = Step | Branch | Skip | Back
+@dataclass(frozen=True, slots=True)
+class ForEach:
+    """Goes on with the first of the devices that fit in turn, or after *over* more lines if there is none."""
+
+    devices: str
+    over: int
+
+
+@dataclass(frozen=True, slots=True)
+class NextTurn:
+    """Goes on with the line that is *over* lines before this one if another device follows."""
+
+    over: int
+
+
+Instruction: TypeAlias = Step | Branch | Skip | Back | ForEach | NextTurn
 
 
 class Line(NamedTuple):
@@ -154,36 +206,46 @@ class Line(NamedTuple):
     step: Instruction
 
 
-def program_of(steps: Sequence[str | Choice | RepeatedSteps]) -> tuple[Line, ...]:
-    """Return the program of *steps*, which are checked."""
+def program_of(steps: Sequence[str | Block]) -> tuple[Line, ...]:
+    """Return the program of *steps*, which are checked.
+
+    In the steps of a ``for_each``, ``it`` is read as all of its devices; their texts have it still.
+    """
     return tuple(_lines(steps))
 
 
-def conditions_of(texts: Iterable[str]) -> tuple[tuple[str, Condition], ...]:
-    """Return conditions with their texts."""
-    return tuple((text, read_condition(text)) for text in texts)
+def conditions_of(texts: Iterable[str], turn: str = "") -> tuple[tuple[str, Condition], ...]:
+    """Return conditions with their texts; ``it`` is *turn*, a query, if that is given."""
+    return tuple((text, read_condition(in_turn(text, "condition", turn) if turn else text)) for text in texts)
 
 
-def _lines(steps: Iterable[str | Choice | RepeatedSteps]) -> Iterator[Line]:
+def _lines(steps: Iterable[str | Block], turn: str = "") -> Iterator[Line]:
     for one in steps:
         if isinstance(one, str):
-            yield Line(one, read_step(one))
+            yield Line(one, read_step(in_turn(one, "step", turn) if turn else one))
             continue
-        do, text = program_of(one.do), str(one)
+        text = str(one)
+        if isinstance(one, StepsForEach):
+            do = tuple(_lines(one.do, f"({one.devices})"))
+            yield Line(text, ForEach(one.devices, len(do) + 1))
+            yield from do
+            yield Line(text, NextTurn(len(do)))
+            continue
+        do = tuple(_lines(one.do, turn))
         if isinstance(one, Choice):
-            otherwise = program_of(one.otherwise)
-            yield Line(text, Branch(conditions_of(one.conditions), len(do) + bool(otherwise)))
+            otherwise = tuple(_lines(one.otherwise, turn))
+            yield Line(text, Branch(conditions_of(one.conditions, turn), len(do) + bool(otherwise)))
             yield from do
             if otherwise:
                 yield Line(text, Skip(len(otherwise)))
                 yield from otherwise
         elif one.as_long_as:
-            yield Line(text, Branch(conditions_of(one.as_long_as), len(do) + 1))
+            yield Line(text, Branch(conditions_of(one.as_long_as, turn), len(do) + 1))
             yield from do
             yield Line(text, Back(len(do) + 1))
         elif one.until:
             yield from do
-            yield Line(text, Branch(conditions_of(one.until), 1))
+            yield Line(text, Branch(conditions_of(one.until, turn), 1))
             yield Line(text, Skip(1))
             yield Line(text, Back(len(do) + 2))
         else:

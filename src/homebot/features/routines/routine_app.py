@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import AsyncIterator
 from contextvars import ContextVar
 from functools import partial
 from typing import Any, ClassVar, Final
@@ -16,7 +17,7 @@ from homebot.features.routines.program import conditions_of
 from homebot.features.routines.run import RoutineRun, RoutineRunFacts
 from homebot.graph import Node
 from homebot.support.isolation import error_text
-from homebot.words.steps import read_step
+from homebot.words.steps import in_turn, read_step
 
 _STEP: Final = "_step"
 """The key of the step that a run takes."""
@@ -58,7 +59,8 @@ class RoutineApp(RoutineBase[NoSettings]):
             UsageError: It is no step.
         """
         self.store[_STEP] = text
-        return await _RUN.get().execute(read_step(text))
+        run = _RUN.get()
+        return await run.execute(read_step(in_turn(text, "step", run.turn) if run.turn else text))
 
     async def holds(self, *conditions: str) -> bool:
         """Return whether all *conditions* hold.
@@ -66,7 +68,16 @@ class RoutineApp(RoutineBase[NoSettings]):
         Raises:
             UsageError: One is no condition.
         """
-        return not await self.unmet(conditions_of(conditions), _RUN.get().facts)
+        run = _RUN.get()
+        return not await self.unmet(conditions_of(conditions, run.turn), run.facts)
+
+    async def turns(self, devices: str) -> AsyncIterator[None]:
+        """Yield once for each device that the query *devices* finds, which is ``it`` in steps and conditions then."""
+        run = _RUN.get()
+        for device in await self.fitting(devices):
+            run.facts = run.facts._replace(turns=(device,))
+            yield
+        run.facts = run.facts._replace(turns=())
 
     async def run(self) -> None:
         """Watch for its triggers, and tell of the run that a restart ended."""

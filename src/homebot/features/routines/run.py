@@ -28,8 +28,8 @@ from homebot.devices.names import CHANGE_ROUTINE, PERFORM_COMMAND
 from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.wording.values import value_text
 from homebot.errors import HomebotError, ServiceError, UsageError
-from homebot.features.routines.program import Back, Branch, Line, Skip
-from homebot.features.routines.watches import follow_matches, value_of
+from homebot.features.routines.program import Back, Branch, ForEach, Line, NextTurn, Skip, conditions_of
+from homebot.features.routines.watches import fitting, follow_matches, value_of
 from homebot.graph import Client, Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
@@ -46,8 +46,10 @@ from homebot.words.steps import (
     Wait,
     WaitFor,
     WaitUntil,
+    in_turn,
     read_step,
 )
+from homebot.words.tokens import quoted
 from homebot.words.triggers import Trigger
 
 if TYPE_CHECKING:
@@ -81,6 +83,9 @@ class RoutineOwner(Protocol):
     async def wait_for(self, triggers: Sequence[Trigger]) -> None:
         """Wait for the next of *triggers*."""
 
+    async def fitting(self, devices: str) -> tuple[str, ...]:
+        """Return the ids of the devices that the query *devices* finds now."""
+
     def log_done(self, step: str) -> None:
         """Log that a step that no device's journal knows was done."""
 
@@ -94,10 +99,12 @@ class RoutineRunFacts(NamedTuple):
     Attributes:
         started_by: The text of its trigger; empty for a start by hand.
         has_timed_out: Whether its last wait was too long.
+        turns: In a loop over devices, the ids of that in turn and those that follow.
     """
 
     started_by: str = ""
     has_timed_out: bool = False
+    turns: tuple[str, ...] = ()
 
 
 class RunPlace(NamedTuple):
@@ -144,18 +151,31 @@ class RoutineRun:
         """Perform the program from line *first* on; its wait ends at *until*, in seconds since the Unix epoch."""
         place = first
         while place < len(self._program):
-            step = self._program[place].step
+            text, step = self._program[place]
             match step:
                 case Branch():
-                    place += step.over if await self._owner.unmet(step.conditions, self.facts) else 0
+                    conditions = conditions_of((text for text, _ in step.conditions), self.turn)
+                    place += step.over if await self._owner.unmet(conditions, self.facts) else 0
                 case Skip():
                     place += step.over
                 case Back():
                     place -= step.over + 1
+                case ForEach():
+                    self.facts = self.facts._replace(turns=await self._owner.fitting(step.devices))
+                    place += 0 if self.facts.turns else step.over
+                case NextTurn():
+                    self.facts = self.facts._replace(turns=self.facts.turns[1:])
+                    place -= step.over + 1 if self.facts.turns else 0
                 case _:
+                    step = read_step(in_turn(text, "step", self.turn)) if self.turn else step
                     if not await self.execute(step, place, until):
                         return
             place, until = place + 1, 0.0
+
+    @property
+    def turn(self) -> str:
+        """The device in turn, as a query; empty outside of a loop over devices."""
+        return f"id={quoted(self.facts.turns[0])}" if self.facts.turns else ""
 
     async def execute(self, step: Step, line: int = 0, until: float = 0.0) -> bool:
         """Execute one *step*, and return whether the run goes on.
@@ -280,10 +300,12 @@ class RoutineRun:
         for piece in step.pieces:
             if isinstance(piece, str):
                 texts.append(piece)
-            elif piece.kind == "name":
-                texts.append("a time" if cause is None else cause.name or cause.id)
-            elif piece.kind == "room":
-                texts.append("unknown" if cause is None else cause.area or "unknown")
+            elif piece.kind in {"name", "room"}:
+                device = next(iter(fitting(piece.words, devices)), None) if piece.words else cause
+                if piece.kind == "room":
+                    texts.append("unknown" if device is None else device.area or "unknown")
+                else:
+                    texts.append(device.name or device.id if device else "nothing" if piece.words else "a time")
             elif piece.kind == "routine":
                 texts.append(self._owner.title)
             elif piece.kind == "time":

@@ -12,7 +12,7 @@ from homebot.config import value_errors
 from homebot.features.routines.program import Branch, Conditions, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
 from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, single_conditions
-from homebot.words.steps import MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
+from homebot.words.steps import IT, MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, SunElevation, Trigger, read_trigger
 
@@ -97,6 +97,8 @@ class RoutineSettings(AppSettings):
         steps = [line.step for line in program_of(self.do)]
         if steps[0] == Undo():
             raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
+        if alone := next((step.text for step in steps if isinstance(step, Do | Dim) and step.target == IT), ""):
+            raise ValueError(f"do: {alone!r}: `it` is the device in turn of a for_each; write which device is meant")
         conditions = chain.from_iterable(step.conditions for step in steps if isinstance(step, Branch))
         if inner := next((text for text, asked in conditions if LastRun in map(type, single_conditions(asked))), ""):
             raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")

@@ -461,10 +461,15 @@ def compared(comparison: Comparison, devices: Sequence[Device]) -> bool | None:
     return (first > limit if comparison.is_above else first < limit) is not comparison.is_denied
 
 
+def fitting(words: str, devices: Sequence[Device]) -> list[Device]:
+    """Return those of *devices* that the query *words* means."""
+    query = WordsQuery(words, devices).query
+    return [device for device in devices if fits(query, facets_of(device))]
+
+
 def value_of(value: MessageValue, devices: Sequence[Device]) -> PlainValue:
     """Return *value* of the first of *devices* that it means; None while it is unknown."""
-    query = WordsQuery(value.words, devices).query
-    states = [state for device in devices if fits(query, facets_of(device)) for state in device.states]
+    states = [state for device in fitting(value.words, devices) for state in device.states]
     return next((state.value.plain() for state in states if state.capability == value.capability and state.live), None)
 
 
