@@ -48,12 +48,12 @@ class ApprovalRegistry:
         Returns:
             The differences from these.
         """
-        found = dict(_descriptions(sources))
-        if len(self._by_place.keys() | found.keys()) > MAX_APPROVALS:
+        descriptions = dict(_descriptions(sources))
+        if len(self._by_place.keys() | descriptions.keys()) > MAX_APPROVALS:
             raise RefusedError("an approval", f"there are {MAX_APPROVALS:,} already; take some back")
         changes = [(place[1], change) for place, _, change in self.of(sources) if change]
         self.discard(sources, present)
-        self._by_place.update({place: Approval(description, now) for place, description in found.items()})
+        self._by_place.update({place: Approval(description, now) for place, description in descriptions.items()})
         self.on_change()
         return tuple([f"{key}: {change}" for key, change in changes])
 
@@ -75,7 +75,7 @@ class ApprovalRegistry:
     @property
     def digests(self) -> tuple[str, ...]:
         """The digests of all approved descriptions."""
-        return tuple({one.description.digest for one in self._by_place.values()})
+        return tuple({approval.description.digest for approval in self._by_place.values()})
 
     def of(self, sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, Approval, str]]:
         """Yield each approved part of *sources*, its approval, and the changes since then in words, empty for none."""
@@ -91,10 +91,10 @@ class ApprovalRegistry:
 
         Others are of devices that became one since: a right to one of them is none to the others.
         """
-        found = tuple(self.of([source for source in sources if not source.is_claimed]))
-        if len({approval.said_at for _, approval, change in found if not change}) < 2:
-            return found
-        return tuple((place, approval, change or _MERGED) for place, approval, change in found)
+        approved = tuple(self.of([source for source in sources if not source.is_claimed]))
+        if len({approval.said_at for _, approval, change in approved if not change}) < 2:
+            return approved
+        return tuple((place, approval, change or _MERGED) for place, approval, change in approved)
 
     def approved(self, sources: Collection[SourceRecord]) -> tuple[SourceRecord, ...]:
         """Return those of *sources* with an approved part, also if it changed since: others only joined these."""

@@ -111,9 +111,9 @@ class ChangeQueue:
         device = entry.to_device(self._topics)
         self.growing.pop(entry.id, None)
         if self._last.pop(entry.id, None) is not None:
-            for one in self.pending:
-                if one.entry is entry and one.device is None:
-                    one.device = device
+            for change in self.pending:
+                if change.entry is entry and change.device is None:
+                    change.device = device
         self.pending.append(_PendingChange("removed", entry, why, other, device))
 
     def event_number(self) -> str:
@@ -134,13 +134,13 @@ class ChangeQueue:
             self.end_growth()
         taken = self.pending[:at_most]
         del self.pending[: len(taken)]
-        found: list[DeviceChange] = []
+        changes: list[DeviceChange] = []
         self.of_links.clear()
-        for one in taken:
-            found += self._changes(one)
-        for change in found:
+        for pending_change in taken:
+            changes += self._changes(pending_change)
+        for change in changes:
             self.recent.append(change)
-        return tuple(found)
+        return tuple(changes)
 
     def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Remove and return the changes of states, oldest first, without those of removed parts."""
@@ -154,7 +154,7 @@ class ChangeQueue:
                 if not current:
                     continue
                 if len(current) < len(readings):
-                    names = [name for one in current for name in (one.part, one.capability)]
+                    names = [name for change in current for name in (change.part, change.capability)]
                     stream = stream_of((entry.id, *names))
             self.sequence += 1
             changes.append(
@@ -185,17 +185,17 @@ class ChangeQueue:
         if self._last.get(entry.id) is change:
             del self._last[entry.id]
         device = change.device or entry.to_device(self._topics)
-        found = [self._change(change.kind, device, change.why, change.other)]
+        changes = [self._change(change.kind, device, change.why, change.other)]
         if change.is_of_link:
             self.of_links.add(self.sequence)
         before, entry.published_conflicts = entry.published_conflicts, device.conflicts
         if before == device.conflicts or change.kind == "removed":
-            return found
+            return changes
         if not device.conflicts:
-            found.append(self._change("resolved", device, "none of its command topics is disputed any more"))
+            changes.append(self._change("resolved", device, "none of its command topics is disputed any more"))
         elif new := [conflict for conflict in device.conflicts if conflict not in before]:
-            found.append(self._change("conflict", device, "; ".join(new)))
-        return found
+            changes.append(self._change("conflict", device, "; ".join(new)))
+        return changes
 
     def _change(self, kind: ChangeKind, device: Device, why: str, other: str = "") -> DeviceChange:
         self.sequence += 1
@@ -237,7 +237,7 @@ class ChangeLog:
 
     def since(self, sequence: int) -> tuple[DeviceChange, ...]:
         """Return the known changes after number *sequence*."""
-        newer = takewhile(lambda one: one.sequence > sequence, (one for one, _ in reversed(self._changes)))
+        newer = takewhile(lambda change: change.sequence > sequence, (change for change, _ in reversed(self._changes)))
         return tuple(newer)[::-1]
 
     def __len__(self) -> int:

@@ -138,14 +138,14 @@ def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequ
 
 def _claimed_models(sources: Iterable[SourceRecord]) -> tuple[Fact, ...]:
     made = [fact for fact in _facts(tuple(sources)) if fact.name in MAKE]
-    return tuple(one.model_copy(update={"name": CLAIMED_MODEL}) for one in made)
+    return tuple(fact.model_copy(update={"name": CLAIMED_MODEL}) for fact in made)
 
 
 def _several_names(facts: Iterable[Fact]) -> Iterator[Fact]:
     """Yield a fact if announcements of one convention give the device several names: perhaps it is several devices."""
     names = [fact for fact in facts if fact.name == "name"]
     for first in names:
-        alike = {fold(one.value): one.value for one in names if _SOURCE(one) == _SOURCE(first)}
+        alike = {fold(fact.value): fact.value for fact in names if _SOURCE(fact) == _SOURCE(first)}
         if len(alike) > 1:
             value = f"names {', '.join(alike.values())}"[:_MAX_NAMES]
             yield first.model_copy(update={"name": SEVERAL_NAMES, "value": value})
@@ -164,8 +164,8 @@ def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
     """
     if _RELAYS.isdisjoint(map(_PART_TYPE, merged.parts)):
         return merged
-    relays = [number for number, one in enumerate(merged.parts) if one.part.service_type in _RELAYS]
-    about = (sighting.name, *[one.value for one in sighting.metadata if one.key == "model"])
+    relays = [number for number, part in enumerate(merged.parts) if part.part.service_type in _RELAYS]
+    about = (sighting.name, *[item.value for item in sighting.metadata if item.key == "model"])
     parts = list(merged.parts)
     for number in relays:
         part = parts[number].part
@@ -228,11 +228,11 @@ def position_of(facts: Iterable[Fact]) -> Position | None:
 
 def _given_in_hub(facts: Iterable[Fact]) -> dict[str, list[str]]:
     """Return the aliases, tags and floors given to a device in a hub, which separates them by commas."""
-    found: dict[str, list[str]] = {"aliases": [], "tags": [], "floor": []}
+    values: dict[str, list[str]] = {"aliases": [], "tags": [], "floor": []}
     for fact in facts:
-        if fact.name in found:
-            found[fact.name] += filter(None, map(str.strip, fact.value.split(",")))
-    return found
+        if fact.name in values:
+            values[fact.name] += filter(None, map(str.strip, fact.value.split(",")))
+    return values
 
 
 def _floor_of(sources: Iterable[SourceRecord], area: str) -> str:
@@ -289,10 +289,12 @@ def _joined(parts: Iterable[DevicePart], known: frozenset[PartPlace]) -> Iterato
 
 
 def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) -> DevicePart:
-    found = [digests.get((route.gateway, route.key, route.part), "") for route in part.routes]
-    if not any(found):
+    approved = [digests.get((route.gateway, route.key, route.part), "") for route in part.routes]
+    if not any(approved):
         return part
-    routes = [route.model_copy(update={"approved": digest}) for route, digest in zip(part.routes, found, strict=True)]
+    routes = [
+        route.model_copy(update={"approved": digest}) for route, digest in zip(part.routes, approved, strict=True)
+    ]
     return part.model_copy(update={"routes": tuple(routes)})
 
 
@@ -338,11 +340,11 @@ def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...
     if parts:
         described = tuple(map(_PART, parts))
         shown = tuple(filterfalse(_CATEGORY, described)) or described
-        found = chain(map(_TYPE, shown), filter(None, map(_ADVERTISED, shown)))
+        service_types = chain(map(_TYPE, shown), filter(None, map(_ADVERTISED, shown)))
     else:
         words = [source.sighting.service_type for source in sources]
-        found = chain((min(types) for types in map(wanted_types, words) if len(types) == 1), words)
-    return tuple(dict.fromkeys(found))
+        service_types = chain((min(types) for types in map(wanted_types, words) if len(types) == 1), words)
+    return tuple(dict.fromkeys(service_types))
 
 
 def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
@@ -351,15 +353,15 @@ def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
     for source in sources:
         metadata = source.sighting.metadata
         if metadata != before:  # the announcements of a device share them
-            for one in metadata:
-                key_values.setdefault(one.key, one)
+            for item in metadata:
+                key_values.setdefault(item.key, item)
             before = metadata
     return tuple(key_values.values())[:MAX_FACTS]
 
 
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Return each value once per gateway and convention, from the first announcement that has it."""
-    found: dict[tuple[str, str, str, str], Fact] = {}
+    facts: dict[tuple[str, str, str, str], Fact] = {}
     before: tuple[object, ...] = ()
     for source in sources:
         sighting = source.sighting
@@ -370,12 +372,12 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
         before = announced
         at = source.first_seen
         for name, value in (("name", sighting.name), ("area", sighting.area), *map(_PAIR, sighting.metadata)):
-            if value and (fact := (name, value, gateway, convention)) not in found:
+            if value and (fact := (name, value, gateway, convention)) not in facts:
                 changed_value, changed_at = source.facts.get(name, ("", at))
                 said_at = changed_at if changed_value == value else at
-                found[fact] = Fact(
+                facts[fact] = Fact(
                     name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
                 )
-        if len(found) >= MAX_FACTS:
+        if len(facts) >= MAX_FACTS:
             break
-    return tuple(found.values())[:MAX_FACTS]
+    return tuple(facts.values())[:MAX_FACTS]

@@ -26,20 +26,20 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     reported since, it is unknown. Gateways without a link know nothing; if all lack one, the device is unreachable.
     """
     known = tuple(sources)
-    linked = [one for one in known if not one.is_lost]
-    lost = [one.lost for one in known if one.lost is not None]
+    linked = [source for source in known if not source.is_lost]
+    lost = [source.lost for source in known if source.lost is not None]
     if lost and not linked:
-        newest = max(lost, key=lambda one: one.since.to_seconds())
+        newest = max(lost, key=lambda loss: loss.since.to_seconds())
         return Reachability(state="no", since=newest.since, why=newest.why)
-    found: list[_SourceReach] = []
+    reports: list[_SourceReach] = []
     for source in linked:
         if len(source.reach) == 1 and "" in source.reach:
-            found.append((source, "", source.reach[""]))
+            reports.append((source, "", source.reach[""]))
         elif not source.reach:
-            found.append((source, "", None))
+            reports.append((source, "", None))
         else:
-            found += [(source, part.id, source.reach_of(part.id)) for part in source.sighting.parts]
-    return _combined(found)
+            reports += [(source, part.id, source.reach_of(part.id)) for part in source.sighting.parts]
+    return _combined(reports)
 
 
 def offline_parts(
@@ -61,11 +61,15 @@ def offline_parts(
 def _combined(reports: list[_SourceReach]) -> Reachability:
     """Return the newest of *reports* that say yes; else of those that say no; else of those that do not know."""
     for value in (True, False, None):
-        answers = [(source, part, one) for source, part, one in reports if one is not None and one.value is value]
+        answers = [
+            (source, part, report) for source, part, report in reports if report is not None and report.value is value
+        ]
         if answers:
             source, part, reach = max(answers, key=lambda answer: answer[2].heard_at)
             label = source.label if source.sighting.convention else "it"  # the key of a gateway means nothing to people
-            is_all_of_it = all(one is not None and one.value is value for other, _, one in reports if other is source)
+            is_all_of_it = all(
+                report is not None and report.value is value for other, _, report in reports if other is source
+            )
             label = label if is_all_of_it or part in label else f"{label} ({part})"
             if reach.value is None:
                 why = f"{label} was reported offline, but it sends messages"
@@ -91,7 +95,7 @@ def _according(source: SourceRecord, reach: Reach) -> str:
 
 def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
     """Return an announcement of unknown or doubtful reachability by which the device reported after *since*."""
-    undecided = (source for source, _, one in reports if one is None or one.value is None)
+    undecided = (source for source, _, report in reports if report is None or report.value is None)
     return next((source for source in undecided if source.confirmed and source.heard_at > since), None)
 
 
@@ -108,12 +112,12 @@ def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple
         sources: The announcements, preferred ones first.
         main: The main part of the device; None if its parts are unknown.
     """
-    found: dict[str, Addresses] = {}
+    by_gateway: dict[str, Addresses] = {}
     if main is not None:
         known = dict(zip(map(_KEY, sources), sources, strict=True))
         accepts = accepts_text(main.part)
         for route in main.routes:
-            if route.gateway in found:
+            if route.gateway in by_gateway:
                 continue
             sighting = known[route.gateway, route.key].sighting
             if sighting.is_plain_text:
@@ -121,13 +125,13 @@ def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple
             else:
                 address = text_address(route.key, route.part)
                 command_address = address if accepts and route.takes else _command_address(main, route.gateway)
-            found[route.gateway] = (route.gateway, route.key), address, command_address
+            by_gateway[route.gateway] = (route.gateway, route.key), address, command_address
     for source in sources:
         sighting = source.sighting
-        if sighting.gateway not in found:
+        if sighting.gateway not in by_gateway:
             command_address = "" if main is not None or source.is_claimed else sighting.command_address
-            found[sighting.gateway] = source.key, sighting.address, command_address
-    return tuple(found.values())
+            by_gateway[sighting.gateway] = source.key, sighting.address, command_address
+    return tuple(by_gateway.values())
 
 
 def endpoints(
@@ -137,10 +141,10 @@ def endpoints(
     stale_gateways: frozenset[str],
 ) -> tuple[Endpoint, ...]:
     """Return the current endpoints; those that are offline, stale or only claimed come last."""
-    found: list[Endpoint] = []
+    entries: list[Endpoint] = []
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
-        found.append(
+        entries.append(
             Endpoint(
                 gateway=gateway,
                 key=key,
@@ -152,9 +156,9 @@ def endpoints(
                 claimed=all(source.is_claimed for source in heard),
             )
         )
-    if len(found) > 1:
-        found.sort(key=lambda one: (one.claimed, one.reachable == "no", one.freshness == "stale"))
-    return tuple(found)
+    if len(entries) > 1:
+        entries.sort(key=lambda endpoint: (endpoint.claimed, endpoint.reachable == "no", endpoint.freshness == "stale"))
+    return tuple(entries)
 
 
 def endpoint_reach(sources: Mapping[SourceKey, SourceRecord]) -> tuple[str, ...]:
@@ -201,11 +205,11 @@ def silent_strangers(sources: Mapping[SourceKey, SourceRecord]) -> dict[SourceKe
     ]
     if not silent or not (heard := [source for source in sources.values() if source.values]):
         return {}
-    known, gateways = frozenset(chain.from_iterable(map(_names, heard))), {one.key[0] for one in heard}
+    known, gateways = frozenset(chain.from_iterable(map(_names, heard))), {source.key[0] for source in heard}
     return {
-        one.key: f"{one.label} has other topics than the device, and gets no commands before its first report"
-        for one in silent
-        if one.key[0] in gateways and known.isdisjoint(_names(one))
+        source.key: f"{source.label} has other topics than the device, and gets no commands before its first report"
+        for source in silent
+        if source.key[0] in gateways and known.isdisjoint(_names(source))
     }
 
 
@@ -229,12 +233,12 @@ def last_seen(sources: Collection[SourceRecord]) -> Time:
 def _with_sorted_routes(
     parts: tuple[DevicePart, ...], order: Callable[[Route], int | tuple[bool, bool]]
 ) -> tuple[DevicePart, ...]:
-    found = []
+    sorted_parts = []
     for part in parts:
         routes = tuple(sorted(part.routes, key=order)) if len(part.routes) > 1 else part.routes
         is_same = routes == part.routes
-        found.append(part if is_same else part.model_copy(update={"routes": routes}))
-    return tuple(found)
+        sorted_parts.append(part if is_same else part.model_copy(update={"routes": routes}))
+    return tuple(sorted_parts)
 
 
 def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: bool) -> Freshness:

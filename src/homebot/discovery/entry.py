@@ -177,8 +177,8 @@ class Entry:
 
     def hardware(self) -> tuple[str, ...]:
         """Return the hardware addresses of the device."""
-        found = (identifier for source in self._believed().values() for identifier in source.sighting.identifiers)
-        return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
+        identifiers = (identifier for source in self._believed().values() for identifier in source.sighting.identifiers)
+        return tuple(dict.fromkeys(identifier for identifier in identifiers if not identifier.startswith("id:")))
 
     def last_seen(self) -> Time:
         """Return when it was last seen: when it last reported, or else was announced."""
@@ -299,7 +299,7 @@ class Entry:
         """Return the ids of its parts that cannot be reached."""
         if not self.is_denied:
             return ()
-        ids = {number: one.id for number, one in enumerate(merged.parts)}
+        ids = {number: part.id for number, part in enumerate(merged.parts)}
         return offline_parts(self._believed(), merged.places, ids)
 
     def _endpoints(self, described: tuple[Addresses, ...], reachable: Reachability) -> tuple[Endpoint, ...]:

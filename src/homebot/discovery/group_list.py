@@ -37,11 +37,11 @@ class GroupList:
         groups = list_groups(self._index.devices(), {} if owner.groups is None else owner.groups.queries)
         if not request.name.strip():
             return ListGroupsResponse(success=True, groups=groups)
-        names = [one.name for one in groups]
+        names = [group.name for group in groups]
         wanted = fold(find_name(request.name, names) or request.name)
-        found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
-        problem = "" if found else no_such("group", request.name, names, "`homebot group list` shows all")
-        return ListGroupsResponse(success=not problem, message=problem, groups=found)
+        groups = tuple([group for group in groups if wanted == fold(group.name) or request.name == group.id])
+        problem = "" if groups else no_such("group", request.name, names, "`homebot group list` shows all")
+        return ListGroupsResponse(success=not problem, message=problem, groups=groups)
 
 
 class _ListedGroup(NamedTuple):
@@ -52,12 +52,17 @@ class _ListedGroup(NamedTuple):
 def list_groups(devices: Sequence[Device], queries: Mapping[str, str]) -> tuple[GroupInfo, ...]:
     """Return the groups among *devices*, and those of the owner with the *queries* for their members, by name."""
     names = part_names(devices)
-    parts = [(one, part) for one in devices for part in one.parts]
+    parts = [(device, part) for device in devices for part in device.parts]
     commanded = [(device, part) for device, part in parts if is_commanded(part.part) and not part.part.members]
-    own = {name: [_place(*one) for one in commanded if name in groups_of(one[0], one[1].id)] for name in queries}
-    found = [_ListedGroup(GroupInfo(name=name, query=queries[name]), tuple(members)) for name, members in own.items()]
-    found += _native(parts, commanded)
-    return tuple(sorted((_complete(one, found, names) for one in found), key=lambda one: (one.name.casefold(), one.id)))
+    own = {
+        name: [_place(*member) for member in commanded if name in groups_of(member[0], member[1].id)]
+        for name in queries
+    }
+    listed = [_ListedGroup(GroupInfo(name=name, query=queries[name]), tuple(members)) for name, members in own.items()]
+    listed += _native(parts, commanded)
+    return tuple(
+        sorted((_complete(group, listed, names) for group in listed), key=lambda info: (info.name.casefold(), info.id))
+    )
 
 
 def _native(
@@ -66,24 +71,27 @@ def _native(
     for device, part in parts:
         if not part.part.is_group:
             continue
-        wanted, gateways = set(part.part.members), {one.gateway for one in part.routes}
+        wanted, gateways = set(part.part.members), {route.gateway for route in part.routes}
         named, members = set[str](), list[str]()
-        for one in commanded:
-            if known := wanted.intersection(references(*one, gateways)):
+        for candidate in commanded:
+            if known := wanted.intersection(references(*candidate, gateways)):
                 named |= known
-                members.append(_place(*one))
+                members.append(_place(*candidate))
         info = GroupInfo(name=group_name(device, part), id=target_of(device.id, part.id), is_complete=named == wanted)
         yield _ListedGroup(info, tuple(members))
 
 
 def _complete(group: _ListedGroup, others: Iterable[_ListedGroup], names: Mapping[str, str]) -> GroupInfo:
     alike = [
-        one.info.id
-        for one in others
-        if one.info.id and one.info.is_complete and group.members and set(one.members) == set(group.members)
+        other.info.id
+        for other in others
+        if other.info.id and other.info.is_complete and group.members and set(other.members) == set(group.members)
     ]
     members = tuple(
-        [KeyValue(key=one, value=names.get(one) or names.get(one.partition("#")[0], "")) for one in group.members]
+        [
+            KeyValue(key=member, value=names.get(member) or names.get(member.partition("#")[0], ""))
+            for member in group.members
+        ]
     )
     return group.info.model_copy(update={"members": members, "reached_by": tuple(alike)})
 

@@ -67,7 +67,7 @@ def read_groups(tables: Sequence[object], source: str) -> Mapping[str, str]:
     """
     if len(tables) > _MAX_GROUPS:
         raise ConfigError(source, "groups", f"there are {len(tables)} groups; {_MAX_GROUPS} is the limit")
-    found: dict[str, str] = {}
+    groups: dict[str, str] = {}
     numbers: dict[str, int] = {}
     for number, table in enumerate(tables):
         if table is None:
@@ -77,15 +77,15 @@ def read_groups(tables: Sequence[object], source: str) -> Mapping[str, str]:
             name = check_name(settings.name)
         except UsageError as exc:
             raise ConfigError(source, f"groups.{number}.name", str(exc)) from exc
-        if fold(name) in map(fold, found):
+        if fold(name) in map(fold, groups):
             raise ConfigError(source, f"groups.{number}.name", f"there is a group {name!r} already")
-        found[name], numbers[name] = settings.members, number
+        groups[name], numbers[name] = settings.members, number
     for name, number in numbers.items():
         try:
-            _members(name, found)
+            _members(name, groups)
         except UsageError as exc:
             raise ConfigError(source, f"groups.{number}.members", str(exc)) from exc
-    return found
+    return groups
 
 
 class _NativeGroup(NamedTuple):
@@ -119,18 +119,18 @@ class HouseGroups:
 
     def put(self, device: Device) -> None:
         """Take the groups that *device* is now, such as one of lamps."""
-        found = tuple(
+        groups = tuple(
             (group, part.part.members)
             for part in device.parts
             if part.part.is_group and part.routes
             for group in [_native_group(device, part)]
         )
-        if self._native.get(device.id, ()) == found:
+        if self._native.get(device.id, ()) == groups:
             return
         self.discard(device.id)
-        if found:
-            self._native[device.id], self.has_changed = found, True
-        for group, members in found:
+        if groups:
+            self._native[device.id], self.has_changed = groups, True
+        for group, members in groups:
             for member in members:
                 self._by_member.setdefault(member, {})[group] = None
 
@@ -154,9 +154,9 @@ class HouseGroups:
         own = set(map(fold, self.queries))
         return tuple(
             [
-                _fact(one.name, "", _key(one.device, device, ids), one.said_at)
-                for one, ids in parts.items()
-                if fold(one.name) not in own
+                _fact(group.name, "", _key(group.device, device, ids), group.said_at)
+                for group, ids in parts.items()
+                if fold(group.name) not in own
             ]
         )
 
@@ -176,8 +176,8 @@ class HouseGroups:
             return ()
         native = self.native_facts(device)
         device = device.model_copy(update={"facts": (*native, *device.facts)}) if native and self._members else device
-        found = ((name, _source(device, query)) for name, query in self._members.items())
-        return native + tuple([_fact(name, OWNER, source, self._said_at) for name, source in found if source])
+        sources = ((name, _source(device, query)) for name, query in self._members.items())
+        return native + tuple([_fact(name, OWNER, source, self._said_at) for name, source in sources if source])
 
 
 def _is_group(device: Device) -> bool:
@@ -220,7 +220,7 @@ def _members(name: str, queries: Mapping[str, str], *inside: str) -> Query:
     query = parse_query(queries[name])
     if query == And(()):
         raise UsageError("is empty; write a query such as 'lights in living'")
-    if any(isinstance(one, _PASSING) for one in leaves(query)):
+    if any(isinstance(term, _PASSING) for term in leaves(query)):
         raise UsageError(
             f"{queries[name]!r} depends on what changes from moment to moment; name the members by type, room, name or "
             "tag"
@@ -231,7 +231,7 @@ def _members(name: str, queries: Mapping[str, str], *inside: str) -> Query:
 def _expanded(query: Query, group: Callable[[str], Query]) -> Query:
     match query:
         case And(terms) | Or(terms):
-            return type(query)(tuple([_expanded(one, group) for one in terms]))
+            return type(query)(tuple([_expanded(term, group) for term in terms]))
         case Not(term):
             return Not(_expanded(term, group))
         case FactIs("group", folded):
@@ -244,6 +244,6 @@ def _group(queries: Mapping[str, str], inside: tuple[str, ...], folded: str) -> 
     known = {fold(query): query for query in queries}
     if folded in known:
         return _members(known[folded], queries, *inside)
-    if meant := sorted(one for one in known if is_room_typo(folded, one)):
+    if meant := sorted(name for name in known if is_room_typo(folded, name)):
         raise UsageError(f"there is no group {folded!r}; did you mean {' or '.join(meant)}?")
     return FactIs(GROUP, folded)  # of a gateway

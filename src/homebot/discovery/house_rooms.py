@@ -68,7 +68,7 @@ class HouseRooms:
             RefusedError: It was not imported, or the configuration has it.
         """
         self._check_imported(name, f"removing the room {name!r}")
-        self._change((one for one in self.imported if fold(one.name) != fold(name)), self.imported_doors)
+        self._change((room for room in self.imported if fold(room.name) != fold(name)), self.imported_doors)
 
     def rename(self, name: str, new: str, *, is_stated: bool) -> None:
         """Rename an imported room.
@@ -89,21 +89,21 @@ class HouseRooms:
             door._replace(rooms=(_spelled(door.rooms[0], name, new), _spelled(door.rooms[1], name, new)))
             for door in self.imported_doors
         ]
-        self._change((_renamed(one, name, new) for one in self.imported), doors)
+        self._change((_renamed(room, name, new) for room in self.imported), doors)
 
     def _check_imported(self, name: str, order: str) -> None:
         """Refuse *order* unless the room *name* comes from an import alone."""
         if self._configured.room(name) is not None:
             raise RefusedError(order, "it is stated in the configuration; change [places] there")
-        if all(fold(one.name) != fold(name) for one in self.imported):
-            known = [one.name for one in self.imported]
+        if all(fold(room.name) != fold(name) for room in self.imported):
+            known = [room.name for room in self.imported]
             raise RefusedError(order, f"no import stated it; {did_you_mean(name, known, 'see `homebot places list`')}")
 
     def _change(self, rooms: Iterable[HouseRoom], doors: Iterable[HouseDoor]) -> None:
         """Set the imported *rooms* and *doors*, without doors to rooms that are gone."""
         changed = tuple(rooms)
-        known = {fold(one.name) for one in (*changed, *self._configured.rooms)} | {OUTSIDE}
-        changed = tuple(one._replace(doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)
+        known = {fold(room.name) for room in (*changed, *self._configured.rooms)} | {OUTSIDE}
+        changed = tuple(room._replace(doors=tuple(to for to in room.doors if fold(to) in known)) for room in changed)
         joined = tuple(door for door in doors if known.issuperset(map(fold, door.rooms)))
         self.plan = _checked(self._configured.with_rooms(changed, "the imported rooms", joined))
         self.imported, self.imported_doors = changed, joined

@@ -128,7 +128,7 @@ class Tombstones:
             for key in tombstone.keys:
                 if self._by_key.get(key) == device_id:
                     del self._by_key[key]
-            for one in tombstone.hardware:
-                if self._by_hardware.get(one) == device_id:
-                    del self._by_hardware[one]
+            for identifier in tombstone.hardware:
+                if self._by_hardware.get(identifier) == device_id:
+                    del self._by_hardware[identifier]
         return tombstone

@@ -159,8 +159,8 @@ class DeviceIndex:
                 table.owner.any_groups().put(device)
             values: list[PostedValue] = []
             if device.states:
-                found = zip(facets.values, entry.newest_values(topics), strict=True)
-                values = [(part, kind, name, stored) for (kind, name, _, part), stored in found]
+                newest = zip(facets.values, entry.newest_values(topics), strict=True)
+                values = [(part, kind, name, stored) for (kind, name, _, part), stored in newest]
             table.postings.put(facets, values)
             done += 1
             if not outdated and table.owner.groups is not None:

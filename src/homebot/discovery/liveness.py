@@ -120,12 +120,12 @@ class Liveness:
     def _gateway_deadlines(self, entry: Entry) -> dict[str, float]:
         """Return when *entry* becomes stale at each gateway that has heard it since the start, unless it is."""
         usual = entry.report_interval.expected_silence
-        found: dict[str, float] = {}
+        deadlines: dict[str, float] = {}
         for (gateway, _), source in entry.sources.items():
             if source.heard_at > -math.inf and gateway not in entry.stale_gateways:
                 silence = max(source.lasts, usual, _ONLINE_FOR if source.is_online else 0.0)
-                found[gateway] = max(found.get(gateway, -math.inf), source.heard_at + silence)
-        return found
+                deadlines[gateway] = max(deadlines.get(gateway, -math.inf), source.heard_at + silence)
+        return deadlines
 
     def _mark_gateway_seen(self, entry: Entry, gateway: str, *, was_stale: bool) -> None:
         """Record that *entry*, a device with several announcements, was heard at *gateway*."""

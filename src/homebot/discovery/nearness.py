@@ -144,7 +144,7 @@ class Nearness:
             least=least_shortcoming(wanted, index.postings),
             limit=limit,
         )
-        left_out = [(one, "it waits for the owner's approval") for one in sorted(forbidden)]
+        left_out = [(device_id, "it waits for the owner's approval") for device_id in sorted(forbidden)]
         left_out += self._no_ways(unreachable[:_MAX_LEFT_OUT], start.room, locked)
         answer = QueryDevicesResponse(
             success=True,
@@ -224,7 +224,7 @@ class Nearness:
         known, door = self._tolls.get(name), self._doors[name]
         if known is not None and not known[1]:
             return known[0]
-        now = tuple([self._device(one) for one in (door.lock, door.contact) if one])
+        now = tuple([self._device(device_id) for device_id in (door.lock, door.contact) if device_id])
         if known is None or any(map(is_not, known[1], now)):
             known = self._tolls[name] = self._door(name).metres, now
         return known[0]
@@ -239,10 +239,10 @@ class Nearness:
         terms = [CostTerm(cost, "is a way of stairs" if door.cost is None else "counts more")] if cost else []
         if contact is None:
             return DoorState(tuple(terms), "" if cost and not door.contact else "assumed open")
-        is_open, told = contact
+        is_open, how = contact
         if is_open is False:
-            return DoorState((*terms, CostTerm(self._index.owner.closed_door, f"is closed {told}")))
-        return DoorState(tuple(terms), f"open {told}" if "stale" in told else "")
+            return DoorState((*terms, CostTerm(self._index.owner.closed_door, f"is closed {how}")))
+        return DoorState(tuple(terms), f"open {how}" if "stale" in how else "")
 
     def _state(self, named: str, capability: str) -> tuple[PlainValue, str] | None:
         """Return the newest value of a capability of the device with the id or name *named*, and its age."""

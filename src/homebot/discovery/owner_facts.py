@@ -146,8 +146,8 @@ class OwnerFacts:
         Not to be called while :attr:`is_empty`.
         """
         stated = self.stated(device_id, sources)
-        found = (*stated, *self._configured_of(device_id, sources)) if self._configured else stated
-        return _once(found) if found else _NONE
+        facts = (*stated, *self._configured_of(device_id, sources)) if self._configured else stated
+        return _once(facts) if facts else _NONE
 
     def stated(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
         """Return the facts that commands and imports stated about a device: commands first, later ones first."""
@@ -251,7 +251,9 @@ class OwnerFacts:
 
     def remove_room(self, name: str) -> None:
         """Remove an imported room and its doors from the plan, unless devices were placed in it."""
-        if placed := sorted(str(min(one.names, key=lambda name: not isinstance(name, str))) for one in self._in(name)):
+        if placed := sorted(
+            str(min(statements.names, key=lambda name: not isinstance(name, str))) for statements in self._in(name)
+        ):
             named = ", ".join(placed[:_MAX_NAMED]) + (", …" if len(placed) > _MAX_NAMED else "")
             reason = f"devices were placed in it: {named}; place them elsewhere first"
             raise RefusedError(f"removing the room {name!r}", reason)
@@ -264,8 +266,10 @@ class OwnerFacts:
         if fold(new) != fold(name) and self._in(new):
             raise RefusedError(f"renaming the room {name!r}", f"there is a room {new!r} already")
         self.rooms.rename(name, new, is_stated=bool(in_it))
-        for one in in_it:
-            one.facts = tuple(fact._replace(value=new) if _is_room(fact, name) else fact for fact in one.facts)
+        for statements in in_it:
+            statements.facts = tuple(
+                fact._replace(value=new) if _is_room(fact, name) else fact for fact in statements.facts
+            )
         self.is_unsaved = True
 
     def _statements(self, names: Iterable[_Name]) -> Iterable[_Statement]:

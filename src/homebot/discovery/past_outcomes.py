@@ -66,8 +66,8 @@ class PastOutcomes:
             except ServiceError:
                 return
             new = [entry for entry in page.entries if entry not in seen]
-            for one in new:
-                self._add(one)
+            for entry in new:
+                self._add(entry)
             if page.complete or not new:
                 return
             seen, until = set(page.entries), page.entries[0].at

@@ -31,8 +31,8 @@ class PendingReports:
     def put(self, key: SourceKey, report: Report, now: float) -> None:
         """Keep *report*, received at *now*; only the newest of each stream."""
         self.count += 1
-        found = self.reports[key] = self.reports.get(key) or BoundedMap(_MAX_ADDRESSES)
-        found[report.stream] = now, report
+        by_stream = self.reports[key] = self.reports.get(key) or BoundedMap(_MAX_ADDRESSES)
+        by_stream[report.stream] = now, report
 
     def remember_forgotten(self, key: SourceKey, sighting: Sighting) -> None:
         """Keep the newest announcement of a forgotten device; at most 10,000."""
@@ -53,11 +53,11 @@ class PendingReports:
 
     def pop(self, key: SourceKey, now: float) -> tuple[Report, ...]:
         """Remove and return the reports of a device announced at *now*, oldest first."""
-        found = self.reports.pop(key, None)
-        if found is None:
+        reports = self.reports.pop(key, None)
+        if reports is None:
             return ()
-        waits = ((now - came, report) for came, report in found.values())
-        return tuple(one for age, one in waits if age <= (_EVENT_WAIT if _is_event(one) else _REPORT_WAIT))
+        waits = ((now - came, report) for came, report in reports.values())
+        return tuple(report for age, report in waits if age <= (_EVENT_WAIT if _is_event(report) else _REPORT_WAIT))
 
 
 def _is_event(report: Report) -> bool:

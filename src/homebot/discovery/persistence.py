@@ -132,7 +132,7 @@ class IndexPersistence:
     async def export(self) -> tuple[IndexRow, ...]:
         """Return the content that the file would have now, whether or not there is one."""
         records = await self._records(self._index.ids)
-        owner = tuple((name, record) for name, one in self._owner.items() if (record := one.record()))
+        owner = tuple((name, record) for name, statements in self._owner.items() if (record := statements.record()))
         tables: tuple[tuple[IndexTable, tuple[tuple[str, str], ...]], ...] = (
             ("devices", records.devices),
             ("tombstones", records.tombstones),
@@ -297,8 +297,8 @@ def _understood(records: Records) -> _SavedState:
 
 
 def _read_each(rows: Iterable[tuple[str, str]], read: Callable[[str, str], T]) -> list[T]:
-    found = []
+    entries = []
     for device_id, text in rows:
         with suppress(WireError):
-            found.append(read(device_id, text))
-    return found
+            entries.append(read(device_id, text))
+    return entries

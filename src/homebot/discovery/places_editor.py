@@ -118,7 +118,7 @@ class PlacesEditor:
         before = {(fact.name, fact.value) for fact in stated if fact.name in _TAUGHT}
         is_new = before != {(fact.name, fact.value) for fact in facts}
         if is_new:
-            others = [one for one in stated if one.name not in _TAUGHT]
+            others = [fact for fact in stated if fact.name not in _TAUGHT]
             where = " at ".join(fact.value for fact in reversed(facts))
             why = f"a robot saw it at {where}" if at else f"a tag says that it is in {where}"
             self.state(entry, [*others, *facts], why)
@@ -213,7 +213,7 @@ class PlacesEditor:
 
     def commands(self, device_id: str) -> dict[SourceKey, tuple[str, ...]]:
         """Return a line for each part of a device that takes commands, by announcement: the commands and addresses."""
-        return {key: _announced_commands(one) for key, one in self._entry(device_id).sources.items()}
+        return {key: _announced_commands(source) for key, source in self._entry(device_id).sources.items()}
 
     def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
         """Return the facts that commands and imports state about a device."""
@@ -270,14 +270,17 @@ class PlacesEditor:
         """Return *room* as the plan or the other devices in it spell it."""
         name, _ = self._table.owner.plan.locate(room)
         others = sorted(self._table.postings.find(AreaIs(fold(name))) - {device_id})
-        areas = (self._table.entries[one].to_device(self._table.topics).area for one in others)
+        areas = (self._table.entries[other].to_device(self._table.topics).area for other in others)
         return next((area for area in areas if fold(area) == fold(name)), name)
 
     def _check_typo(self, room: str) -> None:
         plan = self._table.owner.plan
-        known = {*map(fold, (*(one.name for one in plan.rooms), *plan.floors)), *self._table.postings.values_of("area")}
+        known = {
+            *map(fold, (*(plan_room.name for plan_room in plan.rooms), *plan.floors)),
+            *self._table.postings.values_of("area"),
+        }
         spelled = fold(room)
-        meant = sorted(self._spelled(one, "") for one in known if is_room_typo(spelled, one))
+        meant = sorted(self._spelled(name, "") for name in known if is_room_typo(spelled, name))
         if meant and spelled not in known:
             raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
 

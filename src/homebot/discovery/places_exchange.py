@@ -151,7 +151,7 @@ class PlacesExchange:
         device = names[0] if entry is None else entry.id
         known = {(fact.name, fold(fact.value)) for fact in in_use}
         single = {fact.name: fact.value for fact in reversed(in_use) if fact.name in {"area", "position"}}
-        found = list(stated)
+        remaining = list(stated)
         for fact in facts:
             if (fact.name, fold(fact.value)) in known:
                 continue
@@ -160,9 +160,9 @@ class PlacesExchange:
                     where = "in" if fact.name == "area" else "at"
                     kept.append(f"{device} stays {where} {single[fact.name]}; the file says {fact.value}")
                     continue
-                found = [one for one in found if one.name != fact.name]
-            found.append(fact)
-        merged = tuple(found)
+                remaining = [other for other in remaining if other.name != fact.name]
+            remaining.append(fact)
+        merged = tuple(remaining)
         if merged == stated:
             return False
         if entry is None:
@@ -182,12 +182,12 @@ class PlacesExchange:
 
     def _by_identifier(self, wanted: frozenset[str]) -> Generator[None, None, dict[str, list[SourceKey]]]:
         """Return the announcements with the identifiers *wanted*."""
-        found: dict[str, list[SourceKey]] = {}
+        keys: dict[str, list[SourceKey]] = {}
         for key, source in tuple(self._table.sources.items()):
             yield
             for identifier in wanted.intersection(source.sighting.identifiers):
-                found.setdefault(identifier, []).append(key)
-        return found
+                keys.setdefault(identifier, []).append(key)
+        return keys
 
     def _known_by(self, names: tuple[str, ...], by_identifier: Mapping[str, list[SourceKey]]) -> tuple[Entry, ...]:
         """Return the device with that id, or the devices with one of these hardware addresses."""

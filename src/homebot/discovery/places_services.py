@@ -205,8 +205,8 @@ class OwnerRequests:
         The message of the answer says so if the result could not be saved.
         """
         try:
-            found = handle()
-            answer = found if isinstance(found, ServiceAnswer) else await found
+            result = handle()
+            answer = result if isinstance(result, ServiceAnswer) else await result
         except (ConfigError, RefusedError, UsageError) as exc:
             return response(success=False, message=str(exc))
         self._publish_all()

@@ -13,7 +13,7 @@ from homebot.support.similar import did_you_mean
 _Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
 _Bounds: TypeAlias = tuple[_Number, _Number]
 
-_NUMBERS: Final = frozenset(name for name, one in CAPABILITIES.items() if one.kind == "number")
+_NUMBERS: Final = frozenset(name for name, capability in CAPABILITIES.items() if capability.kind == "number")
 
 
 class LimitSettings(BaseModel):
@@ -64,7 +64,7 @@ class LimitsOfDevices:
     """
 
     def __init__(self, tables: Mapping[str, LimitSettings]) -> None:
-        self._by_name = {fold(name): ReadingLimits(name, one.limits) for name, one in tables.items()}
+        self._by_name = {fold(name): ReadingLimits(name, table.limits) for name, table in tables.items()}
         self.capabilities = frozenset(name for table in tables.values() for name in table.limits)
 
     def of(self, names: Iterable[str]) -> ReadingLimits | None:

@@ -99,8 +99,8 @@ def read_entry(device_id: str, text: str) -> Entry:
     gaps = [gap for gap in record.gaps if math.isfinite(gap) and gap > 0]
     sources: dict[SourceKey, SourceRecord] = {}
     ids: dict[PartPlace, str] = {}
-    for number, one in enumerate(record.claims):
-        sighting = one.sighting
+    for number, claim in enumerate(record.claims):
+        sighting = claim.sighting
         try:
             validate_node_name(sighting.gateway)
         except InvalidNameError as exc:
@@ -108,12 +108,12 @@ def read_entry(device_id: str, text: str) -> Entry:
         sources[sighting.gateway, sighting.key] = SourceRecord(
             sighting=sighting,
             number=number,
-            first_seen=one.first_seen,
+            first_seen=claim.first_seen,
             seen_at=sighting.seen_at,
             confirmed=False,
         )
         ids |= {
-            (sighting.gateway, sighting.key, part.id): one.part_ids.get(part.id, part.id) for part in sighting.parts
+            (sighting.gateway, sighting.key, part.id): claim.part_ids.get(part.id, part.id) for part in sighting.parts
         }
     if not device_id or not sources:
         raise WireError("a device without an id or an announcement", text[:100].encode(errors="replace"))

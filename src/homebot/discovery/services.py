@@ -128,9 +128,9 @@ class DirectoryServices:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
             self._check_words(query)
-        found = self._index.find(query)
-        found = found.intersection(request.ids) if request.ids else found
-        return sorted(found) if near is None else [one for one in near if one in found]
+        matches = self._index.find(query)
+        matches = matches.intersection(request.ids) if request.ids else matches
+        return sorted(matches) if near is None else [device_id for device_id in near if device_id in matches]
 
     async def _query(self, request: messages.QueryDevicesRequest) -> messages.QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
@@ -146,24 +146,24 @@ class DirectoryServices:
                 matches = index.find(query)
                 if request.is_spelled:
                     matches = {match for match in matches if fits(query, index.postings.facets(match))}
-                ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
+                ranked = [(score, device_id, ()) for score, device_id in rank(query, matches, index.postings)]
                 note = self._explain_result(query, matches, is_spelled=request.is_spelled)
                 answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
             else:
-                found = await (await self._nearness()).find(near, rest, limit or 0)
-                ranked = [(-device.cost, device.device, (found.why(device),)) for device in found.devices]
-                answer = found.answer
+                nearest = await (await self._nearness()).find(near, rest, limit or 0)
+                ranked = [(-device.cost, device.device, (nearest.why(device),)) for device in nearest.devices]
+                answer = nearest.answer
         except (RefusedError, UsageError) as exc:
             is_mistake = isinstance(exc, UsageError)
             return messages.QueryDevicesResponse(
                 success=False, message=_reason(exc), sequence=index.sequence, is_mistake=is_mistake
             )
         results = [
-            messages.Found(device=device, score=score, reasons=(*why, *reasons(rest, one, index.postings)))
-            for score, one, why in ranked[request.offset : limit]
-            if (device := index.get(one)) is not None
+            messages.Found(device=device, score=score, reasons=(*why, *reasons(rest, device_id, index.postings)))
+            for score, device_id, why in ranked[request.offset : limit]
+            if (device := index.get(device_id)) is not None
         ]
-        words = any(one.kind == "words" for one in request.query)
+        words = any(term.kind == "words" for term in request.query)
         more = {"query": query_terms(query)} if words else {}
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence, **more})
 
@@ -171,24 +171,28 @@ class DirectoryServices:
         await self._catch_up()
         wanted = messages.FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)
         try:
-            found = self._matching(wanted, await self._near_robot(wanted))
+            matches = self._matching(wanted, await self._near_robot(wanted))
             if request.is_spelled:
                 query = read_terms(request.query, self._parse)
-                found = [one for one in found if fits(query, self._index.postings.facets(one))]
+                matches = [device_id for device_id in matches if fits(query, self._index.postings.facets(device_id))]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         from homebot.discovery.listing import list_device, rights_in  # noqa: PLC0415 - screens and agents ask, after the start
 
         end = request.offset + min(request.limit or messages.MAX_LISTED, messages.MAX_LISTED)
         rights = rights_in(request)
-        devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
+        devices = [
+            device for device_id in matches[request.offset : end] if (device := self._index.get(device_id)) is not None
+        ]
         return messages.ListDevicesResponse(
             success=True,
-            message=self._explain_result(read_terms(request.query, self._parse), found, is_spelled=request.is_spelled),
+            message=self._explain_result(
+                read_terms(request.query, self._parse), matches, is_spelled=request.is_spelled
+            ),
             devices=tuple(
                 list_device(device, rights, needs_approval=self._index.postings.needs_approval) for device in devices
             ),
-            total=len(found),
+            total=len(matches),
             sequence=self._index.sequence,
         )
 
@@ -279,7 +283,7 @@ class DirectoryServices:
         plan = self._index.owner.plan
         overlaps = homebot.places.FloorPlan.of(plan).overlaps if plan.has_areas else ()
         notes = [
-            f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
+            f"the rooms {room} and {other} overlap by {area:.1f} m²; correct [places]" for room, other, area in overlaps
         ]
         notes += self._empty_groups()
         return HealthResponse(counts=counts, troubles=troubles, notes=tuple(notes))

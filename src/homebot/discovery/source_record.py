@@ -91,7 +91,7 @@ class SourceRecord:
     def set_reach(self, reach: Mapping[str, Reach]) -> None:
         """Store *reach* as the reported reachability."""
         self.reach = reach or _NOTHING
-        self.is_online = any(one.value and one.live for one in reach.values())
+        self.is_online = any(reach_of_part.value and reach_of_part.live for reach_of_part in reach.values())
 
     @property
     def is_lost(self) -> bool:
@@ -172,7 +172,7 @@ def record_description(source: SourceRecord, before: Sighting) -> None:
 
 
 def _facts_of(sighting: Sighting) -> dict[str, str]:
-    return {"name": sighting.name, "area": sighting.area, **{one.key: one.value for one in sighting.metadata}}
+    return {"name": sighting.name, "area": sighting.area, **{item.key: item.value for item in sighting.metadata}}
 
 
 def _only(value_ts: Mapping[KeyT, ValueT], keys: Container[KeyT]) -> dict[KeyT, ValueT]:

@@ -73,8 +73,8 @@ class StateRecorder:
     def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
         """Record *report*, received through *source*, an announcement of *entry*."""
         states_reach = REACHABLE in map(_CAPABILITY, report.readings)
-        for one in report.unreadable:
-            self._record_unreadable(entry, source, one.key, one.value, report.received_at)
+        for unreadable in report.unreadable:
+            self._record_unreadable(entry, source, unreadable.key, unreadable.value, report.received_at)
         if self._table.limits is not None:
             report = self._within_limits(entry, source, report, self._table.limits)
         before = self._reach(entry) if states_reach or entry.is_denied else None
@@ -101,12 +101,12 @@ class StateRecorder:
         if (limits := given.of((device.id, *device.names))) is None:
             return report
         kept: list[Reading] = []
-        for one in report.readings:
-            if problem := limits.problem(one):
+        for reading in report.readings:
+            if problem := limits.problem(reading):
                 self._table.counters.outside_limits += 1
-                self._record_unreadable(entry, source, one.part, problem, report.received_at)
+                self._record_unreadable(entry, source, reading.part, problem, report.received_at)
             else:
-                kept.append(one)
+                kept.append(reading)
         return report.model_copy(update={"readings": tuple(kept)})
 
     def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
@@ -211,7 +211,7 @@ class StateRecorder:
         number = entry.parts(self._table.topics).places.get((*source.key, reading.part))
         if number is None or not isinstance(value, bool | str) or not takes_commands(source.sighting):
             return
-        if can_hurt(one.sighting for one in entry.sources.values()):
+        if can_hurt(known_source.sighting for known_source in entry.sources.values()):
             return
         entry.agreement = entry.agreement or Agreement()  # few devices have claimed endpoints
         change = number, reading.capability, value
@@ -375,37 +375,42 @@ class SettingChanges:
         places = entry.parts(self._table.topics).places
         number = places.get((*source.key, place[0]))
         for other in entry.sources.values():
-            for (part, capability), one in other.values.items():
-                is_same = one is not stored and capability == place[1] and places.get((*other.key, part)) == number
-                if is_same and one.live and one.value is not None and one.since.to_seconds() > newest[1].to_seconds():
-                    newest = one.reported, one.since
+            for (part, capability), value in other.values.items():
+                is_same = value is not stored and capability == place[1] and places.get((*other.key, part)) == number
+                if (
+                    is_same
+                    and value.live
+                    and value.value is not None
+                    and value.since.to_seconds() > newest[1].to_seconds()
+                ):
+                    newest = value.reported, value.since
         return newest
 
     def pop(self) -> Iterator[ChangedSetting]:
         """Remove and yield the changes, as for `ChangedSettings`."""
         table, waiting = self._table, self.waiting
         self.waiting = {}
-        for one in waiting.values():
-            entry, first, newest = one.entry, one.new.value, one.stored.reported
+        for setting in waiting.values():
+            entry, first, newest = setting.entry, setting.new.value, setting.stored.reported
             if table.entries.get(entry.id) is not entry:
                 continue
-            part = entry.parts(table.topics).shown_part_of(one.source, one.new.part)
+            part = entry.parts(table.topics).shown_part_of(setting.source, setting.new.part)
             if part is None:
                 continue
             change = ChangedSetting(
                 device=entry.id,
                 part=part.id,
-                capability=one.new.capability,
+                capability=setting.new.capability,
                 value=first,
-                told_at=one.since,
-                was_absent=one.was_absent,
-                set_by=one.set_by,
-                before=one.before,
-                before_since=one.before_since,
+                told_at=setting.since,
+                was_absent=setting.was_absent,
+                set_by=setting.set_by,
+                before=setting.before,
+                before_since=setting.before_since,
             )
             if newest is first or not (newest.number and first.number):
                 yield change
                 if first.plain() is not None:
-                    change = change.model_copy(update={"before": first, "before_since": one.since})
+                    change = change.model_copy(update={"before": first, "before_since": setting.since})
             if newest is not first:
-                yield change.model_copy(update={"value": newest, "told_at": one.stored.since})
+                yield change.model_copy(update={"value": newest, "told_at": setting.stored.since})

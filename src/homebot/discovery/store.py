@@ -88,12 +88,12 @@ class IndexFile(SqliteFile):
         with self._used("written") as connection:
             connection.execute(f"PRAGMA synchronous = {'FULL' if records.owner else 'NORMAL'}")
             with connection:
-                stones = [(one, record) for one, record in records.tombstones if _is_text(one)]
+                stones = [(device_id, record) for device_id, record in records.tombstones if _is_text(device_id)]
                 for table, rows in (("devices", records.devices), ("tombstones", stones)):
-                    gone = set(ids).difference(one for one, _ in rows)
+                    gone = set(ids).difference(device_id for device_id, _ in rows)
                     connection.executemany(
                         f"DELETE FROM {table} WHERE id = ?",  # noqa: S608 - of our own texts
-                        [(one,) for one in gone if _is_text(one)],
+                        [(device_id,) for device_id in gone if _is_text(device_id)],
                     )
                     # A replaced row would move, so that it and its index entry would be written too.
                     connection.executemany(
@@ -106,8 +106,10 @@ class IndexFile(SqliteFile):
 
 def _is_text(device_id: str) -> bool:
     """Return whether *device_id* can be stored: it has no lone surrogate."""
-    return not any("\ud800" <= one <= "\udfff" for one in device_id)
+    return not any("\ud800" <= character <= "\udfff" for character in device_id)
 
 
 def _texts(rows: Iterable[tuple[object, object]]) -> tuple[tuple[str, str], ...]:
-    return tuple((one, record) for one, record in rows if isinstance(one, str) and isinstance(record, str))
+    return tuple(
+        (device_id, record) for device_id, record in rows if isinstance(device_id, str) and isinstance(record, str)
+    )

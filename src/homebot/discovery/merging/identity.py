@@ -128,7 +128,9 @@ class IdentityGraph:
                 changed.add(identifier)
         if changed:
             touched = self._touched(changed)
-            return affected | self._affected({identity}, {one: self._links.pop(one, True) for one in touched})
+            return affected | self._affected(
+                {identity}, {identifier: self._links.pop(identifier, True) for identifier in touched}
+            )
         return affected | {key} if affected else frozenset((key,))
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
@@ -146,7 +148,9 @@ class IdentityGraph:
         if sources:
             return frozenset(sources)
         del self._sources[identity]
-        were_links = {one: self._links.pop(one, True) for one in self._touched(identity.identifiers)}
+        were_links = {
+            identifier: self._links.pop(identifier, True) for identifier in self._touched(identity.identifiers)
+        }
         self.told_apart -= identity.is_told_apart
         for identifier in identity.identifiers:
             holders = self._holders[identifier]
@@ -178,7 +182,7 @@ class IdentityGraph:
 
     def groups(self, keys: Iterable[SourceKey]) -> tuple[frozenset[SourceKey], ...]:
         """Return the devices that the announcements *keys* describe, each as the set of its announcements."""
-        found: list[frozenset[SourceKey]] = []
+        groups: list[frozenset[SourceKey]] = []
         done: set[Identity] = set()
         for key in keys:
             identity = self._identities.get(key)
@@ -186,16 +190,16 @@ class IdentityGraph:
                 continue
             identities = self._connected((identity,))
             done |= identities
-            found.append(frozenset(source for one in identities for source in self._sources[one]))
-        return tuple(found)
+            groups.append(frozenset(source for member in identities for source in self._sources[member]))
+        return tuple(groups)
 
     def shared(self, keys: Iterable[SourceKey]) -> Iterator[tuple[str, tuple[SourceKey, ...]]]:
         """Yield each identifier that connects identities among *keys*, with one announcement of each identity."""
-        found = dict.fromkeys(self._identities[key] for key in keys if key in self._identities)
-        identities = {identity: number for number, identity in enumerate(found)}
+        connected = dict.fromkeys(self._identities[key] for key in keys if key in self._identities)
+        identities = {identity: number for number, identity in enumerate(connected)}
         if len(identities) < _PAIR:
             return
-        for identifier in dict.fromkeys(one for identity in identities for one in identity.identifiers):
+        for identifier in dict.fromkeys(identifier for identity in identities for identifier in identity.identifiers):
             sharing = sorted(self._holders[identifier].keys() & identities.keys(), key=identities.__getitem__)
             if len(sharing) >= _PAIR and self._is_link(identifier):
                 yield identifier, tuple(next(iter(self._sources[identity])) for identity in sharing)
@@ -210,27 +214,27 @@ class IdentityGraph:
                         yield identifier, key, next(iter(self._sources[other]))
 
     def _identity_of(self, key: SourceKey, sighting: Sighting) -> Identity:
-        found = sighting.identifiers
-        if len(found) > MAX_IDENTIFIERS:
+        identifiers = sighting.identifiers
+        if len(identifiers) > MAX_IDENTIFIERS:
             self.cut += 1
-            found = found[:MAX_IDENTIFIERS]
-        names_host, names_device = _names_in(found)
+            identifiers = identifiers[:MAX_IDENTIFIERS]
+        names_host, names_device = _names_in(identifiers)
         offers_parts = bool(sighting.parts) if names_host else None
         is_own = sighting.whole_device or not (names_device or (names_host and not offers_parts))
         if place := _own_topic(sighting):
-            found = tuple(dict.fromkeys((*found, f"id:{place}")))
+            identifiers = tuple(dict.fromkeys((*identifiers, f"id:{place}")))
         if given := self._decisions.merged.get(key):
-            found = (*found, given)
+            identifiers = (*identifiers, given)
         if self._repeated and (name := self._repeated.get(key)):
-            found = (*found, name)
-        return Identity(key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
+            identifiers = (*identifiers, name)
+        return Identity(key[0], sighting.convention, identifiers, key[1] if is_own else "", offers_parts)
 
     def _affected(self, reached: set[Identity], were_links: Mapping[str, bool]) -> frozenset[SourceKey]:
         """Return the announcements of *reached*, and of all that these identifiers connect now or did before."""
         for identifier, was_link in were_links.items():
             if identifier in self._holders and (was_link or self._is_link(identifier)):
                 reached |= self._connected(self._holders[identifier])
-        return frozenset(source for one in reached for source in self._sources[one])
+        return frozenset(source for identity in reached for source in self._sources[identity])
 
     def _connected(self, identities: Iterable[Identity]) -> set[Identity]:
         """Return everything connected to one of *identities*, directly or through others."""
@@ -261,7 +265,7 @@ class IdentityGraph:
         if not self.told_apart:
             return identifiers
         near = dict.fromkeys(identifiers)
-        for holders in [self._holders[one] for one in near]:
+        for holders in [self._holders[name] for name in near]:
             for identity in holders if len(holders) <= MAX_HOLDERS else ():
                 near |= dict.fromkeys(identity.identifiers)
         return near
@@ -280,9 +284,11 @@ class IdentityGraph:
         for name in others:
             known = self._holders[name]
             if _is_specific(name, known):
-                beside = [one for one in known if one.is_told_apart]
-                sole = {one.gateway: one for one in beside}
-                if len(sole) == len(beside) and any(apart.get(one.gateway, one) is not one for one in beside):
+                beside = [identity for identity in known if identity.is_told_apart]
+                sole = {identity.gateway: identity for identity in beside}
+                if len(sole) == len(beside) and any(
+                    apart.get(identity.gateway, identity) is not identity for identity in beside
+                ):
                     return True
         return False
 
@@ -314,14 +320,14 @@ def _is_of_one_host(_identifier: str, holders: _Holders) -> bool:
 
 
 def _is_of_no_host(_identifier: str, holders: _Holders) -> bool:
-    return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
+    return not any(_share_a_host(identity, other) for identity, other in combinations(holders, 2))
 
 
 def _is_of_one_hardware(identifier: str, holders: _Holders) -> bool:
     if not _is_specific_word(identifier) or len(identifier) < len("id:") + _SHORTEST:
         return False
     known = [hardware for identity in holders if (hardware := identity.hardware)]
-    if any(one.isdisjoint(other) for one, other in combinations(known, 2)):
+    if any(hardware.isdisjoint(other) for hardware, other in combinations(known, 2)):
         return False
     hosts: dict[str, str] = {}  # of each gateway: names in two networks say nothing
     named = [

@@ -170,7 +170,7 @@ class SightingIntake:
 
     def _withdraw_derived(self, entry: Entry, listed: Sighting) -> None:
         """Remove announcements of an earlier run by the program that now lists the device instead."""
-        origin = next((one for one in listed.metadata if one.key == "origin"), None)
+        origin = next((item for item in listed.metadata if item.key == "origin"), None)
         for key in [key for key in entry.sources if key in self._restored and key[0] == listed.gateway]:
             known = self._table.sources[key].sighting
             is_alike = not known.native and origin in known.metadata

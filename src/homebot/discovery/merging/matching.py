@@ -62,11 +62,11 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     writes = Counter(chain.from_iterable([part.writes for part in parts]))
     reads = Counter(chain.from_iterable([part.reads for part in parts]))
     types = Counter([part.service_type for part in parts if not part.category])
-    found = []
+    described = []
     for part, words in zip(parts, ids, strict=True):
         used = writes if part.writes else reads
         kinds = frozenset(chain.from_iterable(_kinds(part.advertised, part.service_type)))
-        found.append(
+        described.append(
             Candidate(
                 part=part,
                 abilities={capability.name: capability for capability in part.capabilities},
@@ -78,7 +78,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
                 is_alone=not part.category and types[part.service_type] == 1,
             )
         )
-    return tuple(found)
+    return tuple(described)
 
 
 def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> dict[int, int]:
@@ -87,19 +87,21 @@ def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) ->
     Args:
         groups: Parts of the device, each as described by one or more earlier sources.
     """
-    found: dict[int, int] = {}
+    matches: dict[int, int] = {}
     for pairs_of in (_by_id, _by_topic, _by_name, _by_type):  # the surest first, weaker ones for the rest
-        taken = set(found.values())
-        mine = [(number, one) for number, group in enumerate(groups) if number not in taken for one in group]
-        theirs = [(number, other) for number, other in enumerate(others) if number not in found]
+        taken = set(matches.values())
+        mine = [
+            (number, candidate) for number, group in enumerate(groups) if number not in taken for candidate in group
+        ]
+        theirs = [(number, other) for number, other in enumerate(others) if number not in matches]
         if not mine or not theirs:
             break
         levels: defaultdict[int, set[_Pair]] = defaultdict(set)
         for letters, pair in pairs_of(mine, theirs):
             levels[letters].add(pair)
         for letters in sorted(levels, reverse=True):
-            found |= _unambiguous(levels[letters], found)
-    return found
+            matches |= _unambiguous(levels[letters], matches)
+    return matches
 
 
 _Pair: TypeAlias = tuple[int, int]
@@ -130,21 +132,21 @@ class _Members(NamedTuple):
 def _by_id(mine: _Numbered, theirs: _Numbered) -> _Pairs:
     my_members, their_members = _by_words(mine), _by_words(theirs)
     for number, other in theirs:
-        for group, one, start in _inside(my_members, other.words, at_most=len(other.words)):
-            if letters := _letters_of_id(one, other, start):
+        for group, candidate, start in _inside(my_members, other.words, at_most=len(other.words)):
+            if letters := _letters_of_id(candidate, other, start):
                 yield letters, (group, number)
-    for group, one in mine:
-        for number, other, start in _inside(their_members, one.words, at_most=len(one.words) - 1):
-            if letters := _letters_of_id(other, one, start):
+    for group, candidate in mine:
+        for number, other, start in _inside(their_members, candidate.words, at_most=len(candidate.words) - 1):
+            if letters := _letters_of_id(other, candidate, start):
                 yield letters, (group, number)
 
 
 def _by_words(numbered: _Numbered) -> _Members:
-    found: defaultdict[tuple[str, ...], list[tuple[int, Candidate]]] = defaultdict(list)
-    for number, one in numbered:
-        if one.words:
-            found[one.words].append((number, one))
-    return _Members(found, sorted(set(map(len, found))))
+    by_words: defaultdict[tuple[str, ...], list[tuple[int, Candidate]]] = defaultdict(list)
+    for number, candidate in numbered:
+        if candidate.words:
+            by_words[candidate.words].append((number, candidate))
+    return _Members(by_words, sorted(set(map(len, by_words))))
 
 
 def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator[tuple[int, Candidate, int]]:
@@ -153,8 +155,8 @@ def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator
         if length > at_most:
             break
         for start in range(len(words) - length + 1):
-            for number, one in members.by_words.get(words[start : start + length], ()):
-                yield number, one, start
+            for number, candidate in members.by_words.get(words[start : start + length], ()):
+                yield number, candidate, start
 
 
 def _letters_of_id(short: Candidate, long: Candidate, start: int) -> int:
@@ -196,10 +198,10 @@ def _by_topic(mine: _Numbered, theirs: _Numbered) -> _Pairs:
     for number, other in theirs:
         for topic in other.topics:
             by_topic[topic, bool(other.part.writes)].append((number, other))
-    for group, one in mine:
-        for topic in one.topics:
-            for number, other in by_topic.get((topic, bool(one.part.writes)), ()):
-                if one.abilities.keys() == other.abilities.keys() and _can_be_one(one, other):
+    for group, candidate in mine:
+        for topic in candidate.topics:
+            for number, other in by_topic.get((topic, bool(candidate.part.writes)), ()):
+                if candidate.abilities.keys() == other.abilities.keys() and _can_be_one(candidate, other):
                     yield 0, (group, number)
 
 
@@ -208,17 +210,17 @@ def _by_name(mine: _Numbered, theirs: _Numbered) -> _Pairs:
     for number, other in theirs:
         if other.name:
             named[other.name].append((number, other))
-    for group, one in mine:
-        for number, other in named.get(one.name, ()) if one.name else ():
-            if _can_be_one(one, other):
+    for group, candidate in mine:
+        for number, other in named.get(candidate.name, ()) if candidate.name else ():
+            if _can_be_one(candidate, other):
                 yield 0, (group, number)
 
 
 def _by_type(mine: _Numbered, theirs: _Numbered) -> _Pairs:
     alone = {other.part.service_type: (number, other) for number, other in theirs if other.is_alone}
-    for group, one in mine:
-        number, other = alone.get(one.part.service_type, (0, None))
-        if other is not None and one.is_alone and _is_one_of_its_type(one, other):
+    for group, candidate in mine:
+        number, other = alone.get(candidate.part.service_type, (0, None))
+        if other is not None and candidate.is_alone and _is_one_of_its_type(candidate, other):
             yield 0, (group, number)
 
 
@@ -300,7 +302,7 @@ def _agree(capability: Capability, other: Capability) -> bool:
 
 def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:
     """Return the numbers of words with which all *ids* begin and end; 0 for a single id."""
-    return (_common(ids), _common({one[::-1] for one in ids})) if len(ids) > 1 else (0, 0)
+    return (_common(ids), _common({words[::-1] for words in ids})) if len(ids) > 1 else (0, 0)
 
 
 def _common(ids: set[tuple[str, ...]]) -> int:

@@ -61,7 +61,7 @@ def regroup(
         return sources[key].number
 
     ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
-    found: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
+    planned: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
     kept: set[str] = set()
     for keys in ordered:
         entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
@@ -71,8 +71,8 @@ def regroup(
         )
         if keeps is not None:
             kept.add(keeps.id)
-        found.append((keys, keeps, entries))
-    return tuple(_regrouped(*one, kept) for one in found)
+        planned.append((keys, keeps, entries))
+    return tuple(_regrouped(*group, kept) for group in planned)
 
 
 def _regrouped(keys: tuple[SourceKey, ...], keeps: Entry | None, entries: Iterable[Entry], kept: set[str]) -> Regrouped:
@@ -88,7 +88,9 @@ def find_panel(table: DeviceTable, entry: Entry) -> None:
     if table.panels:
         entry.panel = _panel_of(entry, table.panels)
     sightings = [source.sighting for source in entry.sources.values()]
-    panels = [one for one in sightings if any(part.service_type == "x_alarm_panel" for part in one.parts)]
+    panels = [
+        sighting for sighting in sightings if any(part.service_type == "x_alarm_panel" for part in sighting.parts)
+    ]
     new = {name for panel in panels for name in panel.identifiers} - table.panels
     if not new or len(table.panels) >= _MAX_PANELS:
         return
@@ -232,14 +234,14 @@ class DeviceMerger:
         They have the same commands on the same topics, so that each command would be executed twice.
         """
         table = self._table
-        found = table.topics.repetitions(key)
-        if not found:
+        repetitions = table.topics.repetitions(key)
+        if not repetitions:
             if self.identities.unbind(key):
                 self.regroup(self.identities.put(key, table.sources[key].sighting), "it is no longer announced twice")
-        elif self.identities.bind((key, *found)):
+        elif self.identities.bind((key, *repetitions)):
             affected = {key}
-            for one in (key, *found):
-                affected |= self.identities.put(one, table.sources[one].sighting)
+            for repeated in (key, *repetitions):
+                affected |= self.identities.put(repeated, table.sources[repeated].sighting)
             self.regroup(affected, "it is announced more than once, with the same commands")
 
     def regroup(self, affected: Iterable[SourceKey], why: str) -> None:
@@ -273,11 +275,11 @@ class DeviceMerger:
         if key is not None and len(rest := self._eldest_beside(key, keys)) > 1:
             self.decisions.merge(rest)
         self._decide(keys, shared, "the owner split it")
-        return tuple(dict.fromkeys((entry.id, *(self._table.owners[one].id for one in keys))))
+        return tuple(dict.fromkeys((entry.id, *(self._table.owners[source_key].id for source_key in keys))))
 
     def _eldest_beside(self, key: SourceKey, keys: Iterable[SourceKey]) -> list[SourceKey]:
         """Return the oldest announcement of each identity among *keys*, except that of *key*."""
-        eldest = {one: self.identities.same_identity(one) or one for one in keys}
+        eldest = {source_key: self.identities.same_identity(source_key) or source_key for source_key in keys}
         return sorted(set(eldest.values()) - {eldest[key]})
 
     def merge(self, device_ids: Iterable[str], now: float) -> str:

@@ -36,7 +36,7 @@ def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
     """
     held = _claimed_ids(parts, known) if known else {}
     taken = set(held.values())
-    found = []
+    ids = []
     for number, part in enumerate(parts):
         part_id = held.get(number)
         if part_id is None:
@@ -46,8 +46,8 @@ def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
             while part_id in taken:
                 part_id += "'"
             taken.add(part_id)
-        found.append(part_id)
-    return tuple(found)
+        ids.append(part_id)
+    return tuple(ids)
 
 
 def lost_ids(known: PartIds, places: Iterable[PartPlace]) -> PartIds:

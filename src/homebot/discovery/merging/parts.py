@@ -45,7 +45,7 @@ def described_part(ways: Sequence[Way]) -> Part:
     """
     heard, others = _heard(ways)
     whole = _merge_capabilities(heard + others)
-    knows = next((one for one in heard if one.category), whole)
+    knows = next((part for part in heard if part.category), whole)
     is_setting = knows.service_type == SETTING
     service_type, advertised = (SETTING, knows.advertised) if is_setting else (whole.service_type, whole.advertised)
     if (knows.category, service_type) == (whole.category, whole.service_type):
@@ -65,14 +65,14 @@ def settable_by(part: Part, whole: Part) -> tuple[str, ...]:
 def _merge_capabilities(parts: Sequence[Part]) -> Part:
     """Return the first of *parts* with the capabilities of all: they describe the same part, best first."""
     best = parts[0]
-    if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
+    if len(parts) == 1 or all(part.capabilities == best.capabilities for part in parts):
         return best
-    found: dict[str, Capability] = {}
+    merged: dict[str, Capability] = {}
     for part in parts:
         for capability in part.capabilities:
-            known = found.get(capability.name)
-            found[capability.name] = capability if known is None else _joined(known, capability)
-    capabilities = tuple(found.values())
+            known = merged.get(capability.name)
+            merged[capability.name] = capability if known is None else _joined(known, capability)
+    capabilities = tuple(merged.values())
     return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
 
 
@@ -82,12 +82,12 @@ def _heard(ways: Sequence[Way]) -> tuple[list[Part], list[Part]]:
     A setting decides if its source is authenticated, or owns the command topics of the loads that it may be, or has
     them too. Otherwise any program could announce it, and would make a harmless setting of a gate.
     """
-    loads = [(gateway, one) for (gateway, *_), _, one, _ in ways if not one.category and _settable(one)]
+    loads = [(gateway, part) for (gateway, *_), _, part, _ in ways if not part.category and _settable(part)]
     heard, others = list[Part](), list[Part]()
-    for (gateway, *_), _, one, source in ways:
-        known = frozenset((*one.writes, *source.owns))
+    for (gateway, *_), _, part, source in ways:
+        known = frozenset((*part.writes, *source.owns))
         is_known = source.authenticated or all(at == gateway and _is_below(load.writes, known) for at, load in loads)
-        (heard if is_known or not _is_setting(one) else others).append(one)
+        (heard if is_known or not _is_setting(part) else others).append(part)
     return heard, others
 
 
@@ -116,7 +116,9 @@ def _joined(best: Capability, other: Capability) -> Capability:
     shown = other if other.settable and not best.settable else best
     options = _all_options(best, other) if best.settable == other.settable else shown.options
     readable, settable = best.readable or other.readable, best.settable or other.settable
-    echoed = all(one.echoed for one in (best, other) if one.readable)  # the other one is still readable
+    echoed = all(
+        capability.echoed for capability in (best, other) if capability.readable
+    )  # the other one is still readable
     code = best.code or other.code
     return shown.model_copy(
         update={
@@ -230,27 +232,27 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     convention, parts are one only if they have the same id and topics, the same commands on the same topics, or are a
     sensor that several bridges receive. Otherwise two parts with the same id are in conflict, and the older one counts.
     """
-    told = [(source, part) for source in sources for part in source.sighting.parts]
-    if len(sources) == 1 or _are_distinct(sources, told):
-        return _distinct_parts(told, topics, known)
+    in_sources = [(source, part) for source in sources for part in source.sighting.parts]
+    if len(sources) == 1 or _are_distinct(sources, in_sources):
+        return _distinct_parts(in_sources, topics, known)
     conflicts: list[str] = []
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
     left_out = 0
     for source, part, announced in _occurrences(sources, conflicts):
-        found = numbered.get(announced.group)
-        if found is None:
+        merged_part = numbered.get(announced.group)
+        if merged_part is None:
             if len(numbered) >= MAX_PARTS:
                 left_out += 1
                 continue
-            found = numbered[announced.group] = _Merged(part, len(numbered), source)
-        places[(*source.key, part.id)] = found.number
-        if conflict := found.add(source, part, announced.origin, topics):
+            merged_part = numbered[announced.group] = _Merged(part, len(numbered), source)
+        places[(*source.key, part.id)] = merged_part.number
+        if conflict := merged_part.add(source, part, announced.origin, topics):
             conflicts.append(conflict)
     if left_out:
         conflicts.append(_left_out(left_out))
     merged = tuple(numbered.values())
-    claimed = {one.number: one.claimant for one in merged if one.claimant is not None and not one.is_described}
+    claimed = {part.number: part.claimant for part in merged if part.claimant is not None and not part.is_described}
     conflicts += dict.fromkeys(map(_claim_conflict, claimed.values()))
     parts = _named(merged, known)
     return MergedParts(
@@ -259,7 +261,7 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
         places,
         _NONE_CLAIMED if all(source.is_claimed for source in sources) else frozenset(claimed),
         has_own_ids=_has_own_ids(sources, parts, places),
-    ).hiding(frozenset(chain.from_iterable(one.hidden for one in merged)))
+    ).hiding(frozenset(chain.from_iterable(part.hidden for part in merged)))
 
 
 def _has_own_ids(sources: Sequence[SourceRecord], parts: Sequence[DevicePart], places: Mapping[PartPlace, int]) -> bool:
@@ -281,7 +283,7 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
 def _are_distinct(sources: Sequence[SourceRecord], announced: Sequence[_Announced]) -> bool:
     """Return whether all parts of *sources* are announced once, by one trusted origin, as usual."""
     origin = _origin(sources[0])
-    commands = [told for told in starmap(_commands_of, announced) if told]
+    commands = [topics for topics in starmap(_commands_of, announced) if topics]
     return (
         not sources[0].is_claimed
         and all(_origin(source) == origin for source in sources)
@@ -294,13 +296,13 @@ def _distinct_parts(announced: Sequence[_Announced], topics: TopicOwnership, kno
     """Return the parts of a device of which nothing has to be matched."""
     conflicts: list[str] = []
     places: dict[PartPlace, int] = {}
-    found = announced[:MAX_PARTS]
-    names = ids = [part.id for _, part in found]
+    kept = announced[:MAX_PARTS]
+    names = ids = [part.id for _, part in kept]
     if known or len(set(names)) < len(names):
-        named = [Named(part.id, source.label, [(source.number, (*source.key, part.id))]) for source, part in found]
+        named = [Named(part.id, source.label, [(source.number, (*source.key, part.id))]) for source, part in kept]
         ids = list(part_ids(named, known))
     merged: list[DevicePart] = []
-    for number, (source, part) in enumerate(found):
+    for number, (source, part) in enumerate(kept):
         gateway, key = source.key
         places[gateway, key, part.id] = number
         routes: tuple[Route, ...] = ()
@@ -320,7 +322,7 @@ def _distinct_parts(announced: Sequence[_Announced], topics: TopicOwnership, kno
             )
             routes = (route,)
         merged.append(_part_of(id=ids[number], part=part, routes=routes))
-    if left_out := len(announced) - len(found):
+    if left_out := len(announced) - len(kept):
         conflicts.append(_left_out(left_out))
     has_own_ids = not left_out and len(places) == len(names) and ids == names
     return MergedParts(tuple(merged), tuple(conflicts), places, has_own_ids=has_own_ids)
@@ -336,7 +338,7 @@ def _left_out(count: int) -> str:
 
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
     """Return each part of each source with the part of its origin; those of other devices are in *conflicts*."""
-    found: list[_Occurrence] = []
+    occurrences: list[_Occurrence] = []
     origins: dict[Origin, list[_SourcePart]] = {}
     namesakes: dict[tuple[Origin, str, str], list[_SourcePart]] = {}
     repeated: dict[tuple[object, ...], _SourcePart] = {}
@@ -344,7 +346,9 @@ def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[
         origin = _origin(source)
         for part in source.sighting.parts:
             same_name = namesakes.setdefault((origin, part.service_type, part.id), [])
-            older = [one for one in same_name if one.sources[0] is not source] if same_name else same_name
+            older = (
+                [candidate for candidate in same_name if candidate.sources[0] is not source] if same_name else same_name
+            )
             commands = _commands_of(source, part)
             announced = _announced_before(part, older, source) or repeated.get((origin, *commands))
             if announced is None:
@@ -357,15 +361,17 @@ def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[
                 if commands:
                     repeated[origin, *commands] = announced
             announced.sources.append(source)
-            found.append((source, part, announced))
+            occurrences.append((source, part, announced))
     _group(origins)
-    return found
+    return occurrences
 
 
 def _announced_before(part: Part, older: Iterable[_SourcePart], source: SourceRecord) -> _SourcePart | None:
-    for one in older:
-        if _same_topics(part, one.part) or (_is_relayed(source, part) and part.capabilities == one.part.capabilities):
-            return one
+    for candidate in older:
+        if _same_topics(part, candidate.part) or (
+            _is_relayed(source, part) and part.capabilities == candidate.part.capabilities
+        ):
+            return candidate
     return None
 
 
@@ -380,24 +386,24 @@ def _group(origins: Mapping[Origin, Sequence[_SourcePart]]) -> None:
     for origin in sorted(origins):
         parts = origins[origin]
         if len(origins) == 1:
-            for number, one in enumerate(parts):
-                one.group = number
+            for number, part in enumerate(parts):
+                part.group = number
             return
-        identifiers = chain.from_iterable(source.sighting.identifiers for one in parts for source in one.sources)
-        described = candidates([one.part for one in parts], dict.fromkeys(identifiers))
+        identifiers = chain.from_iterable(source.sighting.identifiers for part in parts for source in part.sources)
+        described = candidates([part.part for part in parts], dict.fromkeys(identifiers))
         same = match(groups, described)
-        for number, (one, candidate) in enumerate(zip(parts, described, strict=True)):
-            one.group = same.get(number, len(groups))
-            if one.group == len(groups):
+        for number, (part, candidate) in enumerate(zip(parts, described, strict=True)):
+            part.group = same.get(number, len(groups))
+            if part.group == len(groups):
                 groups.append([])
-            groups[one.group].append(candidate)
+            groups[part.group].append(candidate)
 
 
 def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
-    ids: Sequence[str] = [one.part.id for one in merged]
+    ids: Sequence[str] = [part.part.id for part in merged]
     if known or len(set(ids)) < len(ids):
-        ids = part_ids([Named(one.part.id, one.source.label, one.places) for one in merged], known)
-    return tuple(_device_part(part_id, one) for part_id, one in zip(ids, merged, strict=True))
+        ids = part_ids([Named(part.part.id, part.source.label, part.places) for part in merged], known)
+    return tuple(_device_part(part_id, part) for part_id, part in zip(ids, merged, strict=True))
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:

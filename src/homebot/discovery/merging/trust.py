@@ -161,7 +161,13 @@ class Agreement:
         else:
             known.by_trusted = True
             agreeing = waiting & known.by_claimed
-        return frozenset([one for one in agreeing if self._count(one, known.at, now) >= CHANGES_NEEDED])
+        return frozenset(
+            [
+                waiting_endpoint
+                for waiting_endpoint in agreeing
+                if self._count(waiting_endpoint, known.at, now) >= CHANGES_NEEDED
+            ]
+        )
 
     def _count(self, endpoint: EndpointKey, begun: float, now: float) -> int:
         """Count an agreement on a change, unless one was counted shortly before; return how many there are."""
@@ -178,5 +184,5 @@ class Agreement:
         return reported
 
     def _close(self, reported: _Reported) -> None:
-        for one in reported.missed:
-            self._counts.pop(one, None)
+        for endpoint in reported.missed:
+            self._counts.pop(endpoint, None)

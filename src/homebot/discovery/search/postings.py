@@ -83,11 +83,11 @@ class Postings:
         if before is None:
             sets = self._sets
             for key in _keys(facets):
-                found = sets.get(key)
-                if found is None:
+                ids = sets.get(key)
+                if ids is None:
                     self._begin(key, device_id)
-                elif type(found) is set:
-                    found.add(device_id)
+                elif type(ids) is set:
+                    ids.add(device_id)
                 else:
                     self._join(key, device_id)
         else:
@@ -159,13 +159,15 @@ class Postings:
     def _named(self, query: NameIs) -> Found:
         with_words = [self._devices(("word", word)) for word in words_of(query.text)]
         likely = min(with_words, key=len, default=self._posted.keys())  # an id is among the words of its device
-        return self._devices(("fact name", query.text)) | {one for one in likely if fold(one) == query.text}
+        return self._devices(("fact name", query.text)) | {
+            device_id for device_id in likely if fold(device_id) == query.text
+        }
 
     def _by_fact(self, query: FactIs) -> Found:
         name, value = query.name, query.value
         if name == "id":
-            found = {device_id for device_id in self._mixed_ids if device_id.casefold() == value}
-            return found | {value} if value in self._posted else found
+            ids = {device_id for device_id in self._mixed_ids if device_id.casefold() == value}
+            return ids | {value} if value in self._posted else ids
         if name in {"convention", "category", "tag"}:
             return self._devices((name, value))
         if name == "group":
@@ -176,14 +178,14 @@ class Postings:
         """Return the matches of all terms: cheap ones first, comparisons of values last, when few devices remain."""
         terms = query.terms
         cheap = [self.find(term) for term in terms if not isinstance(term, (Not, StateIs))]
-        found = reduce(and_, sorted(cheap, key=len)) if cheap else None
+        matches = reduce(and_, sorted(cheap, key=len)) if cheap else None
         for term in terms:
             if isinstance(term, StateIs):
-                found = self._by_value(term) if found is None else self._of_value(found, term)
+                matches = self._by_value(term) if matches is None else self._of_value(matches, term)
         for term in terms:
             if isinstance(term, Not):
-                found = (self._posted.keys() if found is None else found) - self.find(term.term)
-        return frozenset(self._posted) if found is None else found
+                matches = (self._posted.keys() if matches is None else matches) - self.find(term.term)
+        return frozenset(self._posted) if matches is None else matches
 
     def _of_value(self, devices: Found, term: StateIs) -> Found:
         if len(devices) > _MAX_CHECKED_DEVICES or term.part:
@@ -193,12 +195,12 @@ class Postings:
     def _by_value(self, term: StateIs) -> Found:
         if term.part:
             return {device for device in self._devices(("part", term.part)) if self.value(device, term) is not None}
-        found: list[set[str]] = []
+        matches: list[set[str]] = []
         for service_type in term.types or self._types_with.get(term.capability, _NONE):
             column = self._columns.get((service_type, term.capability))
             if column is not None:
-                found.append(column.fitting(term))
-        return found[0] if len(found) == 1 else _NONE.union(*found)
+                matches.append(column.fitting(term))
+        return matches[0] if len(matches) == 1 else _NONE.union(*matches)
 
     def _type_keys(self, query: TypeIs) -> Iterator[_Key]:
         for service_type in query.types:
@@ -215,24 +217,24 @@ class Postings:
         values = self._values_of.get(field_name, set())
         prefix = f"{wanted} "
         fitting = [value for value in values if (text := str(value[0])) == wanted or text.startswith(prefix)]
-        return self._union((field_name, *one) for one in fitting)
+        return self._union((field_name, *value) for value in fitting)
 
     def _union(self, keys: Iterable[_Key]) -> Found:
         sets = [self._devices(key) for key in keys]
         return sets[0] if len(sets) == 1 else _NONE.union(*sets)
 
     def _devices(self, key: _Key) -> Found:
-        found = self._sets.get(key, _NONE)
-        return {found} if isinstance(found, str) else found
+        ids = self._sets.get(key, _NONE)
+        return {ids} if isinstance(ids, str) else ids
 
     def _join(self, key: _Key, device_id: str) -> None:
-        found = self._sets.get(key)
-        if found is None:
+        ids = self._sets.get(key)
+        if ids is None:
             self._begin(key, device_id)
-        elif isinstance(found, set):
-            found.add(device_id)
-        elif found != device_id:
-            self._sets[key] = {found, device_id}
+        elif isinstance(ids, set):
+            ids.add(device_id)
+        elif ids != device_id:
+            self._sets[key] = {ids, device_id}
 
     def _begin(self, key: _Key, device_id: str) -> None:
         self._sets[key] = device_id
@@ -242,10 +244,10 @@ class Postings:
             self._values_of.setdefault(str(key[0]), set()).add(key[1:])
 
     def _leave(self, key: _Key, device_id: str) -> None:
-        found = self._sets[key]
-        if isinstance(found, set):
-            found.discard(device_id)
-            if found:
+        ids = self._sets[key]
+        if isinstance(ids, set):
+            ids.discard(device_id)
+            if ids:
                 return
         del self._sets[key]
         if key[0] == "word":
@@ -262,7 +264,7 @@ class Postings:
         Or: lambda self, query: _NONE.union(*map(self.find, query.terms)),
         Not: lambda self, query: self._posted.keys() - self.find(query.term),
         StateIs: _by_value,
-        HasText: lambda self, query: self._union(("word", one) for one in self._words.like(query.text)),
+        HasText: lambda self, query: self._union(("word", word) for word in self._words.like(query.text)),
         TypeIs: lambda self, query: self._union(self._type_keys(query)),
         IsNear: lambda self, _: frozenset(self._posted),
         IsUnapproved: lambda self, _: self._devices(_UNAPPROVED) if self.needs_approval else _NONE,
@@ -324,7 +326,7 @@ class _Words:
     def discard(self, word: str) -> None:
         del self._sorted[bisect_left(self._sorted, word)]
         for short in _shortened(word):
-            self._shortened[short] = tuple([one for one in self._shortened[short] if one != word])
+            self._shortened[short] = tuple([known for known in self._shortened[short] if known != word])
             if not self._shortened[short]:
                 del self._shortened[short]
 
@@ -337,7 +339,7 @@ class _Words:
         near: set[str] = set()
         for short in _shortened(wanted):
             near.update(self._shortened.get(short, ()))
-        yield from sorted(one for one in near if is_typo(wanted, one) and not one.startswith(wanted))
+        yield from sorted(word for word in near if is_typo(wanted, word) and not word.startswith(wanted))
 
 
 def _shortened(word: str) -> set[str]:

@@ -40,35 +40,37 @@ def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]
     """Return the devices *found* by *query*, best first, equals sorted by id."""
     terms = tuple(_terms(query))
     scored = []
-    for one in found:
-        facets = postings.facets(one)
+    for device_id in found:
+        facets = postings.facets(device_id)
         points = [score for score, _ in _status_scores(facets)]
         points += [_weigh(term, facets)[0] for term in terms]
-        scored.append((-sum(points), one))
-    return [(-score, one) for score, one in sorted(scored)]
+        scored.append((-sum(points), device_id))
+    return [(-score, device_id) for score, device_id in sorted(scored)]
 
 
 def shortcomings(query: Query, facets: Facets) -> list[tuple[float, str]]:
     """Return for each reason by how many points a match of *query* is below the maximum."""
     (freshness, why), *others = _status_scores(facets)
     worse = [(_FRESHNESS["fresh"][0] - freshness, why), *((-score, why) for score, why in others)]
-    return [one for one in (*worse, *_unfitness(query, facets)) if one[0] > 0]
+    return [shortcoming for shortcoming in (*worse, *_unfitness(query, facets)) if shortcoming[0] > 0]
 
 
 def least_shortcoming(found: AbstractSet[str], postings: Postings) -> float:
     """Return for each device in *found* by how many points its freshness alone puts it below the maximum."""
     known = [freshness for freshness in _FRESHNESS if not found.isdisjoint(postings.find(FreshnessIs(freshness)))]
-    best = max((_FRESHNESS[one][0] for one in known), default=_STALE[0])
+    best = max((_FRESHNESS[freshness][0] for freshness in known), default=_STALE[0])
     return _FRESHNESS["fresh"][0] - best
 
 
 def _unfitness(query: Query, facets: Facets) -> list[tuple[float, str]]:
     match query:
         case And(terms):
-            return [one for term in terms for one in _unfitness(term, facets)]
+            return [shortcoming for term in terms for shortcoming in _unfitness(term, facets)]
         case Or(terms):
-            each = [_unfitness(term, facets) for term in terms if isinstance(term, HasText) or fits(term, facets)]
-            return min(each, key=lambda one: sum(points for points, _ in one), default=[])
+            alternatives = [
+                _unfitness(term, facets) for term in terms if isinstance(term, HasText) or fits(term, facets)
+            ]
+            return min(alternatives, key=lambda one: sum(points for points, _ in one), default=[])
         case _:
             score, why = _weigh(query, facets)
             return [(max(0.0, _FULL.get(type(query), 0.0) - score), why)]
@@ -77,16 +79,16 @@ def _unfitness(query: Query, facets: Facets) -> list[tuple[float, str]]:
 def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]:
     """Return the reasons why the device matches *query* and has its rank, most important first."""
     facets = postings.facets(device_id)
-    found: list[tuple[float, str]] = []
+    scored: list[tuple[float, str]] = []
     for term in _terms(query):
         score, why = _weigh(term, facets)
         if isinstance(term, StateIs):
             value = postings.value(device_id, term)
             score, why = (1.0, f"{term.capability} is {_shown(value)}") if value is not None else (0.0, "")
         if why:
-            found.append((score, why))
-    found += [one for one in _status_scores(facets) if one[1]]
-    return tuple(dict.fromkeys(why for _, why in sorted(found, key=lambda one: -abs(one[0]))))
+            scored.append((score, why))
+    scored += [status for status in _status_scores(facets) if status[1]]
+    return tuple(dict.fromkeys(why for _, why in sorted(scored, key=lambda reason: -abs(reason[0]))))
 
 
 def _terms(query: Query) -> Iterator[Query]:
@@ -153,10 +155,10 @@ def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
         return 4.0, f"its name has {word}"
     if word in facets.words:
         return 3.0, f"{word} is in its facts"
-    begun = [one for one in facets.words if one.startswith(word)]
+    begun = [known for known in facets.words if known.startswith(word)]
     if begun:
         return 2.0, f"{min(begun)} begins with {word}"
-    if any(_is_near(word, one) for one in facets.words):
+    if any(_is_near(word, known) for known in facets.words):
         return 1.0, f"{word} is a near match"
     return 0.0, ""
 

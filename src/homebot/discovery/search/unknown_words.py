@@ -88,8 +88,8 @@ def _problem(term: Query, postings: Postings, plan: HousePlan, devices: Callable
 def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[Device]]) -> str:
     parts = (part.part.name for device in devices() for part in device.parts)
     known = {*postings.values_of("fact name"), *map(fold, parts)}
-    meant = sorted(one for one in known if is_room_typo(name, one))
-    is_known = any(f"{one} ".startswith(f"{name} ") for one in known)
+    meant = sorted(other for other in known if is_room_typo(name, other))
+    is_known = any(f"{other} ".startswith(f"{name} ") for other in known)
     return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
 
 
@@ -98,9 +98,9 @@ def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     rooms = [room.name for room in plan.rooms]
     stated = {fold(room): room for room in (*rooms, *plan.floors, plan.home)}
     known = {**{value: value for value in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
-    if any(f"{one} ".startswith(f"{area} ") for one in known):
+    if any(f"{place} ".startswith(f"{area} ") for place in known):
         return ""
-    if meant := sorted(known[one] for one in known if is_room_typo(area, one)):
+    if meant := sorted(known[place] for place in known if is_room_typo(area, place)):
         return f"no device is in {area!r}; did you mean {' or '.join(meant)}?"
     if not rooms:
         return ""  # its first device may still be announced
@@ -116,21 +116,23 @@ def explain_result(
     Args:
         is_spelled: Whether a typo or a beginning matched nothing.
     """
-    words = (one for one in leaves(query) if isinstance(one, HasText))
+    words = (term for term in leaves(query) if isinstance(term, HasText))
     for term in words if is_spelled and not found else ():
         guessed = postings.find(term)
-        if guessed and not any(fits(term, postings.facets(one)) for one in guessed):
+        if guessed and not any(fits(term, postings.facets(device_id)) for device_id in guessed):
             return f"no device has the word {term.text!r}; similar: {_names(guessed, postings)}"
     if not found:
         return _explain_none(query, postings, plan)
-    long = {one.text for one in leaves(query) if isinstance(one, HasText) and may_be_typo(one.text)}
-    near = sorted(word for word in long if not any(_begins(word, postings.facets(one).words) for one in found))
+    long = {term.text for term in leaves(query) if isinstance(term, HasText) and may_be_typo(term.text)}
+    near = sorted(
+        word for word in long if not any(_begins(word, postings.facets(device_id).words) for device_id in found)
+    )
     named = f"no device found has the word {' or '.join(map(repr, near))}; these have similar ones"
     return named if near else ""
 
 
 def _begins(word: str, words: Iterable[str]) -> bool:
-    return any(one.startswith(word) for one in words)
+    return any(known.startswith(word) for known in words)
 
 
 def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
@@ -201,5 +203,5 @@ def _without(kind: type[Query], query: Query) -> Query:
 
 
 def _typo(problem: str, word: str, known: Collection[str]) -> str:
-    meant = sorted(one for one in known if is_typo(word, one))
+    meant = sorted(candidate for candidate in known if is_typo(word, candidate))
     return f"{problem}; did you mean {' or '.join(meant)}?" if meant and word not in known else ""

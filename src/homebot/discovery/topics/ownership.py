@@ -260,7 +260,7 @@ class TopicNode:
 
 
 def _without(uses: tuple[TopicUse, ...], use: TopicUse) -> tuple[TopicUse, ...]:
-    return tuple(one for one in uses if one.key != use.key)
+    return tuple(other for other in uses if other.key != use.key)
 
 
 def _rule_of(bases: tuple[TopicUse, ...]) -> tuple[str, frozenset[str]]:
@@ -273,12 +273,12 @@ def _used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]
     waiting = [node]
     count = 0
     while waiting and (most is None or count < most):
-        one = waiting.pop()
+        below = waiting.pop()
         count += 1
-        if one.users:
-            yield one
-        if one.children:
-            waiting.extend(one.children.values())
+        if below.users:
+            yield below
+        if below.children:
+            waiting.extend(below.children.values())
 
 
 def _is_undisputed(node: TopicNode) -> bool:
@@ -326,7 +326,7 @@ def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[Source
             topic, tie = above.topic, _TIE if above is node.parent else 0.0
             holders += [(user, user.rank(topic) + (tie if user.asks else 0.0)) for user in above.users]
         above = above.parent
-    if len(users) == 1 and all(one.device == users[0].device for one, _ in holders):
+    if len(users) == 1 and all(holder.device == users[0].device for holder, _ in holders):
         return {}
     return _by_place(node.topic, users, holders)
 
@@ -336,36 +336,36 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     ranks = [(user, user.rank(topic)) for user in users]
     top, best = _best(ranks)
     winners = {winner.key for winner in _winners(best)}
-    found: dict[SourceKey, str] = {}
+    owners: dict[SourceKey, str] = {}
     for use, rank in ranks:
         if owner := _stronger_device(use, rank, holders):
-            found[use.key] = owner
+            owners[use.key] = owner
         elif rank == top and use.key not in winners:
-            found[use.key] = _other_device(use, best) or use.device
+            owners[use.key] = _other_device(use, best) or use.device
         elif rank < top and not _goes_with_own(use, best):
-            found[use.key] = best[0].device
-    return found
+            owners[use.key] = best[0].device
+    return owners
 
 
 def _best(ranks: list[tuple[TopicUse, int]]) -> tuple[int, list[TopicUse]]:
     top = max(rank for _, rank in ranks)
-    return top, [one for one, rank in ranks if rank == top]
+    return top, [best_use for best_use, rank in ranks if rank == top]
 
 
 def _stronger_device(use: TopicUse, rank: int, holders: list[tuple[TopicUse, float]]) -> str:
     """Return the other device that holds the topic with a higher rank than *use*; empty for none."""
     own = rank + _TIE if use.asks else rank
-    return _other_device(use, [one for one, held in holders if held > own])
+    return _other_device(use, [holder for holder, held in holders if held > own])
 
 
 def _other_device(use: TopicUse, others: Iterable[TopicUse]) -> str:
     """Return the device of the first of *others* with another device; empty for none."""
-    return next((one.device for one in others if one.device != use.device), "")
+    return next((other.device for other in others if other.device != use.device), "")
 
 
 def _goes_with_own(use: TopicUse, best: list[TopicUse]) -> bool:
     """Return whether *use* belongs with one of *best* of the same device: by its place, or as a repetition."""
-    own = [one for one in best if one.device == use.device]
+    own = [candidate for candidate in best if candidate.device == use.device]
     return _has_a_name_of(use, own) or any(map(use.repeats, own))
 
 
@@ -384,12 +384,12 @@ _TIE = 0.5
 
 def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:
     """Return the *users* that are not the owners' device, or were announced at a place that does not name it."""
-    found: dict[SourceKey, str] = {}
+    by_key: dict[SourceKey, str] = {}
     for use in users:
         own = [owner for owner in owners if owner.device == use.device]
-        if not any(is_called(use.announced_on, aliases_of(one.owns, one.identifiers)) for one in own):
-            found[use.key] = (own or owners)[0].device
-    return found
+        if not any(is_called(use.announced_on, aliases_of(owner.owns, owner.identifiers)) for owner in own):
+            by_key[use.key] = (own or owners)[0].device
+    return by_key
 
 
 def _winners(best: list[TopicUse]) -> list[TopicUse]:
@@ -399,8 +399,8 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
     """
     if len(best) == 1:
         return best
-    devices = {one.device for one in best}
-    is_one_sender = bool(frozenset.intersection(*(one.names() for one in best)))
+    devices = {use.device for use in best}
+    is_one_sender = bool(frozenset.intersection(*(use.names() for use in best)))
     if len(devices) == 1:
         is_one_use = is_one_sender or all(map(best[0].repeats, best))
         return best if is_one_use else list(filter(_IS_NATIVE, best))
@@ -411,10 +411,10 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
 
 def _is_shared(best: list[TopicUse]) -> bool:
     """Return whether a topic is shared by several devices behind one bridge, or without identification."""
-    bridges = {one.bridge for one in best}
-    return (len(bridges) == 1 and "" not in bridges) or all(one.is_anonymous for one in best)
+    bridges = {use.bridge for use in best}
+    return (len(bridges) == 1 and "" not in bridges) or all(use.is_anonymous for use in best)
 
 
 def _has_a_name_of(use: TopicUse, others: Iterable[TopicUse]) -> bool:
     own = use.names()
-    return any(not own.isdisjoint(one.names()) for one in others)
+    return any(not own.isdisjoint(other.names()) for other in others)

@@ -65,11 +65,11 @@ def place_of(topic: str) -> Place:
     for level in topic.casefold().split("/"):
         if _is_name(level):
             levels.add(level)
-        found = [word for word in _WORD.findall(level) if _is_specific_word(word)]
-        for word in found:
+        in_level = [word for word in _WORD.findall(level) if _is_specific_word(word)]
+        for word in in_level:
             words |= _spellings(word)
-        if found:
-            leads |= _spellings(found[0])
+        if in_level:
+            leads |= _spellings(in_level[0])
     numbers = {word for word in words if len(word) >= _HARDWARE_TAIL and not word.isalpha()}
     return Place(frozenset(levels), frozenset(words), frozenset(leads), frozenset(numbers))
 
@@ -83,23 +83,23 @@ def is_called(topic: str, aliases: frozenset[str]) -> bool:
 @lru_cache(maxsize=4096)
 def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset[str]:
     """Return the names of a device with the topics *owns*: their last levels, and its hardware addresses."""
-    found = {prefix.rpartition("/")[2].casefold() for prefix in owns}
+    names = {prefix.rpartition("/")[2].casefold() for prefix in owns}
     for identifier in identifiers:
         kind, _, address = identifier.partition(":")
         if kind != "id":
-            found |= _spellings(address.casefold())
-    return frozenset(one for one in found if _is_specific_word(one))
+            names |= _spellings(address.casefold())
+    return frozenset(name for name in names if _is_specific_word(name))
 
 
 @lru_cache(maxsize=4096)
 def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
     """Return the words and whole levels of a topic that name a device."""
     folded = topic.casefold()
-    found: set[str] = set()
+    spellings: set[str] = set()
     for word in _WORD.findall(folded):
         if _is_specific_word(word):
-            found |= _spellings(word)
-    return frozenset(found), frozenset(level for level in folded.split("/") if _is_name(level))
+            spellings |= _spellings(word)
+    return frozenset(spellings), frozenset(level for level in folded.split("/") if _is_name(level))
 
 
 def _is_name(level: str) -> bool:
