@@ -95,19 +95,19 @@ def _complexity(expression: str) -> tuple[int, int]:
     repeats = branches = 0
     groups: list[bool] = []
     ended_group_is_simple = True
-    for one in _TOKEN.findall(expression):
-        if one in _QUANTIFIERS or one[0] == "{":
-            if one != "?" and not ended_group_is_simple:
+    for symbol in _TOKEN.findall(expression):
+        if symbol in _QUANTIFIERS or symbol[0] == "{":
+            if symbol != "?" and not ended_group_is_simple:
                 raise PatternError("a regular expression nests repetitions")
             groups = [False] * len(groups)
-            repeats, branches = repeats + (one != "?"), branches + (one == "?")
-        elif one == "|":
+            repeats, branches = repeats + (symbol != "?"), branches + (symbol == "?")
+        elif symbol == "|":
             groups = [False] * len(groups)
             branches += 1
-        elif one[0] == "(":
+        elif symbol[0] == "(":
             groups.append(True)
-        ended_group_is_simple = groups.pop() if one == ")" and groups else True
-        if one in _UNBOUNDED or _REFERENCE.fullmatch(one):
+        ended_group_is_simple = groups.pop() if symbol == ")" and groups else True
+        if symbol in _UNBOUNDED or _REFERENCE.fullmatch(symbol):
             raise PatternError("a regular expression looks around or refers to its groups")
     return repeats, branches
 

@@ -84,8 +84,8 @@ def described(
     rows: Iterable[CapabilityRow[SourceT, ReadT, WriteT]], source: SourceT, *, assumed: bool = False
 ) -> list[tuple[Capability, CapabilityRow[SourceT, ReadT, WriteT]]]:
     """Return the capabilities of *source*, each with its row; see :meth:`CapabilityRow.describe`."""
-    found = [(row.describe(source, assumed=assumed), row) for row in rows]
-    return [(capability, row) for capability, row in found if capability is not None]
+    pairs = [(row.describe(source, assumed=assumed), row) for row in rows]
+    return [(capability, row) for capability, row in pairs if capability is not None]
 
 
 def writer_of(rows: Iterable[CapabilityRow[SourceT, ReadT, WriteT]], capability: str) -> WriteT:

@@ -116,8 +116,8 @@ class _Reader:
             case 1:
                 return -1 - number
             case 2:
-                found = self._consume(number)
-                return found if self._as_bytes else found.decode(errors="replace")
+                content = self._consume(number)
+                return content if self._as_bytes else content.decode(errors="replace")
             case 3:
                 return _text(self._consume(number))
             case 4:
@@ -127,11 +127,11 @@ class _Reader:
         return self._inner(depth)  # a tag
 
     def _consume(self, count: int) -> bytes:
-        found = self._payload[self.at : self.at + count]
-        if len(found) < count:
+        content = self._payload[self.at : self.at + count]
+        if len(content) < count:
             raise WireError("CBOR ends too early", self._payload)
         self.at += count
-        return found
+        return content
 
     def _number(self, info: int) -> int:
         if info < 24:
@@ -178,12 +178,12 @@ class _Reader:
             while (key := self.item(depth - 1)) is not _BREAK:
                 pairs[self._key(key)] = self._inner(depth)
             return pairs
-        found: list[object] = []
+        items: list[object] = []
         while (value := self.item(depth - 1)) is not _BREAK:
             if major != 4 and not isinstance(value, str):
                 raise WireError(f"CBOR has a {type(value).__name__} in a string", self._payload)
-            found.append(value)
-        return found if major == 4 else "".join(map(str, found))
+            items.append(value)
+        return items if major == 4 else "".join(map(str, items))
 
 
 def _text(encoded: bytes) -> str:

@@ -264,5 +264,7 @@ begin_message: Final[Callable[[], object]] = partial(work_left.set, MAX_WORK)
 
 def as_group(described: DescribedPart, members: tuple[str, ...]) -> DescribedPart:
     """Return a part as a group of *members* whose bridge reports values for these unheard."""
-    echoed = tuple([one.model_copy(update={"echoed": one.readable}) for one in described.part.capabilities])
+    echoed = tuple(
+        [capability.model_copy(update={"echoed": capability.readable}) for capability in described.part.capabilities]
+    )
     return described._replace(part=described.part.model_copy(update={"capabilities": echoed, "members": members}))

@@ -148,16 +148,16 @@ class FoundService:
 
 def facts_of(service: FoundService) -> dict[str, str]:
     """Return the facts of a service, as metadata of its device: DNS-SD's facts, and TXT as ``txt_<key>``."""
-    found = {
+    facts = {
         "dns_sd_type": service.service_type.removesuffix(".local."),
         "host": service.host.removesuffix("."),
         "port": str(service.port),
         "ip_address": next(iter(service.addresses), ""),
     }
     for fact, keys in _FACTS.items():
-        found[fact] = next((service.properties[key] for key in keys if service.properties.get(key)), "")
-    found |= {f"txt_{key}": value for key, value in service.properties.items()}
-    return {name: printable(value) for name, value in found.items() if value}
+        facts[fact] = next((service.properties[key] for key in keys if service.properties.get(key)), "")
+    facts |= {f"txt_{key}": value for key, value in service.properties.items()}
+    return {name: printable(value) for name, value in facts.items() if value}
 
 
 def identifiers_of(service: FoundService, declared: Iterable[str] | None = None) -> tuple[str, ...]:
@@ -173,12 +173,14 @@ def identifiers_of(service: FoundService, declared: Iterable[str] | None = None)
     label = _PADDED.sub(r"\1", service.host.removesuffix(".").removesuffix(".local"))
     named = [label] if _has_address(label, "mac:", "eui64:") else []
     # Not of 64 bits: the node of a fabric is called <fabric>-<node>, and neither is an address.
-    named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
+    named += [name for name in (service.name, service.name.partition("@")[0]) if _has_address(name, "mac:")]
     named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
     if declared is None:
         known = [said.get(key, "") for key in _DECLARED]
-        declared = [one for one in known if len(one) >= _SHORTEST and may_be_unique(one)]
-    hardware = [in_pairs(one) for key in _HARDWARE for one in _SEPARATORS.split(said.get(key, ""))[:_MAX_ADDRESSES]]
+        declared = [identifier for identifier in known if len(identifier) >= _SHORTEST and may_be_unique(identifier)]
+    hardware = [
+        in_pairs(address) for key in _HARDWARE for address in _SEPARATORS.split(said.get(key, ""))[:_MAX_ADDRESSES]
+    ]
     return identifiers([*hardware, *named, *declared])
 
 
@@ -194,8 +196,8 @@ def name_of(service: FoundService, key: str = "") -> str:
     A name in the TXT record comes first, also that of the *key* of its ecosystem: there the instance name is made of an
     id (Google Cast, Amazon).
     """
-    for one in (*_NAMES, key, _NAME_OF.get(service.service_type, "")):
-        if name := printable(service.properties.get(one, "")).strip():
+    for property_name in (*_NAMES, key, _NAME_OF.get(service.service_type, "")):
+        if name := printable(service.properties.get(property_name, "")).strip():
             return name
     before, _, after = service.name.partition("@")
     if after.strip() and (_has_address(before, "mac:") or _ID.fullmatch(before)):
@@ -232,7 +234,7 @@ def printable(text: str) -> str:
     return (
         text
         if text.isprintable()
-        else "".join(one if one.isprintable() else "\N{REPLACEMENT CHARACTER}" for one in text)
+        else "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in text)
     )
 
 

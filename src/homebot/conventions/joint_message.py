@@ -8,14 +8,14 @@ from homebot.devices.value import PlainValue
 
 def merged(first: Mapping[str, object], second: Mapping[str, object]) -> dict[str, object] | None:
     """Return the members of both objects, and of objects in them; None if they differ in a member that both have."""
-    found = dict(first)
+    joined = dict(first)
     for key, value in second.items():
-        known = found.get(key)
+        known = joined.get(key)
         both = merged(known, value) if isinstance(known, dict) and isinstance(value, dict) else None
-        if both is None and key in found and known != value:
+        if both is None and key in joined and known != value:
             return None
-        found[key] = value if both is None else both
-    return found
+        joined[key] = value if both is None else both
+    return joined
 
 
 def join(
@@ -26,14 +26,14 @@ def join(
     Args:
         write: Returns the message of a command with one setting; raises RefusedError.
     """
-    values = {one.capability: one.value.plain() for one in command.singly()}
+    values = {single.capability: single.value.plain() for single in command.singly()}
     switch = values.keys() - without_switch(values).keys()
-    first, *others = sorted(command.singly(), key=lambda one: one.capability in switch)
+    first, *others = sorted(command.singly(), key=lambda single: single.capability in switch)
     message, along = write(first), [first.capability]
-    for one in others:
-        if (both := merged(message, write(one))) is not None or one.capability in switch:
+    for single in others:
+        if (both := merged(message, write(single))) is not None or single.capability in switch:
             message = message if both is None else both
-            along.append(one.capability)
+            along.append(single.capability)
     return message, tuple(along)
 
 

@@ -123,16 +123,16 @@ class LightFeatures:
 
     def abilities(self) -> dict[str, CapabilityFields]:
         """Return the bounds and the options of its capabilities, by name."""
-        found: dict[str, CapabilityFields] = {"on_off": {}}
+        abilities: dict[str, CapabilityFields] = {"on_off": {}}
         if self.has_level:
-            found["level"] = {"grid": self._grid}
+            abilities["level"] = {"grid": self._grid}
         if self.has_white:
-            found["color_temperature"] = {"bounds": self.white.bounds}
+            abilities["color_temperature"] = {"bounds": self.white.bounds}
         if self.color_mode:
-            found["color"] = {}
+            abilities["color"] = {}
         if self.has_effect:
-            found["effect"] = {"options": self.effects}
-        return found
+            abilities["effect"] = {"options": self.effects}
+        return abilities
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
@@ -164,16 +164,16 @@ class LightFeatures:
 
     def joint_command(self, values: Mapping[str, PlainValue], transition: float = 0.0) -> LightCommand:
         """Return the one command that sets all *values*; raise as :meth:`command`."""
-        found: LightCommand | None = None
+        joint: LightCommand | None = None
         for name, value in values.items():
             command = self.command(name, value, transition)
-            if found is None or not command.on:
-                found = command
-            elif found.on:
-                set_here = {key: one for key, one in command._asdict().items() if one not in (None, "", ())}
-                found = found._replace(**set_here)
-        assert found is not None, "a command sets something"  # noqa: S101 - for the type checker
-        return found
+            if joint is None or not command.on:
+                joint = command
+            elif joint.on:
+                set_here = {key: value for key, value in command._asdict().items() if value not in (None, "", ())}
+                joint = joint._replace(**set_here)
+        assert joint is not None, "a command sets something"  # noqa: S101 - for the type checker
+        return joint
 
     def _write_several(
         self, publish: Publish, writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
@@ -213,13 +213,13 @@ def _dim(value: PlainValue) -> LightCommand:
 
 def read_lamp(fields: Mapping[str, object], on_key: str, level_key: str) -> Readings:
     """Return switch and level of a lamp, as far as *fields* have them."""
-    found: dict[str, PlainValue] = {}
+    readings: dict[str, PlainValue] = {}
     if isinstance(on := fields.get(on_key), bool):
-        found["on_off"] = on
+        readings["on_off"] = on
     level = to_number(fields.get(level_key))
     if level is not None and 0 <= level <= 100:
-        found["level"] = level
-    return found
+        readings["level"] = level
+    return readings
 
 
 def read_rgb(values: Sequence[object]) -> tuple[float, float] | None:

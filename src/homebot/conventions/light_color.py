@@ -60,7 +60,7 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
     """Return hue and saturation of a colour in the channels of *mode*, which are in their bounds."""
     if mode == "hs":
         return channels[0], channels[1]
-    hue, saturation, _ = colorsys.rgb_to_hsv(*(one / 255 for one in _TO_RGB[mode](channels, white)))
+    hue, saturation, _ = colorsys.rgb_to_hsv(*(channel / 255 for channel in _TO_RGB[mode](channels, white)))
     return round(hue * 360, 3), round(saturation * 100, 3)
 
 
@@ -71,12 +71,13 @@ _MIN_Y = 1e-11
 
 
 def _rgb(hue: float, saturation: float) -> Channels:
-    return tuple(round(one * 255) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
+    return tuple(round(channel * 255) for channel in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
 
 
 def _rgb_to_xy(rgb: Channels, _white: KelvinRange) -> Channels:
     red, green, blue = (
-        ((one / 255 + 0.055) / 1.055) ** 2.4 if one / 255 > 0.04045 else one / 255 / 12.92 for one in rgb
+        ((channel / 255 + 0.055) / 1.055) ** 2.4 if channel / 255 > 0.04045 else channel / 255 / 12.92
+        for channel in rgb
     )
     x = red * 0.664511 + green * 0.154324 + blue * 0.162028
     y = red * 0.283881 + green * 0.668433 + blue * 0.047685
@@ -93,36 +94,39 @@ def _xy_to_rgb(xy: Channels, _white: KelvinRange) -> Channels:
         -big_x * 0.707196 + 1.655397 + big_z * 0.036152,
         big_x * 0.051713 - 0.121364 + big_z * 1.011530,
     )
-    rgb = [max(0.0, 12.92 * one if one <= 0.0031308 else 1.055 * one ** (1 / 2.4) - 0.055) for one in linear]
+    rgb = [
+        max(0.0, 12.92 * channel if channel <= 0.0031308 else 1.055 * channel ** (1 / 2.4) - 0.055)
+        for channel in linear
+    ]
     largest = max(*rgb, 1.0)
-    return tuple(int(one / largest * 255) for one in rgb)
+    return tuple(int(channel / largest * 255) for channel in rgb)
 
 
 def _rgb_to_rgbw(rgb: Channels, _white: KelvinRange) -> Channels:
     white = min(rgb)
-    return _as_bright(rgb, (*(one - white for one in rgb), white))
+    return _as_bright(rgb, (*(channel - white for channel in rgb), white))
 
 
 def _rgbw_to_rgb(rgbw: Channels, _white: KelvinRange) -> Channels:
-    return _as_bright(rgbw, tuple(one + rgbw[3] for one in rgbw[:3]))
+    return _as_bright(rgbw, tuple(channel + rgbw[3] for channel in rgbw[:3]))
 
 
 def _rgb_to_rgbww(rgb: Channels, white: KelvinRange) -> Channels:
-    warmest, coldest = (kelvin_mired(one) for one in white)
+    warmest, coldest = (kelvin_mired(kelvin) for kelvin in white)
     middle = white_rgb(kelvin_mired(coldest + (warmest - coldest) / 2))
-    level = min(one / part if part else 0 for one, part in zip(rgb, middle, strict=True))
+    level = min(channel / part if part else 0 for channel, part in zip(rgb, middle, strict=True))
     both = round(level * 255)
-    return _as_bright(rgb, (*(one - part * level for one, part in zip(rgb, middle, strict=True)), both, both))
+    return _as_bright(rgb, (*(channel - part * level for channel, part in zip(rgb, middle, strict=True)), both, both))
 
 
 def _rgbww_to_rgb(rgbww: Channels, white: KelvinRange) -> Channels:
-    warmest, coldest = (kelvin_mired(one) for one in white)
+    warmest, coldest = (kelvin_mired(kelvin) for kelvin in white)
     cold, warm = rgbww[3:]
     warm_fraction = warm / (cold + warm) if cold + warm else 0.5
     mired = coldest + warm_fraction * (warmest - coldest)
     level = max(cold, warm) / 255
     tint = white_rgb(kelvin_mired(mired) if mired else 0)
-    return _as_bright(rgbww, tuple(one + part * level for one, part in zip(rgbww[:3], tint, strict=True)))
+    return _as_bright(rgbww, tuple(channel + part * level for channel, part in zip(rgbww[:3], tint, strict=True)))
 
 
 def _as_bright(target: Channels, channels: Channels) -> Channels:
@@ -143,7 +147,7 @@ def white_rgb(kelvin: float) -> Channels:
     blue = 255.0
     if warmth < 66:
         blue = 0.0 if warmth <= 19 else 138.5177312231 * math.log(warmth - 10) - 305.0447927307
-    return tuple(min(max(one, 0.0), 255.0) for one in (red, green, blue))
+    return tuple(min(max(channel, 0.0), 255.0) for channel in (red, green, blue))
 
 
 _FROM_RGB: Mapping[str, Callable[[Channels, KelvinRange], Channels]] = {

@@ -84,15 +84,15 @@ def is_longer_than(value: object, limit: int) -> bool:
     left = limit
     waiting = [value]
     while waiting:
-        one = waiting.pop()
-        left -= len(one) + 1 if isinstance(one, (str, list, dict)) else 1
+        item = waiting.pop()
+        left -= len(item) + 1 if isinstance(item, (str, list, dict)) else 1
         if left < 0:
             return True
-        if isinstance(one, dict):
-            waiting.extend(one)
-            waiting.extend(one.values())
-        elif isinstance(one, list):
-            waiting.extend(one)
+        if isinstance(item, dict):
+            waiting.extend(item)
+            waiting.extend(item.values())
+        elif isinstance(item, list):
+            waiting.extend(item)
     return False
 
 
@@ -128,14 +128,14 @@ def _parse_name(text: str, at: int) -> tuple[str, int]:
 
 
 def _object(names: list[str], values: list[object]) -> dict[str, object]:
-    found = dict(zip(names, values, strict=True))
-    if len(found) < len(names):
+    fields = dict(zip(names, values, strict=True))
+    if len(fields) < len(names):
         known: set[str] = set()
         for name in names:
             if name in known:
                 record_duplicate(name)
             known.add(name)
-    return found
+    return fields
 
 
 def _decode(text: str, at: int, levels: int) -> _Place:

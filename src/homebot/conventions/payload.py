@@ -102,10 +102,10 @@ def _is_plain(payload: bytes | str, value: object) -> bool:
     text = payload.encode() if isinstance(payload, str) else payload
     if text.count(b"{") + text.count(b"[") > MAX_DEPTH:
         return False
-    found = json_of(value, inf_nan_mode="constants")
-    if found == text:  # JSON without spaces, as most programs write it
+    encoded = json_of(value, inf_nan_mode="constants")
+    if encoded == text:  # JSON without spaces, as most programs write it
         return True
-    return b"Infinity" not in found and b"\\u" not in text and found.count(b":") == text.count(b":")
+    return b"Infinity" not in encoded and b"\\u" not in text and encoded.count(b":") == text.count(b":")
 
 
 def _is_flat_and_finite(value: object) -> bool:
@@ -122,12 +122,12 @@ def _is_finite(value: object, depth: int) -> bool:
         value = value.values()
     elif not isinstance(value, list):
         return value not in _ENDLESS
-    for one in value:
-        kind = type(one)
+    for item in value:
+        kind = type(item)
         if kind is float:
-            if one in _ENDLESS:
+            if item in _ENDLESS:
                 return False
-        elif (kind is dict or kind is list) and (depth <= 1 or not _is_finite(one, depth - 1)):
+        elif (kind is dict or kind is list) and (depth <= 1 or not _is_finite(item, depth - 1)):
             return False
     return True
 
@@ -151,7 +151,9 @@ def clean_text(text: str, limit: int = 120) -> str:
     """
     if len(text) <= limit and text.isprintable():
         return text.strip()
-    kept = "".join(one if one.isprintable() or one in _JOINERS else " " for one in text[: 4 * limit])
+    kept = "".join(
+        character if character.isprintable() or character in _JOINERS else " " for character in text[: 4 * limit]
+    )
     return " ".join(kept.split())[:limit].rstrip()
 
 
@@ -235,8 +237,8 @@ def check_depth(value: object, levels: int = MAX_DEPTH) -> None:
     for _ in range(levels):
         level = [
             child
-            for one in level
-            for child in (one.values() if isinstance(one, dict) else one if isinstance(one, list) else ())
+            for parent in level
+            for child in (parent.values() if isinstance(parent, dict) else parent if isinstance(parent, list) else ())
             if isinstance(child, (dict, list))
         ]
         if not level:

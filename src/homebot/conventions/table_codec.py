@@ -61,8 +61,8 @@ def write_one_object(
     writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
 ) -> tuple[Publications, Collection[str]]:
     """Write values as :data:`JointWriter` by merging their messages, each a JSON object, if they do not differ."""
-    told = without_switch(values)
-    (name, value), *others = told.items()
+    settings = without_switch(values)
+    (name, value), *others = settings.items()
     written, names = writers[name](value, transition), [name]
     for other, value in others:
         further = writers[other](value, transition)
@@ -71,16 +71,16 @@ def write_one_object(
             if both is not None:
                 written = (written[0]._replace(payload=compact_json(both).encode()),)
                 names.append(other)
-    return written, [*names, *(values.keys() - told.keys())]
+    return written, [*names, *(values.keys() - settings.keys())]
 
 
 def write_mode_for_switch(
     writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
 ) -> tuple[Publications, Collection[str]]:
     """Write one value as :data:`JointWriter`, the mode of a thermostat for its switch too, which it is."""
-    told = without_switch(values)
-    name, value = next(iter(told.items()))
-    return writers[name](value, transition), (name, *(values.keys() - told.keys()))
+    settings = without_switch(values)
+    name, value = next(iter(settings.items()))
+    return writers[name](value, transition), (name, *(values.keys() - settings.keys()))
 
 
 class TableCodec(Generic[MessageT]):
@@ -132,12 +132,12 @@ class TableCodec(Generic[MessageT]):
         message = self._parse_payload(payload)
         if message is None:
             return NO_READINGS
-        found = readers[0](message)
+        readings = readers[0](message)
         if len(readers) > 1:
-            found = dict(found)
+            readings = dict(readings)
             for read in readers[1:]:
-                found.update(read(message))
-        return found
+                readings.update(read(message))
+        return readings
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*."""
@@ -151,7 +151,7 @@ class TableCodec(Generic[MessageT]):
     ) -> tuple[Publications, Collection[str]]:
         """Return the command that sets the first of *values*, and the names of those that it sets."""
         name, value = next(iter(values.items()))
-        known = {one: value for one, value in values.items() if one in self._writers}
+        known = {capability: value for capability, value in values.items() if capability in self._writers}
         if self._joint is None or len(known) < 2 or name not in known:
             return self.write(name, value, transition=transition), (name,)
         return self._joint(self._writers, known, require_transition(transition))
@@ -217,7 +217,7 @@ class _MovedCodec(TableCodec[MessageT]):
     def _moved(self, write: Callable[[], Publications]) -> Publications:
         """Return the publications on its own topics; an error that ends with a topic names its own."""
         try:
-            return tuple([one._replace(topic=self.moved_topics[one.topic]) for one in write()])
+            return tuple([publication._replace(topic=self.moved_topics[publication.topic]) for publication in write()])
         except RefusedError as error:
             for other, own in self.moved_topics.items():
                 if error.what.endswith(f" {other}"):

@@ -67,7 +67,7 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
     known = {**_UNITS.get(capability.removesuffix("_returned"), {}), CAPABILITIES[capability].unit: _SAME}
     if spelled in known:
         return known[spelled]
-    alike = {one for name, one in known.items() if name.casefold() == spelled.casefold()}
+    alike = {conversion for name, conversion in known.items() if name.casefold() == spelled.casefold()}
     return alike.pop() if len(alike) == 1 else None
 
 
@@ -78,7 +78,7 @@ def measured_in(unit: str) -> str:
     """
     if unit in {"", "K", "mmHg"}:
         return ""
-    return next((one for one in _BY_UNIT if conversion_of(one, unit) is not None), "")
+    return next((capability for capability in _BY_UNIT if conversion_of(capability, unit) is not None), "")
 
 
 _BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency", "flow")
@@ -100,7 +100,7 @@ def celsius_bounds(low: float, high: float) -> tuple[float, float]:
 
     Commands must be limited to *low* and *high*.
     """
-    lowest, highest = (round((one - 32.0) / 0.18, 6) for one in (low, high))
+    lowest, highest = (round((fahrenheit - 32.0) / 0.18, 6) for fahrenheit in (low, high))
     return math.floor(lowest) / 10, math.ceil(highest) / 10
 
 

@@ -112,8 +112,8 @@ class VacuumMap(NamedTuple):
                 pixels[pair] += length
         for pair, length in pixels.items():
             if len(pair) > 1 and length * self.pixel >= _DOORWAY:
-                one, other = (self.segments[number].id for number in sorted(pair))
-                yield one, other
+                first, other = (self.segments[number].id for number in sorted(pair))
+                yield first, other
 
     def outline(self, segment: VacuumSegment) -> tuple[tuple[float, float], ...]:
         """Return the corners of the largest ring around the pixels of *segment*, in metres."""
@@ -126,7 +126,7 @@ def _touching(row: Iterable[tuple[int, int]], below: Iterable[tuple[int, int]]) 
     A row is given by the columns from which on its pixels are of a segment, by its number, or of none.
     """
     here, last, ended = [_NONE, _NONE], 0, (0, _NONE)
-    for x, side, number in sorted([*((x, 0, one) for x, one in row), *((x, 1, one) for x, one in below)]):
+    for x, side, number in sorted([*((x, 0, number) for x, number in row), *((x, 1, number) for x, number in below)]):
         if _NONE not in here:
             yield frozenset(here), x - last
         if side == 0 and number == _NONE:

@@ -40,7 +40,7 @@ class AddressGuard:
 
     def __init__(self, allowed: Iterable[str] = ()) -> None:
         self.of_described: AddressGuard | None = self
-        self._allowed = frozenset(parse_address(one) for one in allowed)
+        self._allowed = frozenset(parse_address(text) for text in allowed)
 
     def check(self, address: SocketAddress) -> str:
         """Return an address that is about to be connected to, as text: ``10.0.0.7``, ``fe80::1%eth0``.
@@ -62,10 +62,10 @@ class AddressGuard:
         """
         loop = asyncio.get_running_loop()
         try:
-            found = await loop.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+            infos = await loop.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
         except UnicodeError:
             raise OSError("it is no name of a host") from None
-        checked = [self.check(cast("SocketAddress", address)) for *_, address in found]
+        checked = [self.check(cast("SocketAddress", address)) for *_, address in infos]
         return checked[0]
 
 

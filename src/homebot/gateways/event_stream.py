@@ -56,9 +56,9 @@ class EventStreamParser:
             return ()
         *lines, rest = (self._rest + text).split("\n")
         self._rest = rest
-        found = [event for line in lines if (event := self._parse_line(line)) is not None]
+        events = [event for line in lines if (event := self._parse_line(line)) is not None]
         self._check_size(len(rest))
-        return tuple(found)
+        return tuple(events)
 
     def _parse_line(self, line: str) -> ServerEvent | None:
         if not line:

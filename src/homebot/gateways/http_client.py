@@ -237,8 +237,8 @@ class HttpClient:
             check_status(f"GET {shown_url(where)}", response.status, has_login=self._login is not None)
             if response.status == 204:
                 raise RefusedError(f"GET {shown_url(where)}", "there are no events any more", 204)
-            if (found := _media_type(response)) != "text/event-stream":
-                raise WireError(f"{shown_url(where)} sends {found[:60] or 'nothing that has a type'}, not events")
+            if (media_type := _media_type(response)) != "text/event-stream":
+                raise WireError(f"{shown_url(where)} sends {media_type[:60] or 'nothing that has a type'}, not events")
             parser = EventStreamParser(self._max_bytes if max_bytes is None else max_bytes)
             yield EventStream(response.content.readany, shown_url(where), parser)
 
@@ -295,11 +295,11 @@ def _media_type(response: aiohttp.ClientResponse) -> str:
 
 
 def _fields(response: aiohttp.ClientResponse) -> dict[str, str]:
-    found: dict[str, str] = {}
+    fields: dict[str, str] = {}
     for name, value in response.headers.items():
         key = name.lower()
-        found[key] = f"{found[key]}, {value}" if key in found else value
-    return found
+        fields[key] = f"{fields[key]}, {value}" if key in fields else value
+    return fields
 
 
 async def _body(where: URL, response: aiohttp.ClientResponse, max_bytes: int) -> bytes:

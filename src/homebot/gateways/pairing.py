@@ -176,7 +176,7 @@ class PairingFile:
             raise UsageError(f"the pairings in {self._path} cannot be read: {reason}") from None
         if not isinstance(content, dict):
             raise UsageError(f"the pairings in {self._path} cannot be read: it is not a JSON object")
-        return {key: one for key, one in content.items() if isinstance(one, dict)}
+        return {key: saved for key, saved in content.items() if isinstance(saved, dict)}
 
     async def keep(self, pairings: Mapping[str, Mapping[str, object]]) -> None:
         """Replace the content of the file, by a worker thread.

@@ -134,15 +134,15 @@ class ThingLogin:
 
     def with_hosts(self, *others: str) -> ThingLogin:
         """Return the same for a host that has these further names or addresses."""
-        return ThingLogin(self.hosts | {one.lower() for one in others}, self.scheme, self.user, self.password)
+        return ThingLogin(self.hosts | {host.lower() for host in others}, self.scheme, self.user, self.password)
 
 
 def read_logins(credentials: Sequence[HttpLoginSettings]) -> tuple[ThingLogin, ...]:
     """Return the credentials with their passwords; raise UsageError, with its key, for one that cannot be read."""
-    found = []
-    for number, one in enumerate(credentials):
-        password = one.read_password(f"credentials[{number}].")
+    logins = []
+    for number, settings in enumerate(credentials):
+        password = settings.read_password(f"credentials[{number}].")
         if password is not None:
-            hosts = frozenset({one.host.lower().removesuffix(".")})
-            found.append(ThingLogin(hosts, one.scheme or "", one.user, password))
-    return tuple(found)
+            hosts = frozenset({settings.host.lower().removesuffix(".")})
+            logins.append(ThingLogin(hosts, settings.scheme or "", settings.user, password))
+    return tuple(logins)

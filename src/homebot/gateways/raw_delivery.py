@@ -213,7 +213,7 @@ class PartTexts:
     @property
     def kept(self) -> tuple[tuple[float, RawMessage], ...]:
         """Its last 10 states as text, of at most 4 KiB, and when each came, for a listener that comes later."""
-        made = tuple((came, one if isinstance(one, RawMessage) else one()) for came, one in self._kept)
+        made = tuple((came, message if isinstance(message, RawMessage) else message()) for came, message in self._kept)
         self._kept = made
         return made
 
@@ -242,12 +242,12 @@ class PartTexts:
         recent, kept = missed(self.events, max(since, now - _MOMENT)), self.kept
         if not recent:
             return missed(kept, since)
-        wanted = {id(one) for one in (*recent, *missed(kept, since))}
-        told = sorted((*kept, *self.events), key=lambda one: one[0])
-        return tuple(one for _, one in told if id(one) in wanted)
+        wanted = {id(message) for message in (*recent, *missed(kept, since))}
+        in_order = sorted((*kept, *self.events), key=lambda dated: dated[0])
+        return tuple(message for _, message in in_order if id(message) in wanted)
 
 
 def missed(kept: Sequence[tuple[float, RawMessage]], since: float) -> tuple[RawMessage, ...]:
     """Return those of the *kept* messages that came from *since* on, and the last where it was retained."""
     last = kept[-1][1] if kept else None
-    return tuple(one for came, one in kept if came >= since or (one is last and one.retained))
+    return tuple(message for came, message in kept if came >= since or (message is last and message.retained))

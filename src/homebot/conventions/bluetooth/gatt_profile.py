@@ -36,7 +36,7 @@ def _tokens(frame: str) -> tuple[int | str, ...]:
     Raises:
         ValueError: It is no frame.
     """
-    found: list[int | str] = []
+    tokens: list[int | str] = []
     at = 0
     while at < len(frame):
         match = _TOKEN.match(frame, at)
@@ -45,11 +45,11 @@ def _tokens(frame: str) -> tuple[int | str, ...]:
         digits, name, _ = match.groups()
         if name is not None and name not in _FIELDS:
             raise ValueError(f"{name!r} is not a field; known are {', '.join(_FIELDS)}")
-        found.append(int(digits, 16) if digits else name or "")
+        tokens.append(int(digits, 16) if digits else name or "")
         at = match.end()
-    if not 0 < len(found) <= _MAX_BYTES:
+    if not 0 < len(tokens) <= _MAX_BYTES:
         raise ValueError(f"a frame has 1 to {_MAX_BYTES} bytes")
-    return tuple(found)
+    return tuple(tokens)
 
 
 def _checked(frame: str) -> str:
@@ -187,16 +187,16 @@ class GattProfile(BaseModel):
 
     def _values(self, fields: Mapping[str, int], readable: set[str]) -> dict[str, PlainValue]:
         is_on = bool(fields["on"])
-        found: dict[str, PlainValue] = {}
+        readings: dict[str, PlainValue] = {}
         if "on_off" in readable:
-            found["on_off"] = is_on
+            readings["on_off"] = is_on
         if "level" in readable:
             is_dark = "on_off" in readable and not is_on
-            found["level"] = 0.0 if is_dark else round(fields["level"] * 100 / self.level_max, 1)
+            readings["level"] = 0.0 if is_dark else round(fields["level"] * 100 / self.level_max, 1)
         if "color" in readable:
             channels = tuple(float(fields[channel]) for channel in _CHANNELS)
-            found["color"] = to_hue_saturation("rgb", channels, _WHITE)
-        return found
+            readings["color"] = to_hue_saturation("rgb", channels, _WHITE)
+        return readings
 
 
 BUILT_IN: Mapping[str, GattProfile] = {

@@ -134,8 +134,8 @@ class _Type2Memory:
     def read(self) -> TagContent:
         if not self._is_readable:
             raise TagError("protected", "it is read-protected")
-        found = self._find(self._read_area())
-        return TagContent(found.message, self._room(found.start), self._is_writable)
+        area = self._find(self._read_area())
+        return TagContent(area.message, self._room(area.start), self._is_writable)
 
     def write(self, message: bytes) -> None:
         """Write *message*, its length last, as on a Type 4 tag."""

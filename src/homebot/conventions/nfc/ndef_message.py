@@ -152,10 +152,10 @@ def _read(record: object) -> Iterator[NdefRecord]:
     if kind in _WELL_KNOWN:
         yield from _well_known(record)
     elif kind == _SMART_POSTER:
-        inner = [one for one in _decoded(bytes(record.data), {}) if isinstance(one, ndef.Record)]
-        known = [one for one in inner if str(one.type) in _WELL_KNOWN]
-        for one in sorted(known, key=lambda one: str(one.type), reverse=True):  # the address, then the titles
-            yield from _well_known(one)
+        inner = [within for within in _decoded(bytes(record.data), {}) if isinstance(within, ndef.Record)]
+        known = [within for within in inner if str(within.type) in _WELL_KNOWN]
+        for within in sorted(known, key=lambda within: str(within.type), reverse=True):  # the address, then the titles
+            yield from _well_known(within)
     elif kind.startswith(_EXTERNAL):
         yield NdefRecord("external", bytes(record.data), kind.removeprefix(_EXTERNAL).casefold())
     elif "/" in kind:
@@ -170,11 +170,11 @@ def _well_known(record: object) -> Iterator[NdefRecord]:
     """
     ndef = _ndef()
 
-    for one in _decoded(b"".join(ndef.message_encoder([record]))):
-        if isinstance(one, ndef.UriRecord):
-            yield NdefRecord("uri", one.iri.encode())
-        elif isinstance(one, ndef.TextRecord):
-            yield NdefRecord("text", one.text.encode())
+    for decoded in _decoded(b"".join(ndef.message_encoder([record]))):
+        if isinstance(decoded, ndef.UriRecord):
+            yield NdefRecord("uri", decoded.iri.encode())
+        elif isinstance(decoded, ndef.TextRecord):
+            yield NdefRecord("text", decoded.text.encode())
 
 
 def _ndef() -> Any:

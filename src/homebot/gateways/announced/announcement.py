@@ -93,7 +93,9 @@ class AnnouncedPart(PartTexts):
     def reports(self, capability: str) -> bool:
         """Return whether it reports *capability* as a lasting value, which can confirm a command."""
         capabilities = self.described.part.capabilities
-        return capability not in MOMENTARY and any(one.name == capability and one.readable for one in capabilities)
+        return capability not in MOMENTARY and any(
+            candidate.name == capability and candidate.readable for candidate in capabilities
+        )
 
     def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
         """Return *values* as readings; an unchanged value keeps its reading.
@@ -101,7 +103,7 @@ class AnnouncedPart(PartTexts):
         Raises:
             pydantic.ValidationError: A value or the name of a capability is invalid.
         """
-        found = []
+        readings = []
         if (known := self.known) is None:
             known = self.known = {}
         part = self.described.part.id
@@ -119,8 +121,8 @@ class AnnouncedPart(PartTexts):
                 self.is_plain = self.is_plain and type(value) in _PLAIN and name not in EVENTS
                 if len(known) < _MAX_READINGS:
                     known[name] = value, reading
-            found.append(reading)
-        return found
+            readings.append(reading)
+        return readings
 
 
 class SharedReachability:
@@ -215,11 +217,13 @@ class StoredAnnouncement:
         described, text = self.described, self.described.text
         self.parts, self.reachability, self.reachable = {}, _NOTHING, _NOTHING
         shown: list[Part] = []
-        for one in described.parts:
-            part = one.part.id
-            if one.part.service_type:
-                shown.append(one.part)
-            self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
+        for announced_part in described.parts:
+            part = announced_part.part.id
+            if announced_part.part.service_type:
+                shown.append(announced_part.part)
+            self.parts[part] = AnnouncedPart(
+                self, announced_part, text_address(self.key, part) if text is None else text.address
+            )
         self.template = self._template(tuple(shown))  # so that an invalid one fails at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
@@ -231,9 +235,11 @@ class StoredAnnouncement:
         return self._topics() == other._topics()
 
     def _topics(self) -> frozenset[str]:
-        one = self.described
-        available = [two for two in (one.availability, *(part.availability for part in one.parts)) if two is not None]
-        parts = [topic for part in one.parts for topic in (*part.part.reads, *part.part.writes)]
+        described = self.described
+        available = [
+            two for two in (described.availability, *(part.availability for part in described.parts)) if two is not None
+        ]
+        parts = [topic for part in described.parts for topic in (*part.part.reads, *part.part.writes)]
         return frozenset((*parts, *(source.topic for two in available for source in two.sources)))
 
     def report_stream(self, *source: object) -> str:
@@ -255,8 +261,8 @@ class StoredAnnouncement:
         self.heard_at, self.refresh_at = before.heard_at, before.refresh_at
         self.report_streams = before.report_streams
         known = {
-            part: told
-            for part, told in before.reachable.items()
+            part: is_reachable
+            for part, is_reachable in before.reachable.items()
             if part in self.reachability or part not in before.reachability  # known to the gateway itself
         }
         self.reachable = known or _NOTHING

@@ -193,7 +193,7 @@ class CommandServer:
     def _check_approved(self, command: Command) -> None:
         """Refuse a command to a part whose description has changed since the owner approved it."""
         template = self._find_part(command.key, command.part).stored.template
-        part = next((one for one in template.parts if one.id == command.part), None)
+        part = next((template_part for template_part in template.parts if template_part.id == command.part), None)
         if part is None or CommandDescription.of(part, template.identifiers).digest != command.approved:
             raise RefusedError(f"a command to {command.key[:100]}", "it changed since the owner approved it")
 
@@ -227,7 +227,7 @@ class CommandServer:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
         part = self._find_part(key, part_id).described.part
         capability, value = decode_command(text.payload, part)
-        (known,) = (one for one in part.capabilities if one.name == capability)
+        (known,) = (candidate for candidate in part.capabilities if candidate.name == capability)
         value = known.nearest(value) if isinstance(value, float) else value
         command = Command(
             key=key,

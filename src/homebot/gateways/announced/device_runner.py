@@ -58,7 +58,7 @@ class DriverHost:
 
         They replace the earlier ones, and can be reached if the device can.
         """
-        described = {one.key: one for one in devices}
+        described = {device.key: device for device in devices}
         for key in self._behind.keys() - described.keys():
             del self._behind[key]
             self._devices.remove(key, f"{self.key} has it no more")

@@ -86,7 +86,7 @@ class GatewayEngine(Generic[MessageT]):
         elif not stored.parts:
             why = _NOT_DESCRIBED
         else:
-            known = ", ".join(repr(one) for one in sorted(stored.parts)[:10])
+            known = ", ".join(repr(name) for name in sorted(stored.parts)[:10])
             why = f"it has no part {part_id[:100]!r}; it has {known}"
         refused = RefusedError(f"a command to {key[:100]}", why)
         raise UnableError(str(refused)) from refused

@@ -83,7 +83,11 @@ class ExposedDevices:
             self._log(NOT_TAKEN, f"{report.id} published a state but is not exposed", report.id)
             return
         offered = _offered(offer)
-        changed = {key: one.value.plain() for one in report.readings if (key := (one.part, one.capability)) in offered}
+        changed = {
+            key: reading.value.plain()
+            for reading in report.readings
+            if (key := (reading.part, reading.capability)) in offered
+        }
         known = self._known.setdefault(offer.id, {})
         known.update(changed)
         self._tell(offer, known, changed)

@@ -138,8 +138,10 @@ def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: 
 
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
     """Return whether *part* can report *value* for *capability*; None, for unknown, always can be."""
-    found = next((one for one in part.capabilities if one.name == capability and one.readable), None)
-    return found is not None and (value is None or _is_of_kind(CAPABILITIES.get(capability, OWN).kind, value))
+    known = next(
+        (candidate for candidate in part.capabilities if candidate.name == capability and candidate.readable), None
+    )
+    return known is not None and (value is None or _is_of_kind(CAPABILITIES.get(capability, OWN).kind, value))
 
 
 def _is_of_kind(kind: str, value: PlainValue) -> bool:

@@ -266,8 +266,8 @@ class PublishedDevices:
         part = self.engine.find_part(command.key, command.part, command.topics).described.part
         try:
             check_setting(command.key[:100], part, command.capability, command.value.plain())
-            for one in command.also:
-                check_setting(command.key[:100], part, one.capability, one.value.plain())
+            for setting in command.also:
+                check_setting(command.key[:100], part, setting.capability, setting.value.plain())
         except RefusedError as exc:
             raise UnableError(str(exc)) from exc
         return await self._perform(command)

@@ -91,7 +91,7 @@ class DeferredMessages(Generic[MessageT]):
         known.messages.append((message, length, is_like))
         self._count(source, known, length, 1)
         while known.work > MAX_WORK_EACH and len(known.messages) > 1:
-            unlike = next((index for index, one in enumerate(known.messages) if not one[2]), 0)
+            unlike = next((index for index, message in enumerate(known.messages) if not message[2]), 0)
             self._pop(source, unlike)
             self.dropped += 1
 
@@ -134,8 +134,8 @@ class DeferredMessages(Generic[MessageT]):
         self.account.add(size)
 
     def _bytes_of(self, payer: str) -> int:
-        found = self._payers.get(payer)
-        return 0 if found is None else found.bytes
+        account = self._payers.get(payer)
+        return 0 if account is None else account.bytes
 
     def _drop_oldest(self, payer: str) -> None:
         self._pop(next(iter(self._payers[payer].sources)))

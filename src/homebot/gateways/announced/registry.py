@@ -59,11 +59,15 @@ class DerivedAnnouncements:
         """Return whether the program that announced *described* also lists the device."""
         if described.native or not self._listed:
             return False
-        return any(_describes(one, described) for one in _like(described, self._listed))
+        return any(_describes(entry, described) for entry in _like(described, self._listed))
 
     def of(self, listed: DeviceAnnounced) -> tuple[str, ...]:
         """Return the keys of the registered announcements that are derived from *listed*."""
-        derived = [one.full_key for one in _like(listed, self._others) if _describes(listed, one)]
+        derived = [
+            derived_device.full_key
+            for derived_device in _like(listed, self._others)
+            if _describes(listed, derived_device)
+        ]
         return tuple(dict.fromkeys(derived))
 
     def put(self, described: DeviceAnnounced) -> None:

@@ -112,11 +112,11 @@ class DeviceReporter:
             address: The address of the message; empty if the protocol has none.
             retained: Whether the message is of an earlier time.
         """
-        states = tuple([one for one in readings if one.capability not in EVENTS])
+        states = tuple([reading for reading in readings if reading.capability not in EVENTS])
         if states:
             self.publish_report(device, states, address, retained=retained, set_by=set_by)
         if len(states) < len(readings) and not retained:
-            events = tuple([one for one in readings if one.capability in EVENTS])
+            events = tuple([reading for reading in readings if reading.capability in EVENTS])
             self._events = (self._events + 1) % _EVENTS
             stream = f"event {self._events}"  # nothing replaces it, and no late joiner gets it
             self.publish_report(device, events, address, retained=False, stream=stream)

@@ -29,7 +29,9 @@ def sent_commands(described: DescribedPart) -> Iterator[str]:
     if described.remembers:
         yield f"{label}{', '.join(part.writes)}: what is sent depends on what the device reported"
         return
-    settings = [(one, value) for one in part.capabilities if one.settable for value in _samples(one)]
+    settings = [
+        (settable, value) for settable in part.capabilities if settable.settable for value in _samples(settable)
+    ]
     for capability, value in settings[:MAX_LINES]:
         sent = _sent(described.codec, capability.name, value)
         if sent is not None:
@@ -81,5 +83,5 @@ def _spelt(value: PlainValue) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, tuple):
-        return ",".join(f"{one:g}" for one in value)
+        return ",".join(f"{number:g}" for number in value)
     return f"{value:g}" if isinstance(value, float) else str(value)

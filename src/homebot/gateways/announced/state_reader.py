@@ -101,7 +101,7 @@ class UnreadablePayloads:
         described, key = part.described.part, part.stored.key
         state.reported, state.report_at = state.count, self._reporter.now + _SECOND
         is_coded = any(capability.name in _CODED for capability in described.capabilities)
-        why = "; ".join(dict.fromkeys([one.why(without_digits=is_coded) for one in state.found]))
+        why = "; ".join(dict.fromkeys([unreadable.why(without_digits=is_coded) for unreadable in state.found]))
         name = described.name or described.id
         text = f"payloads{name and f' of {name}'} on {state.address[:100]}: {state.count}, the last {why}"
         stream, said = part.stored.report_stream("unreadable", described.id), (KeyValue(key=described.id, value=text),)
@@ -202,7 +202,7 @@ class StateReader:
                     self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
                 if not values:
                     continue
-                found = part.readings(values)
+                of_part = part.readings(values)
             except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
                 self._record_failure(address, part.stored.described.convention, exc)
                 continue
@@ -210,7 +210,7 @@ class StateReader:
                 if stored is not None:
                     self._report(stored, readings, address, retained=retained, has_events=has_events)
                 stored, readings, has_events = part.stored, [], False
-            readings += found
+            readings += of_part
             for expiry in described.expiries:
                 self._schedule_expiry(part, expiry, values)
             is_listened = bool(listened.get(part.address))
@@ -264,7 +264,10 @@ class StateReader:
     ) -> None:
         """Publish *values* of a part, which its gateway has read itself and will not modify."""
         name = part.described.part.id
-        readings = [_reading_of(part=name, capability=one, value=_value_of(value)) for one, value in values.items()]
+        readings = [
+            _reading_of(part=name, capability=capability, value=_value_of(value))
+            for capability, value in values.items()
+        ]
         for expiry in part.described.expiries:
             self._schedule_expiry(part, expiry, values)
         is_brief = _is_brief(values)
@@ -355,7 +358,7 @@ class StateReader:
         else:
             reporter.publish_report(stored, readings, address, retained=retained, set_by=set_by)
         if not retained and False in stored.reachable.values():
-            self._doubt(stored, {"", *(one.part for one in readings)}, address)
+            self._doubt(stored, {"", *(reading.part for reading in readings)}, address)
 
     def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
         """Forget each retained "offline" that a message of *parts* disproves."""
@@ -432,8 +435,10 @@ class StateReader:
 
 def _is_among(silent: Container[tuple[str, str]], part: AnnouncedPart) -> bool:
     """Return whether *part*, or its whole device, is silent; the sensor of a lost connection is not."""
-    told = part.described.part
-    return told.tag != "connectivity" and ((part.stored.key, "") in silent or (part.stored.key, told.id) in silent)
+    announced = part.described.part
+    return announced.tag != "connectivity" and (
+        (part.stored.key, "") in silent or (part.stored.key, announced.id) in silent
+    )
 
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:

@@ -179,7 +179,7 @@ class WorkBudgets:
 
     def quarantined(self) -> tuple[WorkBudget, ...]:
         """Return the budgets in quarantine."""
-        return tuple(one for one in (*self._own.values(), *self._shared.values()) if one.is_quarantined)
+        return tuple(budget for budget in (*self._own.values(), *self._shared.values()) if budget.is_quarantined)
 
     def _budget(self, payer: str, *, is_own: bool) -> WorkBudget:
         if not is_own:

@@ -99,7 +99,7 @@ class BleRadio:
             LinkError: The device cannot be reached.
         """
         known = {} if self._scanner is None else self._scanner.discovered_devices_and_advertisement_data
-        device = next((one for one, _ in known.values() if one.address.upper() == address), None)
+        device = next((candidate for candidate, _ in known.values() if candidate.address.upper() == address), None)
         with _unavailable_errors(only_adapter=True), _link_errors(address):
             client = BleakClient(
                 device or address,
@@ -130,8 +130,8 @@ class BleLink:
 
     def has(self, characteristic: str, *properties: str) -> bool:
         """Return whether the device has a characteristic, with at least one of *properties* if any are given."""
-        found = self._client.services.get_characteristic(characteristic)
-        return found is not None and (not properties or bool({*properties} & {*found.properties}))
+        known = self._client.services.get_characteristic(characteristic)
+        return known is not None and (not properties or bool({*properties} & {*known.properties}))
 
     async def read(self, characteristic: str) -> bytes:
         """Return the value of a characteristic."""
@@ -160,8 +160,8 @@ def _advertisement(device: BLEDevice, data: AdvertisementData) -> Advertisement:
         rssi=data.rssi,
         name=data.local_name or "",
         tx_power=data.tx_power,
-        service_data={uuid.lower(): bytes(one) for uuid, one in data.service_data.items()},
-        manufacturer_data={company: bytes(one) for company, one in data.manufacturer_data.items()},
+        service_data={uuid.lower(): bytes(content) for uuid, content in data.service_data.items()},
+        manufacturer_data={company: bytes(content) for company, content in data.manufacturer_data.items()},
         service_uuids=tuple(uuid.lower() for uuid in data.service_uuids),
     )
 

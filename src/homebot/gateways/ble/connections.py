@@ -106,7 +106,7 @@ class Connections:
     @property
     def connected(self) -> tuple[KnownDevice, ...]:
         """The devices that are connected."""
-        return tuple(one.device for one in self._kept.values() if one.link is not None)
+        return tuple(kept.device for kept in self._kept.values() if kept.link is not None)
 
     def connect(self, device: KnownDevice, *, is_back: bool) -> None:
         """Keep a connection to a device that has a profile.
@@ -167,9 +167,9 @@ class Connections:
         return kept.link
 
     async def _close_least_used(self) -> None:
-        idle = [one for one in self._kept.values() if one.link is not None and not one.commands.locked()]
+        idle = [kept for kept in self._kept.values() if kept.link is not None and not kept.commands.locked()]
         if idle:
-            least = min(idle, key=lambda one: one.used_at)
+            least = min(idle, key=lambda kept: kept.used_at)
             least.preempted = True
             if least.link is not None:
                 await least.link.close()
@@ -262,18 +262,18 @@ class Connections:
             if self._should_yield(kept, opened):
                 kept.preempted = True
                 return
-            found: tuple[str, bytes] | None = None
+            received: tuple[str, bytes] | None = None
             with anyio.move_on_after(POLL_EVERY):
                 try:
-                    found = await values.receive()
+                    received = await values.receive()
                 except anyio.EndOfStream:
                     return
-            if found is None and is_polled:
-                found = kept.profile.reported_by, await link.read(kept.profile.reported_by)
-            if found is not None and found[0] == BATTERY_LEVEL:
-                await self._report_battery(kept.device.key, found[1])
-            elif found is not None:
-                await self._report(kept, found[1])
+            if received is None and is_polled:
+                received = kept.profile.reported_by, await link.read(kept.profile.reported_by)
+            if received is not None and received[0] == BATTERY_LEVEL:
+                await self._report_battery(kept.device.key, received[1])
+            elif received is not None:
+                await self._report(kept, received[1])
 
     def _should_yield(self, kept: _ManagedDevice, opened: float) -> bool:
         now = self._clock.monotonic()

@@ -153,23 +153,23 @@ class BleGateway(Gateway):
 
     async def _read_advertisement(self, advertisement: Advertisement) -> None:
         source = self._keys.get(advertisement.address, advertisement.address)
-        found: Broadcast | None = None
+        broadcast: Broadcast | None = None
         for parser in self._parsers:
             if not parser.concerns(advertisement):
                 continue
             if not self.devices.admits(source):
                 return
             try:
-                found = parser.read(advertisement, self._clock.monotonic())
+                broadcast = parser.read(advertisement, self._clock.monotonic())
             except WireError as exc:
                 self.devices.reject(source, exc.frame, str(exc))
                 return
             except Exception as exc:  # noqa: BLE001 - a parser of a plug-in must not end the gateway
                 self.devices.engine.quarantine.record_plugin_failure(source, type(parser).__name__, exc)
                 return
-            if found is not None:
+            if broadcast is not None:
                 break
-        await self._update_device(advertisement, found)
+        await self._update_device(advertisement, broadcast)
 
     async def _update_device(self, advertisement: Advertisement, broadcast: Broadcast | None) -> None:
         now = self._clock.monotonic()
@@ -235,11 +235,11 @@ class BleGateway(Gateway):
 
     def _make_room(self) -> bool:
         """Forget the longest silent device of those heard only briefly; return whether there was one."""
-        known = ((one, one.presence) for one in self._known.values())
-        brief = [one for one, heard in known if heard.last_heard - heard.first_heard < SETTLED_AFTER]
+        known = ((device, device.presence) for device in self._known.values())
+        brief = [device for device, heard in known if heard.last_heard - heard.first_heard < SETTLED_AFTER]
         if not brief:
             return False
-        dispensable = min(brief, key=lambda one: one.presence.last_heard)
+        dispensable = min(brief, key=lambda device: device.presence.last_heard)
         self._forget(dispensable, "too many devices are nearby, and it was heard only briefly")
         return True
 
@@ -274,9 +274,9 @@ class BleGateway(Gateway):
             if self._listens_since is not None:
                 heard_since = self._listens_since
                 silent = [
-                    one
-                    for one in self._known.values()
-                    if now - max(one.presence.last_heard, heard_since) > self._settings.forget_after
+                    device
+                    for device in self._known.values()
+                    if now - max(device.presence.last_heard, heard_since) > self._settings.forget_after
                 ]
                 for device in silent:
                     self._forget(device, f"it was not heard for {self._settings.forget_after:g} seconds")
@@ -284,7 +284,9 @@ class BleGateway(Gateway):
 
     def _problems(self) -> tuple[str, ...]:
         """Return the current problems, as text; of overflows, only those since the last call."""
-        problems = [f"{one.key}: {one.problem}" for one in self._known.values() if one.problem][:MAX_PROBLEMS]
+        problems = [f"{device.key}: {device.problem}" for device in self._known.values() if device.problem][
+            :MAX_PROBLEMS
+        ]
         counts = {
             "advertisements were dropped: more arrived than can be read": self.intake.dropped,
             "advertisements of unknown devices were ignored: too many devices appear": self._ignored,

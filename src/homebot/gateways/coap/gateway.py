@@ -181,7 +181,7 @@ class CoapGateway(Gateway):
                 self.devices.reject(source, answer.payload, str(exc))
                 return
         endpoint = endpoint_at(answer.host, answer.port)
-        found_there = sum(not one.endpoint.is_registered for one in self._at_host_of(endpoint))
+        found_there = sum(not session.endpoint.is_registered for session in self._at_host_of(endpoint))
         if endpoint.key not in self._sessions and found_there >= MAX_PER_HOST:
             self.devices.reject(source, b"", f"more than {MAX_PER_HOST} endpoints answer from there")
             return
@@ -211,11 +211,11 @@ class CoapGateway(Gateway):
         """
         at = authority_of(endpoint.base)
         same = [session.endpoint for session in self._sessions.values() if session.authority == at]
-        if any(one.is_static for one in same) or (same and not endpoint.is_registered):
+        if any(other.is_static for other in same) or (same and not endpoint.is_registered):
             return False
-        for one in same:
-            if not one.is_registered:
-                self._gone(one, f"it registered itself as {endpoint.key}")
+        for other in same:
+            if not other.is_registered:
+                self._gone(other, f"it registered itself as {endpoint.key}")
         if len(self._sessions) < self._settings.max_devices:
             return True
         self.devices.counters.devices_refused += 1
@@ -231,7 +231,9 @@ class CoapGateway(Gateway):
     def _begin(self, endpoint: CoapEndpoint) -> None:
         assert self._client is not None  # noqa: S101 - found while it serves
         assert self._tasks is not None  # noqa: S101 - likewise
-        of_host = next((one.of_host for one in self._at_host_of(endpoint)), anyio.CapacityLimiter(DESCRIBED_PER_HOST))
+        of_host = next(
+            (session.of_host for session in self._at_host_of(endpoint)), anyio.CapacityLimiter(DESCRIBED_PER_HOST)
+        )
         describing, poll_every = (of_host, self._describing), self._settings.poll_every
         session = self._session_of(endpoint, self._client, self.devices, poll_every=poll_every, describing=describing)
         self._sessions[endpoint.key] = session
@@ -246,8 +248,8 @@ class CoapGateway(Gateway):
         if known is None or known.endpoint.source != endpoint.source:
             return
         self._forget(known)
-        for one in known.keys:
-            self.devices.remove(one, why)
+        for key in known.keys:
+            self.devices.remove(key, why)
 
     async def _perform(self, command: Command) -> None:
         for session in self._sessions.values():

@@ -73,7 +73,7 @@ class MdnsGateway(Gateway):
         self._retries = BackoffCounter(node.graph.clock, self.random)
         self._interfaces = self.context.service(NetworkInterfaces) or NetworkInterfaces()
         self._drivers: Mapping[str, UsableDriver] = {}
-        self._ecosystems = {one: kind for kind in ecosystems() for one in kind.service_types}
+        self._ecosystems = {service_type: kind for kind in ecosystems() for service_type in kind.service_types}
         self._listed: dict[str, _Listed] = {}
         self._tasks: TaskGroup | None = None
         self._unavailable = "it has not started"
@@ -83,7 +83,7 @@ class MdnsGateway(Gateway):
             settings,
             refresh=self._refresh,
             max_devices=settings.max_services,
-            find_problems=lambda: problems_of(one.runner for one in self._listed.values()),
+            find_problems=lambda: problems_of(listed.runner for listed in self._listed.values()),
         )
         self._services = Services(self, node.graph.clock, settings.max_services)
         self._asleep: dict[str, None] = {}
@@ -186,7 +186,7 @@ class MdnsGateway(Gateway):
                     await network.change_interfaces(interfaces)
 
     def _begin(self, network: MdnsNetwork, tasks: TaskGroup) -> None:
-        known = [one.service for one in self._listed.values()]
+        known = [listed.service for listed in self._listed.values()]
         for listed in self._listed.values():
             if listed.service.key not in self._asleep:
                 self._start(listed)
@@ -276,7 +276,7 @@ class MdnsGateway(Gateway):
             raise LinkError(f"{key[:100]} is asleep; try again once it is awake")
         listed = self._listed.get(key)
         if listed is None:
-            listed = next((one for one in self._listed.values() if key in one.behind), None)
+            listed = next((entry for entry in self._listed.values() if key in entry.behind), None)
         if listed is None:
             raise LinkError(f"{key[:100]} is not on the network now")
         if listed.runner is None:

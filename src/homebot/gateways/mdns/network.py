@@ -99,8 +99,8 @@ class NetworkInterfaces:
         """Return the present interfaces that are *wanted* by name or address; if that is empty, all but loopback."""
         import ifaddr  # noqa: PLC0415 - an extra
 
-        found = (one for adapter in ifaddr.get_adapters() for one in _wanted_of(adapter, wanted))
-        return tuple(dict.fromkeys(found))
+        interfaces = (interface for adapter in ifaddr.get_adapters() for interface in _wanted_of(adapter, wanted))
+        return tuple(dict.fromkeys(interfaces))
 
     async def wait_for_change(self, wanted: tuple[str, ...], before: Interfaces) -> Interfaces:
         """Wait until the interfaces differ from *before*, and return them."""
@@ -115,10 +115,10 @@ def _wanted_of(adapter: Adapter, wanted: tuple[str, ...]) -> list[str | int]:
     addresses = list(map(ipaddress.ip_address, texts))
     is_wanted = adapter.name in wanted if wanted else not any(address.is_loopback for address in addresses)
     named = texts if is_wanted else [text for text in texts if text in wanted]
-    found: list[str | int] = [text for text in named if ":" not in text]
-    if len(found) < len(named) and adapter.index is not None and _has_link_local(addresses, adapter.index):
-        found.append(adapter.index)
-    return found
+    interfaces: list[str | int] = [text for text in named if ":" not in text]
+    if len(interfaces) < len(named) and adapter.index is not None and _has_link_local(addresses, adapter.index):
+        interfaces.append(adapter.index)
+    return interfaces
 
 
 def _has_link_local(addresses: Sequence[ipaddress.IPv4Address | ipaddress.IPv6Address], index: int) -> bool:

@@ -123,7 +123,9 @@ class OwnServices:
     @property
     def _host(self) -> str:
         """The label of a host name for this homebot alone: others on this computer have the same addresses."""
-        label = "".join(one if one.isascii() and one.isalnum() else "-" for one in self._wanted.lower()).strip("-")
+        label = "".join(
+            character if character.isascii() and character.isalnum() else "-" for character in self._wanted.lower()
+        ).strip("-")
         return f"{label[:40] or 'robot'}-homebot-{self._id[:8]}"
 
     def _homebot(self) -> OwnService:

@@ -110,15 +110,15 @@ class Services:
     def on_news(self, news: ServiceNews) -> None:
         """Handle news of a service."""
         key = news.name.lower()
-        one = self._followed.get(key)
+        followed = self._followed.get(key)
         if news.kind == "gone":
             for line in self._waiting.values():
                 line.pop(key, None)
-            if one is not None:
-                one.scope.cancel()
-                self._leave(one, "it said goodbye")
-        elif one is not None:
-            one.news.set()
+            if followed is not None:
+                followed.scope.cancel()
+                self._leave(followed, "it said goodbye")
+        elif followed is not None:
+            followed.news.set()
         else:
             self._enqueue(key, news)
 
@@ -161,7 +161,10 @@ class Services:
 
     def _may_admit(self) -> bool:
         """Return whether a service waits, and not too many names without a service take the places of others."""
-        return any(self._waiting.values()) and sum(not one.has_answered for one in self._followed.values()) < MAX_ASKED
+        return (
+            any(self._waiting.values())
+            and sum(not followed.has_answered for followed in self._followed.values()) < MAX_ASKED
+        )
 
     def _next(self) -> ServiceNews:
         """Return the next service to admit, of each sender in turn the newest; one waits."""
@@ -182,11 +185,11 @@ class Services:
             await anyio.sleep(self._wait_for_change(one))  # it may come and go all the time
             while True:
                 one.news = anyio.Event()
-                found = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
-                if found is not None:
+                service = network.resolve_cached(one.service_type, one.name) or await self._ask(network, one)
+                if service is not None:
                     one.tries, one.has_answered = 1, True
-                    self._handler.publish(found)
-                    again_after = max(found.left + GRACE, SHORTEST)
+                    self._handler.publish(service)
+                    again_after = max(service.left + GRACE, SHORTEST)
                 elif self._handler.confirm_connected(one.name):
                     again_after = KEPT_AGAIN
                 else:
@@ -209,9 +212,9 @@ class Services:
     async def _ask(self, network: ServiceNetwork, one: _Followed) -> ResolvedService | None:
         for _ in range(one.tries):
             async with self._asking:
-                found = await network.resolve(one.service_type, one.name, ANSWER_WITHIN)
-            if found is not None:
-                return found
+                service = await network.resolve(one.service_type, one.name, ANSWER_WITHIN)
+            if service is not None:
+                return service
         return None
 
     def _leave(self, one: _Followed, why: str) -> None:

@@ -61,9 +61,9 @@ class MdnsGatewaySettings(GatewaySettings):
     def _check_types(cls, types: tuple[str, ...] | None) -> tuple[str, ...] | None:
         if types is None:
             return None
-        full = tuple(full_type(one) for one in types)
-        for given, one in zip(types, full, strict=True):
-            if not is_service_type(one):
+        full = tuple(full_type(service_type) for service_type in types)
+        for given, service_type in zip(types, full, strict=True):
+            if not is_service_type(service_type):
                 raise ValueError(f"{given!r} is not a service type; write it like _http._tcp")
         return full
 

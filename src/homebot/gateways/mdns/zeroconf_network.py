@@ -177,19 +177,19 @@ class MdnsNetwork(ServiceNetwork):
         """
         try:
             info = AsyncServiceInfo(service_type, name)
-            found = await info.async_request(self._zeroconf.zeroconf, within * 1000)
+            is_complete = await info.async_request(self._zeroconf.zeroconf, within * 1000)
         except Error:  # a name that is none, or the network was closed meanwhile
             return None
-        is_enough = found or (info.server and info.port is not None and info.parsed_addresses())
+        is_enough = is_complete or (info.server and info.port is not None and info.parsed_addresses())
         return self._resolved(info, service_type, name) if is_enough else None
 
     def forget(self, service_type: str, name: str) -> None:
         """Drop the cached records of a service, so that its next announcement is news."""
         cache = self._zeroconf.zeroconf.cache
         pointers = [
-            one
-            for one in cache.async_entries_with_name(base_type(service_type))
-            if getattr(one, "alias", "").lower() == name.lower()
+            record
+            for record in cache.async_entries_with_name(base_type(service_type))
+            if getattr(record, "alias", "").lower() == name.lower()
         ]
         cache.async_remove_records({*pointers, *cache.async_entries_with_name(name)})
 
@@ -248,9 +248,13 @@ class MdnsNetwork(ServiceNetwork):
         self._on_news(ServiceNews(kind, service_type, name, self._records.sender))
 
     def _on_type_change(self, *, name: str, state_change: ServiceStateChange, **_: object) -> None:
-        found = full_type(name)
-        if state_change is not ServiceStateChange.Removed and is_service_type(found) and found != ENUMERATION:
-            self.browse(found)
+        service_type = full_type(name)
+        if (
+            state_change is not ServiceStateChange.Removed
+            and is_service_type(service_type)
+            and service_type != ENUMERATION
+        ):
+            self.browse(service_type)
 
     def _resolved(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
         ttl, left = self._time_to_live(name)
@@ -274,9 +278,9 @@ class MdnsNetwork(ServiceNetwork):
     def _drop_old_addresses(self, host: str) -> None:
         """Keep the newest :data:`MAX_ADDRESSES` of a host: the library keeps 10,000 records, of any hosts."""
         cache = self._zeroconf.zeroconf.cache
-        kept = [one for one in cache.async_entries_with_name(host) if one.type in _ADDRESS_TYPES]
+        kept = [record for record in cache.async_entries_with_name(host) if record.type in _ADDRESS_TYPES]
         if len(kept) > MAX_ADDRESSES:
-            old = sorted(kept, key=lambda one: one.created)[:-MAX_ADDRESSES]
+            old = sorted(kept, key=lambda record: record.created)[:-MAX_ADDRESSES]
             cache.async_remove_records(old)
             self._counters.addresses_refused += len(old)
 
@@ -284,7 +288,7 @@ class MdnsNetwork(ServiceNetwork):
         """Return the time to live of the SRV record of a service, and the seconds that are left of it."""
         now = current_time_millis()
         kept = self._zeroconf.zeroconf.cache.async_entries_with_name(name)
-        records = [one for one in kept if one.type == _SRV and not one.is_expired(now)]
+        records = [record for record in kept if record.type == _SRV and not record.is_expired(now)]
         if not records:
             return UNKNOWN_TTL, UNKNOWN_TTL
         newest = max(records, key=lambda record: record.get_remaining_ttl(now))

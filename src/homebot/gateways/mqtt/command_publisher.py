@@ -222,7 +222,7 @@ class CommandPublisher:
         names: Collection[str] = (name,)
         try:
             if command.also and not command.code and isinstance(codec, WritesSeveral):
-                values = {one.capability: one.value.plain() for one in command.singly()}
+                values = {single.capability: single.value.plain() for single in command.singly()}
                 publications, names = codec.write_several(values, transition=command.transition)
             elif command.code and isinstance(codec, TakesCode):
                 publications = tuple(codec.write_with_code(name, value, command.code))

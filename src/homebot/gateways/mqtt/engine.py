@@ -76,7 +76,7 @@ class AnnouncedDevices:
         self._conventions = conventions
         self._owner = gateway.node.full_name
         self._connection = connection
-        self.filters, self.text_filters = (_filters(conventions, of_texts=one) for one in (False, True))
+        self.filters, self.text_filters = (_filters(conventions, of_texts=of_texts) for of_texts in (False, True))
         self._topics = StateTopics(self.filters, self.text_filters)
         publishers = publishers_of(conventions, gateway.node.name, connection)
         own_commands = chain.from_iterable(publisher.filters() for publisher in publishers)
@@ -313,12 +313,12 @@ class AnnouncedDevices:
             "announcements_excess_bytes": self._registry.excess,
             "announcements_memory_bytes": self._registry.memory,
         }
-        losses = (one for one in Count.of(self._connection.counters) if one.severity is Severity.LOSS)
+        losses = (count for count in Count.of(self._connection.counters) if count.severity is Severity.LOSS)
         responses = () if self._responses is None else Count.of(self._responses.counters)
         troubled = (
             convention for convention in self._conventions if isinstance(convention, ProblemReportingConvention)
         )
-        troubles = tuple(trouble for one in troubled for trouble in one.problems())
+        troubles = tuple(trouble for convention in troubled for trouble in convention.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
         notes = tuple(unread_notes(self.census.counts, self.route, self._used_topics(), self.filters))
         return HealthResponse(
@@ -327,10 +327,10 @@ class AnnouncedDevices:
 
 
 def _filters(conventions: Iterable[Convention], *, of_texts: bool) -> tuple[str, ...]:
-    found = (convention.filters() for convention in conventions if isinstance(convention, TextConvention) is of_texts)
-    return tuple(dict.fromkeys(chain.from_iterable(found)))
+    filters = (convention.filters() for convention in conventions if isinstance(convention, TextConvention) is of_texts)
+    return tuple(dict.fromkeys(chain.from_iterable(filters)))
 
 
 def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:
-    known = {id(one) for one in before}
-    return tuple(one for one in after if id(one) not in known)
+    known = {id(item) for item in before}
+    return tuple(item for item in after if id(item) not in known)

@@ -123,7 +123,7 @@ class LinkReport:
             return
         names = ", ".join(list(refused)[:_MAX_NAMES]) + (", …" if len(refused) > _MAX_NAMES else "")
         reason = f"the broker refused the subscription to {names}: {next(iter(refused.values()))}"
-        is_deaf = all(one in refused for one in self._filters)
+        is_deaf = all(topic_filter in refused for topic_filter in self._filters)
         self._gateway.publish_state("unavailable" if is_deaf else "active", reason)
         outcome = "it receives nothing" if is_deaf else hears
         self._gateway.node.log.warning(NOT_HEARD, message=f"connected to {url}, but {reason}; {outcome}", broker=url)
@@ -284,10 +284,10 @@ class MqttGateway(Gateway):
     async def _read_picture(self, make_client: Callable[[MqttOptions], MqttClient], key: str, part: str) -> bytes:
         from homebot.mqtt.next_message import next_message  # noqa: PLC0415 - with the first look
 
-        found = self._described.find_part(key, part).described.part
-        if found.service_type != "camera" or not found.reads:
+        camera = self._described.find_part(key, part).described.part
+        if camera.service_type != "camera" or not camera.reads:
             raise RefusedError(f"a picture of {key[:100]}", "it announced none")
-        return await next_message(found.reads[0], self._settings.options(), make_client)
+        return await next_message(camera.reads[0], self._settings.options(), make_client)
 
     def _asked_responses(self) -> Responses:
         answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)

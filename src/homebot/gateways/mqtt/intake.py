@@ -93,8 +93,8 @@ class AnnouncementHandler:
         """
         for convention in conventions:
             try:
-                told = convention.read_message(message.topic, message.payload, retained=message.retain)
-                for event in told:
+                events = convention.read_message(message.topic, message.payload, retained=message.retain)
+                for event in events:
                     self._handle(event, convention, message, 0)
             except WireError as exc:
                 self._counters.rejected += 1
@@ -103,7 +103,7 @@ class AnnouncementHandler:
             except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
                 self._quarantine.record_plugin_failure(message.topic, convention.name, exc)
                 return
-            if told:
+            if events:
                 return
 
     async def _read(self, convention: Convention, message: MqttMessage) -> None:
@@ -114,11 +114,11 @@ class AnnouncementHandler:
                 length = 0  # unknown for the single devices of a list
                 steps = iter(convention.read_message_in_slices(message.topic, message.payload, retained=message.retain))
             else:
-                told = convention.read_message(message.topic, message.payload, retained=message.retain)
-                if type(told) is tuple and len(told) == 1:  # as nearly always; a plug-in may return an iterator
-                    self._handle(told[0], convention, message, length)
+                events = convention.read_message(message.topic, message.payload, retained=message.retain)
+                if type(events) is tuple and len(events) == 1:  # as nearly always; a plug-in may return an iterator
+                    self._handle(events[0], convention, message, length)
                     return
-                steps = iter(told)
+                steps = iter(events)
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(convention, message, exc)
             return
@@ -161,7 +161,7 @@ class AnnouncementHandler:
                 self._subscriber.question(event)
             case GroupsListed():
                 before, self._groups[event.source] = self._groups.get(event.source, {}), event.members
-                changed = {one for one, _ in before.items() ^ event.members.items()}
+                changed = {member for member, _ in before.items() ^ event.members.items()}
                 for stored in tuple(self._registry.by_key.values()) if changed else ():
                     if not changed.isdisjoint(stored.described.identifiers):
                         self._describe(stored.described, message, 0)
@@ -192,10 +192,10 @@ class AnnouncementHandler:
         if self._groups:
             described = self._with_members(described)
         described, reserved = self._reserved.without(described)
-        for told in reserved:
+        for topic in reserved:
             self._counters.topics_reserved += 1
             self._quarantine.log_limited(
-                RESERVED, f"{described.key} receives no commands on {told}", source=message.topic
+                RESERVED, f"{described.key} receives no commands on {topic}", source=message.topic
             )
         try:
             change = self._registry.put(described, length, is_retained=message.retain)
@@ -213,8 +213,8 @@ class AnnouncementHandler:
 
     def _with_members(self, described: DeviceAnnounced) -> DeviceAnnounced:
         """Return *described* with the members that a list gives it, if it is a group."""
-        found = [groups.get(identifier) for groups in self._groups.values() for identifier in described.identifiers]
-        members = next((one for one in found if one is not None), None)
+        listed = [groups.get(identifier) for groups in self._groups.values() for identifier in described.identifiers]
+        members = next((members for members in listed if members is not None), None)
         if members is None:
             return described
         return described._replace(parts=tuple([as_group(part, members) for part in described.parts]))

@@ -75,8 +75,8 @@ class Offers:
         """Publish until cancelled."""
         if self._exposed is None:
             return
-        filters = (one for publisher in self._publishers for one in publisher.filters())
-        await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in filters))
+        filters = (topic_filter for publisher in self._publishers for topic_filter in publisher.filters())
+        await connection.subscribe(*(MqttSubscription(topic_filter, qos=1, no_local=True) for topic_filter in filters))
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish, connection))
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection, self._exposed))
@@ -137,4 +137,4 @@ def publishers_of(
         for convention in conventions
         if isinstance(convention, PublishingConvention)
     )
-    return tuple(one for one in made if one is not None)
+    return tuple(publisher for publisher in made if publisher is not None)

@@ -80,7 +80,7 @@ class CommandTopics:
             return ()
         coded = self._coded.match(topic)
         if coded:
-            if any(self._is_approved(one) for one in coded):
+            if any(self._is_approved(part) for part in coded):
                 return ()
             return tuple(reader for reader in readers if all(_is_before(reader, part, topic) for part in coded))
         if (parts := self._parts.get(topic)) is None:
@@ -101,7 +101,7 @@ class CommandTopics:
 
 def _coded_filters(part: AnnouncedPart) -> tuple[str, ...]:
     """Return the filters of topics with codes of *part*: Zigbee2MQTT takes them on ``LOCK/set/pin_code`` too."""
-    return tuple([f"{one}/#" if one.endswith("/set") else one for one in part.described.part.writes])
+    return tuple([f"{topic}/#" if topic.endswith("/set") else topic for topic in part.described.part.writes])
 
 
 def _is_before(reader: _Reader, part: AnnouncedPart, topic: str) -> bool:
@@ -115,7 +115,7 @@ def _is_before(reader: _Reader, part: AnnouncedPart, topic: str) -> bool:
     if isinstance(reader, AnnouncedPart):
         members, filters = [reader.stored], reader.described.part.reads
     else:
-        members = [one for one, _ in reader.reachability.members]
+        members = [member for member, _ in reader.reachability.members]
         filters = (reader.reachability.availability.sources[reader.index].topic,)
     since = min((member.since for member in members), default=math.inf) if topic in filters else math.inf
     return since < part.stored.since or since == 0
@@ -128,7 +128,7 @@ def _is_of(reader: _Reader, names: frozenset[str]) -> bool:
     """Return whether *reader* belongs to a device with one of *names*."""
     if isinstance(reader, AnnouncedPart):
         return not names.isdisjoint(_names_of(reader.stored))
-    return any(not names.isdisjoint(_names_of(one)) for one, _ in reader.reachability.members)
+    return any(not names.isdisjoint(_names_of(member)) for member, _ in reader.reachability.members)
 
 
 def _names_of(stored: StoredAnnouncement) -> frozenset[str]:
@@ -180,7 +180,9 @@ class AnnouncementRegistry(DeviceRegistry):
         self.codecs: dict[str, TextCodec] = {}
         self._topics = topics
         self._announcements: FilterIndex[Convention] = FilterIndex()
-        self._text_conventions = frozenset(one for one in conventions if isinstance(one, TextConvention))
+        self._text_conventions = frozenset(
+            convention for convention in conventions if isinstance(convention, TextConvention)
+        )
         self._texts: dict[str, AnnouncedPart] = {}
         for convention in conventions:
             for topic_filter in convention.filters():
@@ -301,11 +303,11 @@ class AnnouncementRegistry(DeviceRegistry):
         self._leave_reachability(stored)
 
     def _forget_routes(self, *topic_filters: str) -> None:
-        for one in topic_filters:
-            if "+" in one or "#" in one:
+        for topic_filter in topic_filters:
+            if "+" in topic_filter or "#" in topic_filter:
                 self._routes.clear()
             else:
-                self._routes.pop(one, None)
+                self._routes.pop(topic_filter, None)
 
     def _find(self, topic: str) -> TopicReaders | None:
         conventions = self._announcements.match(topic)
@@ -368,7 +370,7 @@ def _read_topics(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
 
 def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:
     """Return each availability of *stored* with its part, key and topics; a list, so that a plug-in fails early."""
-    found: list[tuple[str, Availability, Hashable, list[str]]] = []
+    availabilities: list[tuple[str, Availability, Hashable, list[str]]] = []
     described = stored.described
     own = {"": described.availability}
     for part in described.parts:
@@ -377,5 +379,5 @@ def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability,
     for part_id, availability in own.items():
         if availability is not None and availability.sources:
             topics = [source.topic for source in availability.sources]
-            found.append((part_id, availability, _shared_key(stored, availability), topics))
-    return found
+            availabilities.append((part_id, availability, _shared_key(stored, availability), topics))
+    return availabilities

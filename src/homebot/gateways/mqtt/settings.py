@@ -147,7 +147,9 @@ class MqttGatewaySettings(PasswordSettings):
     def text_subscriptions(self, filters: Iterable[str]) -> tuple[MqttSubscription, ...]:
         """Return the subscriptions to the texts of devices on *filters*, shared if the gateway has a group."""
         prefix = f"$share/{self.share}/" if self.share else ""
-        return tuple(MqttSubscription(f"{prefix}{one}", qos=1, no_local=not self.share) for one in filters)
+        return tuple(
+            MqttSubscription(f"{prefix}{topic_filter}", qos=1, no_local=not self.share) for topic_filter in filters
+        )
 
     def options(self) -> MqttOptions:
         """Return the options of the client, including the password.

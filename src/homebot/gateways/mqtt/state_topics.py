@@ -87,7 +87,9 @@ class StateTopics:
 
 def prefix_of(filters: Iterable[str]) -> Callable[[str], str]:
     """Return a function from a topic to its group: the first level, if one of the *filters* begins with it."""
-    levels = {level: f"{level}/#" for one in filters if (level := one.partition("/")[0]) not in {"+", "#"}}
+    levels = {
+        level: f"{level}/#" for topic_filter in filters if (level := topic_filter.partition("/")[0]) not in {"+", "#"}
+    }
     return lambda topic: levels.get(topic.partition("/")[0], "#")
 
 
@@ -103,6 +105,6 @@ def _asks_too_much(topic_filter: str) -> bool:
 def pop_filters(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
     """Remove and return the oldest of *filters*."""
     taken = tuple(islice(filters, at_most))
-    for one in taken:
-        del filters[one]
+    for topic_filter in taken:
+        del filters[topic_filter]
     return taken

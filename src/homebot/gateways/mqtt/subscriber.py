@@ -101,7 +101,7 @@ class Subscriber:
         try:
             await connection.subscribe(*map(partial(MqttSubscription, no_local=True), filters), every_link=True)
         except RefusedError as exc:
-            self._counters.topics_refused += sum(one in connection.refused for one in filters)
+            self._counters.topics_refused += sum(topic_filter in connection.refused for topic_filter in filters)
             self._quarantine.log_limited(NOT_HEARD, f"some devices are not received: {exc}", source=filters[0])
         if covered := tuple(filter(self._topics.is_covered, filters)):
             await connection.unsubscribe(*covered)

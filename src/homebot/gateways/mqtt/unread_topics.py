@@ -21,8 +21,8 @@ def unread_notes(
         used: All topics and filters that are read or commanded.
         announced: The filters of announcements.
     """
-    programs = {_OWN, *(one.partition("/")[0] for one in announced)}
-    levels = {level for one in used for level in _levels(one)}
+    programs = {_OWN, *(topic_filter.partition("/")[0] for topic_filter in announced)}
+    levels = {level for topic in used for level in _levels(topic)}
     groups = _unread_groups(counts, is_read, levels, programs)
     busy = [(group, count) for group, count in groups.most_common() if count >= _BUSY]
     if busy:

@@ -64,9 +64,9 @@ class DeviceFinder:
             return PointedAt()
         devices = await self._all()
         for fits in _tests(pointer):
-            found = tuple(device for device in devices if fits(device))
-            if found:
-                return PointedAt(found)
+            fitting = tuple(device for device in devices if fits(device))
+            if fitting:
+                return PointedAt(fitting)
         return PointedAt()
 
     async def _all(self) -> tuple[Device, ...]:
@@ -128,7 +128,7 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
         yield lambda device: any(_is_at(pointer.address, endpoint.address) for endpoint in device.endpoints)
     if pointer.urls:
         urls = frozenset(pointer.urls)
-        yield lambda device: any(one.value in urls for one in device.metadata)
+        yield lambda device: any(item.value in urls for item in device.metadata)
         yield lambda device: _has_host_of(device, pointer.urls)
     if pointer.words:
         words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
@@ -138,7 +138,7 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
 
 
 def _facts(device: Device) -> dict[str, str]:
-    return {one.key.casefold(): one.value for one in device.metadata}
+    return {item.key.casefold(): item.value for item in device.metadata}
 
 
 def _is_at(address: str, published: str) -> bool:

@@ -46,7 +46,7 @@ class PcscReader(TagReader):
     """All readers of the service, or those with a *wanted* text in their names."""
 
     def __init__(self, wanted: Collection[str]) -> None:
-        self._wanted = [one.casefold() for one in wanted]
+        self._wanted = [name.casefold() for name in wanted]
 
     def run(self, desk: ReaderDesk) -> None:
         """Read tags until the *desk* is stopped."""
@@ -117,7 +117,7 @@ class _Session:
         return names or ()
 
     def _is_wanted(self, name: str) -> bool:
-        return not self._wanted or any(one in name.casefold() for one in self._wanted)
+        return not self._wanted or any(wanted in name.casefold() for wanted in self._wanted)
 
     def _update_slot(self, name: str, state: int) -> None:
         if name == _ANY_CHANGE:

@@ -55,20 +55,20 @@ class NfcGatewaySettings(GatewaySettings):
     @field_validator("devices")
     @classmethod
     def _check_devices(cls, devices: tuple[str, ...]) -> tuple[str, ...]:
-        for one in devices:
-            if not _PATH.fullmatch(one):
-                raise ValueError(f"{one!r} is not a reader; write usb, tty:PORT:DRIVER or udp:HOST:PORT")
+        for device in devices:
+            if not _PATH.fullmatch(device):
+                raise ValueError(f"{device!r} is not a reader; write usb, tty:PORT:DRIVER or udp:HOST:PORT")
         return devices
 
     @field_validator("tags")
     @classmethod
     def _check_tags(cls, tags: Mapping[str, TagSettings]) -> Mapping[str, TagSettings]:
         known: dict[str, TagSettings] = {}
-        for given, one in tags.items():
+        for given, tag in tags.items():
             uid = re.sub(r"[:\s-]", "", given).casefold()
             if not _UID.fullmatch(uid):
                 raise ValueError(f"{given!r} is not the number of a tag; write it like 04a1b2c3d4e5f6")
             if uid in known:
                 raise ValueError(f"{given!r} is there twice")
-            known[uid] = one
+            known[uid] = tag
         return known
