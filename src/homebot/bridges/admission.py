@@ -122,11 +122,11 @@ def token_of(authorizations: Sequence[str], websocket_path: str = "") -> str:
 
 def name_of_token(tokens: Mapping[str, SecretStr], shown: str) -> str:
     """Return the name of the token *shown*, empty if it is wrong; takes equally long in both cases."""
-    told, found = shown.encode(errors="replace"), ""
+    given, owner_name = shown.encode(errors="replace"), ""
     for name, token in tokens.items():
-        if hmac.compare_digest(told, token.get_secret_value().encode()):
-            found = name
-    return found
+        if hmac.compare_digest(given, token.get_secret_value().encode()):
+            owner_name = name
+    return owner_name
 
 
 def _is_ours(settings: AccessSettings, host: str) -> bool:

@@ -89,7 +89,7 @@ def extract_archive(source: Path, into: Path) -> Manifest:
         manifest = _read_manifest(source, tar)
         missing = set(manifest.files)
         room = min(_MAX_BYTES, shutil.disk_usage(into).free)
-        if sum(one.size for one in manifest.files.values()) > room:
+        if sum(file.size for file in manifest.files.values()) > room:
             raise UsageError(f"{source} is too large: there is only room for {room // 2**20:,} MB in {into.parent}")
         for member in iter(tar.next, None):
             file = manifest.files.get(member.name)
@@ -157,6 +157,6 @@ def _add(tar: tarfile.TarFile, name: str, size: int, content: IO[bytes]) -> None
 
 def _facts_of(path: Path) -> dict[str, object]:
     with path.open("rb") as file:
-        found = os.fstat(file.fileno())
+        status = os.fstat(file.fileno())
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return {"size": found.st_size, "sha256": digest, "mode": found.st_mode & 0o777}
+    return {"size": status.st_size, "sha256": digest, "mode": status.st_mode & 0o777}

@@ -48,7 +48,7 @@ def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, objec
         "expires": iso(device.expires),
         "freshness": device.freshness,
         "endpoints": [{**fields_of(endpoint), "last_seen": iso(endpoint.last_seen)} for endpoint in device.endpoints],
-        "metadata": {one.key: one.value for one in device.metadata},
+        "metadata": {item.key: item.value for item in device.metadata},
         "service_types": device.service_types,
         "area": device.area,
         "outer_areas": device.outer_areas,

@@ -40,15 +40,15 @@ _ROUNDS = 3
 
 def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: str = "") -> list[T]:
     """Return the result of *convert* for each device that offers *service_type* (empty: all), sorted by id."""
-    found: dict[str, T] = {}
+    converted: dict[str, T] = {}
     if service_type:
         answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type, "is_checked": False}))
-        found = {device.id: convert(device) for device in cast("list[Device]", answer.devices)}
+        converted = {device.id: convert(device) for device in cast("list[Device]", answer.devices)}
     for _ in range(0 if service_type else _ROUNDS):
-        total = _add_all(door, convert, found)
-        if len(found) >= total:
+        total = _add_all(door, convert, converted)
+        if len(converted) >= total:
             break
-    return [found[one] for one in sorted(found)]
+    return [converted[device_id] for device_id in sorted(converted)]
 
 
 def find_devices(door: DoorClient, query: str, limit: int = 0, *, is_spelled: bool = False) -> QueryDevicesResponse:
@@ -69,13 +69,13 @@ def matching_devices(door: DoorClient, query: str) -> list[Device]:
     Raises:
         PeerError: The query is not understood; the message names the part that is not.
     """
-    found: list[Device] = []
+    devices: list[Device] = []
     total = 1
-    while len(found) < total:
-        page = _begin_query(door, query, _PAGE, len(found))()
-        found += [result.device for result in page.results]
+    while len(devices) < total:
+        page = _begin_query(door, query, _PAGE, len(devices))()
+        devices += [result.device for result in page.results]
         total = page.total if page.results else 0
-    return found
+    return devices
 
 
 def named_device(door: DoorClient, name: str) -> Device:
@@ -85,10 +85,12 @@ def named_device(door: DoorClient, name: str) -> Device:
         UsageError: *name* is empty.
         PeerError: There is none (names similar ones), or there are several (names all).
     """
-    found = _find_named(door, name)
-    if isinstance(found, list):
-        raise PeerError(f"there is no device {name}; {did_you_mean(name, found, '`homebot devices` lists all')}")
-    return found
+    device_or_names = _find_named(door, name)
+    if isinstance(device_or_names, list):
+        raise PeerError(
+            f"there is no device {name}; {did_you_mean(name, device_or_names, '`homebot devices` lists all')}"
+        )
+    return device_or_names
 
 
 def device_or_similar(door: DoorClient, name: str) -> Device | list[str]:
@@ -98,8 +100,8 @@ def device_or_similar(door: DoorClient, name: str) -> Device | list[str]:
         UsageError: *name* is empty.
         PeerError: There are several; names all.
     """
-    found = _find_named(door, name)
-    return similar_to(name, found, CLOSE) if isinstance(found, list) else found
+    device_or_names = _find_named(door, name)
+    return similar_to(name, device_or_names, CLOSE) if isinstance(device_or_names, list) else device_or_names
 
 
 def _find_named(door: DoorClient, name: str) -> Device | list[str]:
@@ -159,7 +161,7 @@ def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str,
     if not (has_choice and entities(door, kind="service", name=EXPLAIN_DEVICE)):
         return frozenset()
     response = cast("ExplainDeviceResponse", JsonMessage(door.call(EXPLAIN_DEVICE, {"device": device.id})))
-    return frozenset((one.key, one.value) for one in response.ineffective)
+    return frozenset((item.key, item.value) for item in response.ineffective)
 
 
 def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:

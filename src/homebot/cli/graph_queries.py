@@ -22,8 +22,8 @@ def entities(
 ) -> list[EndpointDetails]:
     """Return the entities of the graph, or those *elsewhere*, sorted by name; an empty text means any."""
     asked = {"kind": kind, "name": name, "node": node, **({"elsewhere": True} if elsewhere else {})}
-    found = JsonMessage(door.call("/rosapi/endpoints", asked))
-    return cast("list[EndpointDetails]", found.endpoints)
+    response = JsonMessage(door.call("/rosapi/endpoints", asked))
+    return cast("list[EndpointDetails]", response.endpoints)
 
 
 def is_hidden(entity: EndpointDetails) -> bool:

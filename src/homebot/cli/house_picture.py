@@ -77,20 +77,20 @@ def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
     head: list[Line] = [[(picture.title, "bold")], *([[("", "")]] if height >= _TIGHT and not plan else [])]
     left = height - len(head) - len(plan) - 2
     story = max(_LEAST_STORY, min(_MOST_STORY, left - len(rooms)))
-    told = _story(picture.story, width, story)
+    story_lines = _story(picture.story, width, story)
     return [
         *head,
         *plan,
         *rooms[: max(0, left - story)],
         [("─" * width, "dim")],
-        *told,
-        *([[("", "")]] * (story - len(told))),
+        *story_lines,
+        *([[("", "")]] * (story - len(story_lines))),
         [(picture.hint, "dim")],
     ]
 
 
 def _plan(picture: HousePicture, width: int, height: int) -> list[Line]:
-    signs = {room: "".join(one[0] for one in beings) for room, beings in picture.beings.items()}
+    signs = {room: "".join(being[0] for being in beings) for room, beings in picture.beings.items()}
     lamps = (device for device in picture.devices if any(part.part.service_type == "light" for part in device.parts))
     lit = {lamp.area for lamp in lamps if state_text(lamp).startswith("on")}
     return picture.plan.lines(signs, lit, width, height)
@@ -134,24 +134,24 @@ def _halves(blocks: Sequence[list[Line]]) -> tuple[list[Line], list[Line]]:
 
 def _beside(left: Sequence[Line], right: Sequence[Line], column: int) -> list[Line]:
     lines: list[Line] = []
-    for one, other in zip_longest(left, right, fillvalue=()):
-        length = sum(len(text) for text, _ in one)
-        lines.append([*one, (" " * max(0, column + _GAP - length), ""), *other])
+    for left_line, other in zip_longest(left, right, fillvalue=()):
+        length = sum(len(text) for text, _ in left_line)
+        lines.append([*left_line, (" " * max(0, column + _GAP - length), ""), *other])
     return lines
 
 
 def _story(story: Sequence[StoryLine], width: int, most: int) -> list[Line]:
     """Return the newest lines of the story that fit into *most* lines; long ones are wrapped."""
     lines: list[Line] = []
-    for one in reversed(story):
-        begin = f"{one.time} "
+    for story_line in reversed(story):
+        begin = f"{story_line.time} "
         indent = " " * (len(begin) + 2)
-        first, *others = textwrap.wrap(one.text, max(20, width - len(indent))) or [""]
+        first, *others = textwrap.wrap(story_line.text, max(20, width - len(indent))) or [""]
         if len(lines) + 1 + len(others) > most:
             break
         lines[:0] = [
-            [(begin, "dim"), (f"{one.sign} {first}", one.style)],
-            *([(f"{indent}{text}", one.style)] for text in others),
+            [(begin, "dim"), (f"{story_line.sign} {first}", story_line.style)],
+            *([(f"{indent}{text}", story_line.style)] for text in others),
         ]
     return lines
 
@@ -237,7 +237,7 @@ class PlanPicture(NamedTuple):
         for door in self.doors:
             column, line = scale.at(*door)
             half = round(self.door_width * scale.across / 2) if cells.get((column, line), ("",))[0] == "─" else 0
-            cells |= {(one, line): _EMPTY for one in range(column - half, column + half + 1)}
+            cells |= {(x, line): _EMPTY for x in range(column - half, column + half + 1)}
         return cells
 
 

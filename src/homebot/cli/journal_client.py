@@ -27,7 +27,7 @@ class JournalClient:
 
     def __init__(self, door: DoorClient, *known: Device) -> None:
         self._door = door
-        self.names = {one.id: one.name for one in known}
+        self.names = {device.id: device.name for device in known}
 
     def ask(self, service: str, request: Mapping[str, object]) -> JsonMessage:
         """Return the answer of a *service* of the journal.
@@ -35,10 +35,10 @@ class JournalClient:
         Raises:
             PeerError: The journal cannot be read; the message says why.
         """
-        found = self._door.ask(service, request)
-        names = cast("list[KeyValue]", found.names)
+        response = self._door.ask(service, request)
+        names = cast("list[KeyValue]", response.names)
         self.names.update({name.key: name.value for name in names})
-        return found
+        return response
 
     def read_name(self, device: str) -> None:
         """Read the name of the device of an entry, unless it is known."""
@@ -54,47 +54,47 @@ def chain_json(entries: Iterable[JournalEntry], names: Mapping[str, str]) -> lis
 
 def entry_json(entry: JournalEntry, names: Mapping[str, str]) -> dict[str, object]:
     """Return *entry* as a JSON object for other programs: plain values, times in ISO 8601, no empty fields."""
-    found: dict[str, object] = {"kind": entry.kind, "at": iso(entry.at), "device": entry.device}
+    fields: dict[str, object] = {"kind": entry.kind, "at": iso(entry.at), "device": entry.device}
     if name := names.get(entry.device):
-        found["name"] = name
+        fields["name"] = name
     texts = fields_of(entry)
-    found |= {key: texts[key] for key in ("part", "command", "issuer", "text", "cause") if texts[key]}
+    fields |= {key: texts[key] for key in ("part", "command", "issuer", "text", "cause") if texts[key]}
     if entry.trigger.kind:
-        found["trigger"] = _trigger_json(entry.trigger)
+        fields["trigger"] = _trigger_json(entry.trigger)
     if entry.settings:
-        found["settings"] = _settings_json(entry.settings)
+        fields["settings"] = _settings_json(entry.settings)
     for verdict in entry.verdicts:
-        found["verdict"] = {
+        fields["verdict"] = {
             "policy": verdict.policy,
             "allowed": verdict.allowed,
             "reason": verdict.reason,
             "facts": {fact.name: plain_value(fact.value) for fact in verdict.facts},
         }
     for result in entry.results:
-        found["outcome"] = _outcome_json(result)
+        fields["outcome"] = _outcome_json(result)
     if entry.folded:
-        found["folded"] = entry.folded
-    return found
+        fields["folded"] = entry.folded
+    return fields
 
 
 def _trigger_json(trigger: Trigger) -> dict[str, object]:
-    found: dict[str, object] = {"kind": trigger.kind, "id": trigger.id}
+    fields: dict[str, object] = {"kind": trigger.kind, "id": trigger.id}
     texts = fields_of(trigger)
-    found |= {key: texts[key] for key in ("device", "text") if texts[key]}
+    fields |= {key: texts[key] for key in ("device", "text") if texts[key]}
     if trigger.readings:
-        found["readings"] = _settings_json(trigger.readings)
+        fields["readings"] = _settings_json(trigger.readings)
     if trigger.at.sec:
-        found["at"] = iso(trigger.at)
-    return found
+        fields["at"] = iso(trigger.at)
+    return fields
 
 
 def _settings_json(settings: Iterable[Setting | Reading]) -> dict[str, object]:
-    return {one.capability: plain_value(one.value) for one in settings}
+    return {setting.capability: plain_value(setting.value) for setting in settings}
 
 
 def _outcome_json(result: CommandResult) -> dict[str, object]:
-    found: dict[str, object] = {"outcome": result.outcome, "text": result.text}
+    fields: dict[str, object] = {"outcome": result.outcome, "text": result.text}
     values = fields_of(result)
-    return found | {
+    return fields | {
         key: values[key] for key in ("latency", "evidence", "saw", "witness", "by", "policy", "reason") if values[key]
     }

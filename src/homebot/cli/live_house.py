@@ -98,13 +98,13 @@ class LiveHouse(HouseWatcher):
 
     def _beings(self, devices: Sequence[Device]) -> dict[str, list[str]]:
         """Return the people from the simulated world, and the robots from their reports, by room."""
-        found = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
-        found.pop(OUTSIDE)
+        beings = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
+        beings.pop(OUTSIDE)
         for device in devices:
             if device.service_type == "robots":
-                for room in {str(plain_value(state.value)) for state in device.states} & found.keys():
-                    found[room].append(f"▣ {device.name}")
-        return found
+                for room in {str(plain_value(state.value)) for state in device.states} & beings.keys():
+                    beings[room].append(f"▣ {device.name}")
+        return beings
 
 
 @asynccontextmanager

@@ -203,7 +203,7 @@ def _run(argv: Sequence[str]) -> int:
 
 def _fail(error: HomebotError) -> int:
     others = error.others if isinstance(error, ConfigError) else ()
-    print(*(f"homebot: {one}" for one in (error, *others)), sep="\n", file=sys.stderr)
+    print(*(f"homebot: {problem}" for problem in (error, *others)), sep="\n", file=sys.stderr)
     return 1
 
 

@@ -48,15 +48,15 @@ class ApiClient(HouseApi):
 
     async def ask(self, method: str, target: str, body: bytes = b"") -> tuple[int, str]:
         """See :meth:`HouseApi.ask`."""
-        found = b""
+        content = b""
         try:
             async with self._http.stream(method, target, content=body or None) as response:
                 async for piece in response.aiter_bytes():
-                    found = (found + piece)[:_MAX_BYTES]
+                    content = (content + piece)[:_MAX_BYTES]
         except httpx2.HTTPError as exc:
             raise self._no_answer(exc) from exc
         self._check_home(response.headers)
-        return response.status_code, found.decode(errors="replace")
+        return response.status_code, content.decode(errors="replace")
 
     @asynccontextmanager
     async def send_goal(

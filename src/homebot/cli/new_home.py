@@ -57,7 +57,7 @@ def print_way_in(page: str, code: str) -> None:
     known = parse_address(host)
     if known is not None and known.is_unspecified:
         own = own_addresses()
-        host = next((one if ":" not in one else f"[{one}]" for one in own), "127.0.0.1")
+        host = next((address if ":" not in address else f"[{address}]" for address in own), "127.0.0.1")
     url = f"{scheme}://{host}:{port}/"
     link = f"{url}#code={code}"
     print(f"\nYour home is set up on its page:  {link}")

@@ -61,12 +61,12 @@ class CommandParser(argparse.ArgumentParser):
         if not self._given and self._commands() is not None:
             self.print_help()
             self.exit(_WRONG_COMMAND_LINE)
-        found, unknown = super().parse_known_args(self._given, namespace)
+        parsed, unknown = super().parse_known_args(self._given, namespace)
         if unknown:
-            option = next((one for one in unknown if one.startswith("-")), "")
+            option = next((argument for argument in unknown if argument.startswith("-")), "")
             stray = f"unexpected argument {unknown[0]!r}; {self._hint}"
             self._refuse(self._unknown_option(option) if option else stray)
-        return found, unknown
+        return parsed, unknown
 
     def error(self, message: str) -> NoReturn:
         """End the program with *message*, or with an unknown option that may be its cause."""
@@ -92,10 +92,10 @@ class CommandParser(argparse.ArgumentParser):
     def _unknown_options(self) -> Iterator[str]:
         """Yield unknown long options that were given to this command rather than a subcommand."""
         commands = self._commands()
-        for one in self._given:
-            if one == "--" or (commands is not None and one in commands.choices):
+        for argument in self._given:
+            if argument == "--" or (commands is not None and argument in commands.choices):
                 return
-            name = one.partition("=")[0]
+            name = argument.partition("=")[0]
             is_known = any(option.startswith(name) for option in self._option_string_actions)
             if name.startswith("--") and " " not in name and not is_known:
                 yield name

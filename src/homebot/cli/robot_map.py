@@ -106,7 +106,7 @@ class RobotMap(NamedTuple):
         upwards = Image.frombytes("L", (info.width, info.height), bytes(cell & 255 for cell in grid.data))
         at = info.origin.position
         origin = MapPose(at.x, at.y, yaw_of((turn.x, turn.y, turn.z, turn.w)))
-        if not (_SMALLEST <= info.resolution <= _LARGEST and all(abs(one) <= _LARGEST for one in origin)):
+        if not (_SMALLEST <= info.resolution <= _LARGEST and all(abs(coordinate) <= _LARGEST for coordinate in origin)):
             raise WireError(f"the map has cells of {info.resolution:g} m from {origin.x:g},{origin.y:g}")
         return cls(upwards.transpose(Image.Transpose.FLIP_TOP_BOTTOM), info.resolution, origin)
 
@@ -149,7 +149,7 @@ class RobotMap(NamedTuple):
         """Return the corners of cells in metres in the house."""
         height, size = self.cells.height, self.resolution
         at = (self.origin.then(MapPose(x * size, (height - y) * size)) for x, y in ring)
-        return [(round(one.x, 3), round(one.y, 3)) for one in at]
+        return [(round(point.x, 3), round(point.y, 3)) for point in at]
 
     def _pixel(self, point: Point) -> tuple[int, int]:
         across = complex(*point) - complex(self.origin.x, self.origin.y)
@@ -227,8 +227,8 @@ def _filled(rows: list[bytearray], row: int, column: int, value: int) -> dict[in
             runs += 1
             if runs > _MAX_RUNS:
                 raise UsageError(f"a free area of the map has over {_MAX_RUNS:,} strips; filter its noise first")
-            waiting += [(one, begin, left) for one in (row - 1, row + 1) if 0 <= one < len(rows)]
-    return {row: sorted(found) for row, found in ends.items()}
+            waiting += [(near_row, begin, left) for near_row in (row - 1, row + 1) if 0 <= near_row < len(rows)]
+    return {row: sorted(columns) for row, columns in ends.items()}
 
 
 def _single(number: float) -> float:

@@ -176,7 +176,7 @@ def _at_stop_signals(
         for stop_signal in _STOP_SIGNALS
         if stop_signal not in ignored or (stop_signal == _HANGUP and on_hangup is not None)
     ]
-    with _in_a_thread([one for one in wanted if one != _HANGUP], at_once):
+    with _in_a_thread([stop_signal for stop_signal in wanted if stop_signal != _HANGUP], at_once):
         before = {number: signal.signal(number, handle) for number in wanted}
         if _HANGUP is not None:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {_HANGUP})  # one may have waited since the start

@@ -97,9 +97,9 @@ class Story:
     def add_values(self, change: StateChange, device: Device) -> None:
         """Add a line for a robot that departs or arrives, and for a room that gets dark or light."""
         at = to_seconds(change.told_at)
-        for one in change.readings:
-            value = plain_value(one.value)
-            if one.capability == "illuminance" and isinstance(value, float):
+        for reading in change.readings:
+            value = plain_value(reading.value)
+            if reading.capability == "illuminance" and isinstance(value, float):
                 self._add_light(device, value, at)
             elif device.service_type == "robots" and isinstance(value, str):
                 self._add_move(device, value, at)
@@ -150,7 +150,7 @@ class Story:
         """Append a line; it replaces one that says the same about another device, or earlier about this one."""
         devices: tuple[str, ...] = (device,)
         recent = (line for line in reversed(self.lines) if at - line.at <= _ONE_MOMENT)
-        same = next((one for one in recent if (one.sign, one.key) == (sign, key or words)), None)
+        same = next((line for line in recent if (line.sign, line.key) == (sign, key or words)), None)
         if same is not None:
             devices, words = tuple(dict.fromkeys((*same.devices, device))), same.words
             self.lines.remove(same)

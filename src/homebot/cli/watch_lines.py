@@ -96,22 +96,24 @@ class HouseLines:
 
     def learn(self, device: str, readings: Iterable[Reading | State]) -> None:
         """Record known values, which are not changes."""
-        for one in readings:
-            self._values[device, one.part, one.capability] = str(plain_value(one.value))
+        for reading in readings:
+            self._values[device, reading.part, reading.capability] = str(plain_value(reading.value))
 
     def add_change(self, change: StateChange, now: float) -> None:
         """Add a line for the values of *change* that differ from the known ones, and for each event."""
         changed = []
-        for one in change.readings:
-            place, text = (change.device, one.part, one.capability), str(plain_value(one.value))
-            if one.capability in EVENTS or self._values.get(place) != text:
+        for reading in change.readings:
+            place, text = (change.device, reading.part, reading.capability), str(plain_value(reading.value))
+            if reading.capability in EVENTS or self._values.get(place) != text:
                 self._values[place] = text
-                changed.append(one)
+                changed.append(reading)
         if not changed:
             return
-        keys = tuple((change.device, one.part, one.capability, str(plain_value(one.value))) for one in changed)
+        keys = tuple(
+            (change.device, reading.part, reading.capability, str(plain_value(reading.value))) for reading in changed
+        )
         why, issuer = next((self._explained.pop(key) for key in keys if key in self._explained), ("", ""))
-        values = {one.capability: plain_value(one.value) for one in changed}
+        values = {reading.capability: plain_value(reading.value) for reading in changed}
         part = changed[0].part
         line = WatchLine(change.told_at, "change", change.device, part, values, settings_text(changed), why, issuer)
         self._waiting.append(_WaitingLine(line, now if why else now + EXPLAINED_WITHIN, keys))
@@ -140,7 +142,7 @@ class HouseLines:
         if entry.kind == "published" and entry.command in self._commands:
             self._commands[entry.command].is_seen = True
             return  # a text of an app, which is already a request
-        values = {one.capability: plain_value(one.value) for one in entry.settings}
+        values = {setting.capability: plain_value(setting.value) for setting in entry.settings}
         words = settings_text(entry.settings) if entry.settings else repr(printable(entry.text, 60))
         self._commands[entry.command] = _Command(values, words)
         cause = trigger_text(entry.trigger, self._names)
@@ -156,9 +158,9 @@ class HouseLines:
             if entry.kind == "reported" and entry.cause not in {"person", "program"}
             else _CAUSES.get(entry.cause, "")
         )
-        for one in entry.settings:
-            key = (entry.device, entry.part, one.capability, str(plain_value(one.value)))
-            waiting = next((each for each in self._waiting if key in each.keys and not each.line.why), None)
+        for setting in entry.settings:
+            key = (entry.device, entry.part, setting.capability, str(plain_value(setting.value)))
+            waiting = next((change for change in self._waiting if key in change.keys and not change.line.why), None)
             if waiting is None:
                 self._explained[key] = why, issuer
             else:

@@ -52,7 +52,7 @@ def load_located(text: str) -> Located:
                 values = [located(value) for _, value in node.value]
                 return Located(dict(zip(names, values, strict=True)), line, own_tag(node))
             case yaml.SequenceNode():
-                return Located([located(one) for one in node.value], line, own_tag(node))
+                return Located([located(item) for item in node.value], line, own_tag(node))
             case yaml.ScalarNode(value=value) if own_tag(node):
                 return Located(value, line, own_tag(node))
         return Located(None if node is None else loader.construct_object(node), line)
@@ -86,13 +86,13 @@ class _CoreLoader(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, object]:  # noqa: FBT001, FBT002 - PyYAML's
         """Return the fields; their names are texts."""
         del deep
-        found: dict[Hashable, object] = {}
+        mapping: dict[Hashable, object] = {}
         for key, value in node.value:
             name = self.construct_scalar(key)
-            if name in found:
+            if name in mapping:
                 raise yaml.MarkedYAMLError(None, None, f"the field {name[:60]!r} occurs twice", key.start_mark)
-            found[name] = self.construct_object(value, deep=True)
-        return found
+            mapping[name] = self.construct_object(value, deep=True)
+        return mapping
 
 
 class _LocatedLoader(_CoreLoader):

@@ -106,8 +106,8 @@ def why_it_asks(device: Device, part: DevicePart) -> str:
     """
     if reason := _why_declared(part.part) or _why_by_itself(device, part):
         return reason
-    for one in device.parts:
-        if one is not part and (reason := _why_beside(device, part, one)):
+    for other in device.parts:
+        if other is not part and (reason := _why_beside(device, part, other)):
             return reason
     return _why_in_machine(device, part) if part.part.service_type in _IN_MACHINES else ""
 
@@ -193,13 +193,13 @@ def _why_in_machine(device: Device, part: DevicePart) -> str:
     """Return why *part* always asks for the garage door, oven or car whose further parts its device has."""
     if part.part.tag in _NO_DEED or not any(capability.settable for capability in part.part.capabilities):
         return ""
-    for one in device.parts:
-        if one is part:
+    for other in device.parts:
+        if other is part:
             continue
-        if one.part.service_type == "window_covering" and (reason := why_it_drives(device, one, NO_LOCK)):
+        if other.part.service_type == "window_covering" and (reason := why_it_drives(device, other, NO_LOCK)):
             return f"beside another part: {reason}"
-        if words := matching_words(one.part.name or one.part.id, MACHINE, anywhere=True):
-            return f"beside another part: the name {one.part.name or one.part.id!r} says {words!r}"
+        if words := matching_words(other.part.name or other.part.id, MACHINE, anywhere=True):
+            return f"beside another part: the name {other.part.name or other.part.id!r} says {words!r}"
     return ""
 
 
@@ -289,30 +289,32 @@ def _why_named_setting(device: Device, part: DevicePart) -> str:
 
 def _why_called(capability: Capability, device: Device, part: DevicePart) -> str | None:
     """Return the same as :func:`_why_named_setting`; None if names say nothing about such a capability."""
-    told = part.part
-    unit = {"number": capability.unit, "text": told.name.strip("()")[-2:]}.get(capability.name)  # BSB-LAN's texts
+    description = part.part
+    unit = {"number": capability.unit, "text": description.name.strip("()")[-2:]}.get(
+        capability.name
+    )  # BSB-LAN's texts
     if unit in _DEGREES:
-        return _why_named(HEAT, *names_of(device, part)) or _why_named(HEAT, told.name, anywhere=True)
-    if (capability.name in _PRESSED or told.service_type == "generic_switch") and _is_deed(told):
-        return _why_named(ALL_THAT_ASK, *names_of(device, part), f"{device.name} {told.name or part.id}")
-    if capability.name == "number" and unit in _VOLUMES and not told.category:
+        return _why_named(HEAT, *names_of(device, part)) or _why_named(HEAT, description.name, anywhere=True)
+    if (capability.name in _PRESSED or description.service_type == "generic_switch") and _is_deed(description):
+        return _why_named(ALL_THAT_ASK, *names_of(device, part), f"{device.name} {description.name or part.id}")
+    if capability.name == "number" and unit in _VOLUMES and not description.category:
         return f"its unit is {unit}"
     return _why_by_own_name(capability, device, part)
 
 
 def _why_by_own_name(capability: Capability, device: Device, part: DevicePart) -> str | None:
-    told = part.part
-    names = (told.name,) if told.name else names_of(device, part)[:-1]
+    description = part.part
+    names = (description.name,) if description.name else names_of(device, part)[:-1]
     if capability.name in _CHOSEN:
         return _why_chosen(device, part, names)
     return _why_named(OPEN, *names) if capability.name in _OPENING else None
 
 
 def _why_chosen(device: Device, part: DevicePart, names: Sequence[str]) -> str:
-    told = part.part
-    if told.category:
+    description = part.part
+    if description.category:
         return _why_named(NO_LOCK, *names)
-    return _why_named(ALL_THAT_ASK, *names, _class_of(told)) or _why_named(HEAT, *names_of(device, part))
+    return _why_named(ALL_THAT_ASK, *names, _class_of(description)) or _why_named(HEAT, *names_of(device, part))
 
 
 def _is_deed(button: Part) -> bool:
@@ -328,20 +330,20 @@ def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:
 
 def _why_garage(device: Device, part: DevicePart) -> str:
     """Return why a cover of unknown class is a garage door or a window: its whole name is ``Garage``, or its model."""
-    told = part.part
-    if told.service_type != "window_covering" or told.tag in _AT_WINDOWS:
+    description = part.part
+    if description.service_type != "window_covering" or description.tag in _AT_WINDOWS:
         return ""
     for model in models_of(device):
         words = matching_words(model, WINDOW, anywhere=True)
         if words and not matching_words(model, COVERING, anywhere=True):
             return f"the model {model!r} says {words!r}"
-    return _why_named(GARAGE, *((told.name,) if told.name else names_of(device, part)))
+    return _why_named(GARAGE, *((description.name,) if description.name else names_of(device, part)))
 
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
     """Return why a part always asks by its model: an opener with all its settings, or the load of a relay."""
     settable = [capability.name for capability in part.part.capabilities if capability.settable]
-    is_all = all(one.part.service_type.startswith("x_") for one in device.parts)
+    is_all = all(other.part.service_type.startswith("x_") for other in device.parts)
     is_load = part.part.service_type in _RELAYS or (is_all and not _DOSES.isdisjoint(settable))
     for model in models_of(device):
         words = matching_words(model, OPENER & groups, anywhere=True)
@@ -376,5 +378,5 @@ def _class_of(part: Part) -> str:
 
 def models_of(device: Device) -> Iterable[str]:
     """Return all makers and models in announcements of *device*: a stranger may state the first."""
-    told = [one.value for one in device.metadata if one.key in MAKE]
-    return dict.fromkeys((*told, *[fact.value for fact in device.facts if fact.name in _MODELS]))
+    models = [item.value for item in device.metadata if item.key in MAKE]
+    return dict.fromkeys((*models, *[fact.value for fact in device.facts if fact.name in _MODELS]))

@@ -335,7 +335,7 @@ _MEASUREMENTS = (
 
 
 def _by_name(*groups: tuple[CapabilityType, ...]) -> Mapping[str, CapabilityType]:
-    rows = {one.name: one for group in groups for one in group}
+    rows = {row.name: row for group in groups for row in group}
     assert len(rows) == sum(map(len, groups)), "a capability has two rows"  # noqa: S101 - for who adds one
     return MappingProxyType(rows)
 

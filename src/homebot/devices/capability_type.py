@@ -82,7 +82,7 @@ VACUUM: Final = Obedience(
 )
 MOWER: Final = Obedience(accepts=_words({"docked": "returning"}))
 PLAYER: Final = Obedience(accepts=_words({"paused": "stopped"}), on_the_way=_words({"playing": "buffering"}))
-_ARMED = tuple(f"armed_{one}" for one in ("home", "away", "night", "vacation", "custom_bypass"))
+_ARMED = tuple(f"armed_{mode}" for mode in ("home", "away", "night", "vacation", "custom_bypass"))
 _ARMING = dict.fromkeys(_ARMED, "arming pending")
 ALARM: Final = Obedience(on_the_way=_words({"disarmed": "disarming pending", **_ARMING}))
 

@@ -113,7 +113,7 @@ class ClientRights(NamedTuple):
     @property
     def text(self) -> str:
         """The names of the rights, for people."""
-        names = [one.value for one in Right if one is not Right.ROBOT and self.has(one)]
+        names = [right.value for right in Right if right is not Right.ROBOT and self.has(right)]
         return ", ".join((*names, *(f"robot: {name}" for name in self.robots))) or "none"
 
 

@@ -152,7 +152,7 @@ class CommandResult(Message):
     def of(cls, outcome: "Outcome") -> "CommandResult":
         """Return the message that carries *outcome*."""
         facts = {outcome.wire.get(field.name, field.name): getattr(outcome, field.name) for field in fields(outcome)}
-        facts["reported"] = tuple([Setting.of(*one) for one in outcome.reported.items()])
+        facts["reported"] = tuple([Setting.of(*pair) for pair in outcome.reported.items()])
         return cls(outcome=outcome.kind, text=outcome.text, **facts)
 
     def to_outcome(self) -> "Outcome":
@@ -161,7 +161,7 @@ class CommandResult(Message):
 
         kind = OUTCOMES[self.outcome]
         facts = {field.name: getattr(self, kind.wire.get(field.name, field.name)) for field in fields(kind)}
-        facts["reported"] = {one.capability: one.value.plain() for one in self.reported}
+        facts["reported"] = {setting.capability: setting.value.plain() for setting in self.reported}
         if "evidence" in facts:
             facts["evidence"] = Evidence(self.evidence)
         return kind(**facts)
@@ -256,9 +256,9 @@ class CommandDevicesResponse(ServiceAnswer):
         """Return the response for these parts, at least one, with their outcomes."""
         from homebot.devices.outcomes import worst  # noqa: PLC0415 - a start without a command needs none
 
-        parts, outcomes = zip(*sorted(commanded, key=lambda one: (one[0].device, one[0].part)), strict=True)
+        parts, outcomes = zip(*sorted(commanded, key=lambda pair: (pair[0].device, pair[0].part)), strict=True)
         worst_one = parts[outcomes.index(worst(outcomes))]
-        is_done = all(one.succeeded for one in outcomes)
+        is_done = all(outcome.succeeded for outcome in outcomes)
         return cls(
             success=is_done,
             message="" if is_done else f"{worst_one.name}: {worst_one.result.text}",

@@ -126,7 +126,7 @@ def _left(orders: Sequence[Command], along: Collection[str]) -> Sequence[Command
 
 
 def _is_told_once(device: Device, part: DevicePart, command: Command) -> bool:
-    names = [command.capability, *(one.capability for one in command.also)]
+    names = [command.capability, *(setting.capability for setting in command.also)]
     is_undone = is_told_once(part.part.service_type, names)
     return is_undone or bool(command.code or why_it_asks(device, part))
 
@@ -148,7 +148,7 @@ def _error(capability: str, device: str, failures: Sequence[SendCommandResponse]
     if silent := [failure.message for failure in failures if failure.problem == "unanswered"]:
         return UnansweredError(f"{capability} was sent to {device}: {silent[-1]}")
     if away := [failure for failure in failures if failure.problem == "unreachable"]:
-        lost = [one for one in away if not one.unable] or away[:1]  # a gateway that runs knows more
+        lost = [failure for failure in away if not failure.unable] or away[:1]  # a gateway that runs knows more
         return LinkError(f"{capability} of {device}: {lost[-1].message}")
     return RefusedError(f"{capability} of {device}", failures[0].message + hint)
 

@@ -177,12 +177,12 @@ class Commander:
                 Command(
                     key="",
                     part="",
-                    capability=one.capability,
-                    value=one.value,
+                    capability=setting.capability,
+                    value=setting.value,
                     transition=request.transition,
                     code=request.code,
                 )
-                for one in request.settings
+                for setting in request.settings
             ]
             while left:
                 _, left = await self._sender.send(device, part, left)

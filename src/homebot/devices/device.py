@@ -319,9 +319,9 @@ def part_names(devices: Iterable[Device]) -> dict[str, str]:
     names: dict[str, str] = {}
     for device in devices:
         names[device.id] = device.name
-        parts = [one for one in device.parts if is_commanded(one.part)]
+        parts = [part for part in device.parts if is_commanded(part.part)]
         if len(parts) > 1:
-            names |= {f"{device.id}#{one.id}": f"{device.name} {one.part.name or one.id}".rstrip() for one in parts}
+            names |= {f"{device.id}#{part.id}": f"{device.name} {part.part.name or part.id}".rstrip() for part in parts}
     return names
 
 
@@ -332,7 +332,7 @@ def target_of(device_id: str, part_id: str) -> str:
 
 def is_commanded(part: Part) -> bool:
     """Return whether *part* takes commands and is not a setting."""
-    return not part.category and any(one.settable for one in part.capabilities)
+    return not part.category and any(capability.settable for capability in part.capabilities)
 
 
 def check_gateway(endpoint: Endpoint) -> None:

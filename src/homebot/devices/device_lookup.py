@@ -60,16 +60,21 @@ class DeviceLookup:
 
     async def members(self, device: Device, part: DevicePart) -> list[tuple[Device, DevicePart]]:
         """Return the parts that a command to *part* sets too, also by groups in it; none without an answer."""
-        known = [(one, other) for one in await self.all_known() for other in one.parts if is_commanded(other.part)]
-        found, groups = {(device.id, part.id): (device, part)}, [part]
+        known = [
+            (known_device, other)
+            for known_device in await self.all_known()
+            for other in known_device.parts
+            if is_commanded(other.part)
+        ]
+        members, groups = {(device.id, part.id): (device, part)}, [part]
         for group in groups:  # which grows
             wanted, gateways = frozenset(group.part.members), {route.gateway for route in group.routes}
-            for one, other in known:
-                place = one.id, other.id
-                if place not in found and not wanted.isdisjoint(references(one, other, gateways)):
-                    found[place] = one, other
+            for known_device, other in known:
+                place = known_device.id, other.id
+                if place not in members and not wanted.isdisjoint(references(known_device, other, gateways)):
+                    members[place] = known_device, other
                     groups += [other] if other.part.members else []
-        return list(found.values())[1:]
+        return list(members.values())[1:]
 
     async def device_at(self, gateway: str, address: str) -> str:
         """Return the id of the device that takes commands at *address*; empty if there is none, or no answer.
@@ -85,7 +90,7 @@ class DeviceLookup:
             if now - self._read_at >= _READ_AGAIN_AFTER:
                 self._read_at = now
                 devices = await self.devices()
-                self._by_address = {place: one.id for one in reversed(devices) for place in _addresses(one)}
+                self._by_address = {place: device.id for device in reversed(devices) for place in _addresses(device)}
         except ServiceError:
             return ""
         return self._by_address.get(place, "")

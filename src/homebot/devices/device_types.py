@@ -76,7 +76,7 @@ _TYPES = (
     DeviceType("x_unknown", (), ("unknown",)),
 )
 
-DEVICE_TYPES: Mapping[str, DeviceType] = MappingProxyType({one.name: one for one in _TYPES})
+DEVICE_TYPES: Mapping[str, DeviceType] = MappingProxyType({row.name: row for row in _TYPES})
 """Every device type by name, in the order in which the type of a part becomes that of its device.
 
 A garage door may have a lamp, and an air conditioner a thermometer and switches for its functions.
@@ -123,11 +123,11 @@ def _singulars(word: str) -> tuple[str, ...]:
 
 
 def _index() -> Mapping[str, frozenset[str]]:
-    found: dict[str, set[str]] = {}
-    for one in _TYPES:
-        for word in (one.name.removeprefix("x_").replace("_", " "), one.name.replace("_", " "), *one.words):
-            found.setdefault(word, set()).add(one.name)
-    return MappingProxyType({word: frozenset(names) for word, names in found.items()})
+    names_by_word: dict[str, set[str]] = {}
+    for row in _TYPES:
+        for word in (row.name.removeprefix("x_").replace("_", " "), row.name.replace("_", " "), *row.words):
+            names_by_word.setdefault(word, set()).add(row.name)
+    return MappingProxyType({word: frozenset(names) for word, names in names_by_word.items()})
 
 
 _BY_WORD = _index()

@@ -101,7 +101,11 @@ class DeviceView:
 
     def only_value(self, capability: str) -> PlainValue:
         """Return the latest value of the only part with *capability*; None if none or several have it."""
-        parts = [part.id for part in self.device.parts if any(one.name == capability for one in part.part.capabilities)]
+        parts = [
+            part.id
+            for part in self.device.parts
+            if any(offered.name == capability for offered in part.part.capabilities)
+        ]
         return self.value(parts[0], capability) if len(parts) == 1 else None
 
     def current(self) -> Device:

@@ -286,10 +286,10 @@ class Devices:
 
     def _dispatch(self, message: RawMessage) -> Awaitable[None] | None:
         handlers = self._handlers
-        found = handlers.get((message.gateway, message.key)) or handlers.get((message.gateway, message.address))
-        if found is None:
+        registered = handlers.get((message.gateway, message.key)) or handlers.get((message.gateway, message.address))
+        if registered is None:
             return None
-        device_id, handler = found
+        device_id, handler = registered
         CURRENT_CAUSE.set((device_id, message))
         return handler(message)
 
@@ -308,7 +308,7 @@ def _checked_kind(kind: HandleType[P, HandleT]) -> HandleType[P, HandleT]:
 
 def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mapping[str, object]) -> None:
     if extra or conditions:
-        given = ", ".join([*(repr(one) for one in extra), *conditions])
+        given = ", ".join([*(repr(term) for term in extra), *conditions])
         raise TypeError(
             f"{service_type!r} is a type name, which takes no filters ({given}); ask for a kind of handle, "
             f"for example find(Light, area='kitchen')"

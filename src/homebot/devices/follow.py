@@ -185,7 +185,7 @@ class Follow(LiveQuery[DeviceChange]):
         near, self._query = self._split(() if asked is None else (asked,))
         text = text or f"follow({(words and words.text) or query or service_type!r})"
         super().__init__(node, self._query, text, near)
-        self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))
+        self._asks_for_values = any(isinstance(term, StateIs) for term in leaves(self._query))
         self._matching: set[str] = set()
 
     @property
@@ -244,7 +244,7 @@ def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:
 
 
 def _of_values(change: StateChange, device: Device, *, does_match: bool) -> DeviceChange:
-    values = ", ".join(f"its {one.capability} is {one.value.plain()}" for one in change.readings)
+    values = ", ".join(f"its {reading.capability} is {reading.value.plain()}" for reading in change.readings)
     kind: ChangeKind = "appeared" if does_match else "removed"
     why = f"{values} now" if does_match else NO_LONGER
     return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)

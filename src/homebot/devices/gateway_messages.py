@@ -149,8 +149,8 @@ class Command(Message):
     def singly(self) -> Iterator["Command"]:
         """Yield a command for each of its settings."""
         yield self.model_copy(update={"also": ()}) if self.also else self
-        for one in self.also:
-            yield self.model_copy(update={"capability": one.capability, "value": one.value, "also": ()})
+        for setting in self.also:
+            yield self.model_copy(update={"capability": setting.capability, "value": setting.value, "also": ()})
 
 
 class CommandAnswer(Message):

@@ -81,21 +81,21 @@ def _is_owners_word(device: Device, part: DevicePart) -> bool:
 
 def _said(device: Device, part: DevicePart, groups: words.Groups) -> str:
     """Return which class, model or name has a word of *groups*; empty if none has."""
-    found = [(text, words.matching_words(text, groups, anywhere=True)) for text in (part.part.tag, *models_of(device))]
-    found += [(name, words.matching_words(name, groups)) for name in names_of(device, part)]
-    return next((f"{text!r} says {said!r}" for text, said in found if said), "")
+    texts = [(text, words.matching_words(text, groups, anywhere=True)) for text in (part.part.tag, *models_of(device))]
+    texts += [(name, words.matching_words(name, groups)) for name in names_of(device, part)]
+    return next((f"{text!r} says {said!r}" for text, said in texts if said), "")
 
 
 def _why_out_of_range(settings: Mapping[str, PlainValue]) -> str:
     wanted = {name: value for name, value in settings.items() if name in _SETPOINTS and isinstance(value, float)}
     far = (f"{name} {value:g}" for name, value in wanted.items() if not _COLDEST <= value <= _HOTTEST)
-    return next((f"{one} is not within {_COLDEST:g} to {_HOTTEST:g} °C" for one in far), "")
+    return next((f"{celsius} is not within {_COLDEST:g} to {_HOTTEST:g} °C" for celsius in far), "")
 
 
 def _is_of_lamp(device: Device, part: DevicePart) -> bool:
     """Return whether *part* is a setting or scene of a device that is a lamp and nothing else."""
     settable = {capability.name for capability in part.part.capabilities if capability.settable}
-    kinds = {one.part.service_type for one in device.parts if one.part.category != "diagnostic"} - _BESIDE_LAMPS
+    kinds = {other.part.service_type for other in device.parts if other.part.category != "diagnostic"} - _BESIDE_LAMPS
     if part.part.service_type not in _BESIDE_LAMPS or not settable <= _OF_LAMPS or kinds != {"light"}:
         return False
     return not words.matching_words(part.part.name or part.id, words.ALL_THAT_ASK | words.SIREN, anywhere=True)

@@ -46,7 +46,7 @@ class HistoryClient:
         )
         answer = await self._call(ReadHistory, READ_HISTORY, request)
         empty = HistorySeries(device=device, name=handle.device.name, part=part, capability=capability)
-        return next((one for one in answer.series if one.part == part), empty)
+        return next((series for series in answer.series if series.part == part), empty)
 
     async def read_energy(self, query: str, since: str | float) -> tuple[EnergyOfDay, ...]:
         """Return the energy by day and device."""

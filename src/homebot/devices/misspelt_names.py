@@ -68,7 +68,7 @@ class ConfiguredNames:
         await anyio.sleep(_ANNOUNCED_WITHIN)
         while True:
             try:
-                problems = [one async for one in self._look()]
+                problems = [problem async for problem in self._look()]
             except ServiceError:  # the directory is being restarted
                 await anyio.sleep(_AGAIN)
                 continue
@@ -83,7 +83,7 @@ class ConfiguredNames:
         if not self._is_due:
             return ()
         try:
-            return tuple([one async for one in self._look()])
+            return tuple([problem async for problem in self._look()])
         except ServiceError:
             return ()
 

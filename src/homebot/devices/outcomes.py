@@ -248,7 +248,7 @@ class Gone(Outcome):
 # the reference read the rest from the class.
 _BEST_FIRST: Final = (AlreadySo, Confirmed, Superseded, Reverted, Contradicted, NoAnswer, Refused, Gone)
 
-OUTCOMES: Final[Mapping[str, type[Outcome]]] = MappingProxyType({one.kind: one for one in _BEST_FIRST})
+OUTCOMES: Final[Mapping[str, type[Outcome]]] = MappingProxyType({outcome.kind: outcome for outcome in _BEST_FIRST})
 """All outcomes by kind, best first."""
 
 

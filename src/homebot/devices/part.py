@@ -137,7 +137,7 @@ class Part(Message):
 
     def is_below(self, places: Iterable[str]) -> bool:
         """Return whether one of its topics is in *places* or below one of them."""
-        return any(f"{one}/".startswith(f"{place}/") for place in places for one in (*self.reads, *self.writes))
+        return any(f"{topic}/".startswith(f"{place}/") for place in places for topic in (*self.reads, *self.writes))
 
 
 def size_of_texts(texts: Iterable[str]) -> int:
@@ -164,14 +164,14 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
     Raises:
         RefusedError: The message names the accepted values.
     """
-    for one in part.capabilities:
-        if one.name == capability and one.settable:
-            if not _is_taken(one, value):
+    for offered in part.capabilities:
+        if offered.name == capability and offered.settable:
+            if not _is_taken(offered, value):
                 shown = f"{value:g}" if isinstance(value, float) else f"{value!r:.40}"
-                accepted = "True or False" if CAPABILITIES.get(capability, OWN).kind == "bool" else _accepted(one)
+                accepted = "True or False" if CAPABILITIES.get(capability, OWN).kind == "bool" else _accepted(offered)
                 raise RefusedError(f"{shown} as {capability} of {target}", f"it takes {accepted}")
             return
-    known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable))
+    known = ", ".join(dict.fromkeys(offered.name for offered in part.capabilities if offered.settable))
     raise RefusedError(
         f"{capability} of {target}", f"it has no such setting; it takes {known}" if known else "it takes no commands"
     )
@@ -196,9 +196,9 @@ def check_no_share(target: str, capability: str, value: float, exactly: str) -> 
 
 def accepted_values(part: Part, capability: str) -> str:
     """Return the values that *part* accepts for *capability*, in words; empty if it cannot be set."""
-    for one in part.capabilities:
-        if one.name == capability and one.settable:
-            return _accepted(one)
+    for offered in part.capabilities:
+        if offered.name == capability and offered.settable:
+            return _accepted(offered)
     return ""
 
 
@@ -259,7 +259,7 @@ class CommandDescription(NamedTuple):
     @classmethod
     def of(cls, part: Part, identifiers: tuple[str, ...]) -> CommandDescription:
         """Return the description of *part*, announced with the *identifiers* of its device."""
-        settings = tuple([one.name for one in part.capabilities if one.settable])
+        settings = tuple([capability.name for capability in part.capabilities if capability.settable])
         return cls(part.service_type, tuple(sorted(identifiers)), part.writes, settings, part.payloads)
 
     @property

@@ -115,7 +115,7 @@ def _fits_numbers(capability: str, wanted: tuple[float, ...], seen: tuple[float,
     if len(wanted) != len(seen):
         return False
     if capability != "color" or len(wanted) != 2:
-        return all(abs(one - other) <= _NUMBER for one, other in zip(wanted, seen, strict=True))
+        return all(abs(number - other) <= _NUMBER for number, other in zip(wanted, seen, strict=True))
     low, high = _VIVID_SATURATION
     is_nearest = _hue_between(wanted, seen) <= _VIVID_HUE and low <= wanted[1] - seen[1] <= high
     return (wanted[1] > _VIVID and is_nearest) or _is_same_color(wanted, seen)
@@ -160,8 +160,8 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
     """
     if capability == held:
         return not _is_same_setting(held, value, wanted)
-    for one, other, is_change in _CHANGES:
-        if held in one and capability in other:
+    for first, other, is_change in _CHANGES:
+        if held in first and capability in other:
             return is_change(value, wanted)
     return capability == _PRESS
 
@@ -205,9 +205,9 @@ _CHANGES: Final[tuple[tuple[frozenset[str], frozenset[str], Callable[[PlainValue
 """For the held capability and the one that is set: whether the wanted value changes the held one."""
 
 _RELATED: Final = {
-    one: tuple(sorted({one}.union(*(others for held, others, _ in _CHANGES if one in held))))
+    capability: tuple(sorted({capability}.union(*(others for held, others, _ in _CHANGES if capability in held))))
     for group, _, _ in _CHANGES
-    for one in group
+    for capability in group
 }
 
 

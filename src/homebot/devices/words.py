@@ -88,9 +88,9 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
     Args:
         anywhere: Whether the position of the words in *text* does not matter.
     """
-    found = _matching_words(text, groups, anywhere=anywhere)
-    if found or text.islower():
-        return found
+    matched = _matching_words(text, groups, anywhere=anywhere)
+    if matched or text.islower():
+        return matched
     ends = [
         place
         for place, pair in enumerate(pairwise(text), 1)
@@ -107,8 +107,8 @@ def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
     numbers = set(chain.from_iterable(map(_languages_of, words, repeat(groups))))
     for language in map(_LANGUAGES.__getitem__, sorted(numbers)):
         for clause in _clauses(words, language):
-            if found := _match(clause, language, groups, at_end=language.at_end and not anywhere):
-                return found
+            if matched := _match(clause, language, groups, at_end=language.at_end and not anywhere):
+                return matched
     return ""
 
 
@@ -143,8 +143,8 @@ def _signs(
     languages = _LANGUAGES if number is None else _LANGUAGES[number : number + 1]
     words = frozenset(phrase.rarest for language in languages for phrase in language.phrases if phrase.group in groups)
     endings = [ending for language in languages for ending, group in language.endings if group in groups]
-    pieces = tuple(one for one in endings if not one.endswith("$"))
-    ends = tuple(one[:-1] for one in endings if one.endswith("$"))
+    pieces = tuple(ending for ending in endings if not ending.endswith("$"))
+    ends = tuple(ending[:-1] for ending in endings if ending.endswith("$"))
     return words, ends, pieces, tuple(filter(str.isascii, pieces))
 
 
@@ -161,7 +161,7 @@ def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_en
     if language.beside and _is_beside(words, language):
         return ""
     content = tuple(word for word in words if word not in language.fillers)
-    if any(frozenset(tail[-len(one) :]) == one for one in language.never for tail in (words, content)):
+    if any(frozenset(tail[-len(phrase) :]) == phrase for phrase in language.never for tail in (words, content)):
         return ""
     return _phrase_in(words, content if at_end else None, language, groups) or _ending_in(words, language, groups)
 
@@ -182,8 +182,8 @@ def _phrase_in(words: tuple[str, ...], head_of: tuple[str, ...] | None, language
 
 def _ending_in(words: tuple[str, ...], language: _Language, groups: Groups) -> str:
     for ending, group in language.endings:
-        if group in groups and (found := next((word for word in words if ending in f"{word}$"), "")):
-            return found
+        if group in groups and (matched := next((word for word in words if ending in f"{word}$"), "")):
+            return matched
     return ""
 
 

@@ -145,9 +145,9 @@ class HouseApi(ABC):
         async with self.send_goal(action, goal) as received:
             while (answer := await received())["op"] == "action_feedback":
                 await report(answer["values"])
-        if isinstance(found := answer.get("values"), dict):
-            return found
-        text = str(answer.get("msg") or found)
+        if isinstance(values := answer.get("values"), dict):
+            return values
+        text = str(answer.get("msg") or values)
         raise AgentMistakeError("refused" if text.startswith(_NO_RIGHT) else "failed", text)
 
 
@@ -169,7 +169,9 @@ class _HouseServer(MCPServer):
                 given = unknown[0][:100]
                 hint = did_you_mean(given, known, takes)
                 raise AgentMistakeError("invalid", f"{name} has no argument {given!r}; {hint}")
-            if empty := [one for one in schemas[name].get("required", ()) if arguments.get(one) in ("", [])]:
+            if empty := [
+                argument for argument in schemas[name].get("required", ()) if arguments.get(argument) in ("", [])
+            ]:
                 raise AgentMistakeError("invalid", f"{empty[0]}: is empty; {takes}")
             return await super().call_tool(name, arguments, context)
         except ToolError as exc:
@@ -242,7 +244,9 @@ def _add_command(server: MCPServer, api: HouseApi) -> None:
     ) -> Sure | Elicit[Sure]:
         targets = _targets(details, device)
         reasons = {
-            target: one["always_asks"] for target, one in zip(targets, details, strict=True) if "always_asks" in one
+            target: detail["always_asks"]
+            for target, detail in zip(targets, details, strict=True)
+            if "always_asks" in detail
         }
         if not reasons:
             return Sure(confirm=True)
@@ -286,8 +290,10 @@ def _targets(details: list[Any], named: str | list[str]) -> list[str]:
     Words that are no id or name may mean only a part of the device, so these are sent as they are.
     """
     return [
-        text if one.get("by_words") and "always_asks" not in one else f"{one['id']}{''.join(text.partition('#')[1:])}"
-        for one, text in zip(details, [named] if isinstance(named, str) else named, strict=True)
+        text
+        if detail.get("by_words") and "always_asks" not in detail
+        else f"{detail['id']}{''.join(text.partition('#')[1:])}"
+        for detail, text in zip(details, [named] if isinstance(named, str) else named, strict=True)
     ]
 
 
@@ -299,7 +305,7 @@ def _checked(status: int, text: str) -> str:
 
 def _refusal(text: str) -> AgentMistakeError:
     try:
-        found = json.loads(text)
-        return AgentMistakeError(found["outcome"], found["detail"])
+        refusal = json.loads(text)
+        return AgentMistakeError(refusal["outcome"], refusal["detail"])
     except (ValueError, KeyError, TypeError):
         return AgentMistakeError("failed", f"the answer is not from a homebot: {text[:100]!r}")

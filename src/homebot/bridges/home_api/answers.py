@@ -90,8 +90,8 @@ async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shape
     answer = await listed(home, ids=[device.id])
     asks: tuple[str, ...] = ()
     if home.offers(names.GET_UNAPPROVED):  # not where nothing is controlled
-        found = await home.call(names.GET_UNAPPROVED, {"device": device.id})
-        asks = tuple(reason.value for reason in cast("UnapprovedResponse", found).reasons)
+        unapproved = await home.call(names.GET_UNAPPROVED, {"device": device.id})
+        asks = tuple(reason.value for reason in cast("UnapprovedResponse", unapproved).reasons)
     return shapes.DeviceDetails(
         **(_line(answer.devices[0]).model_dump() if answer.devices else {"id": device.id, "type": ""}),
         state=state_text(device),
@@ -120,11 +120,13 @@ async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.Outc
         unless_asks = device is None and not asked.ask
         try:
             request = {"target": target, "command": asked.do, "ask_first": asked.ask, "unless_asks": unless_asks}
-            found = await home.call(names.COMMAND_DEVICES, request)
-            answer = cast("CommandDevicesResponse", found)
+            response = await home.call(names.COMMAND_DEVICES, request)
+            answer = cast("CommandDevicesResponse", response)
             if not answer.results:
                 raise ProblemError(HTTPStatus.FORBIDDEN if answer.asks else HTTPStatus.NOT_FOUND, answer.message)
-            answers.append(outcome_of(answer, ident, lambda one: one.name if device is None else one.part))
+            answers.append(
+                outcome_of(answer, ident, lambda commanded: commanded.name if device is None else commanded.part)
+            )
         except ProblemError as exc:
             problems.append(exc)
             answers.append(shapes.OutcomeAnswer(id=ident, outcome="refused", text=str(exc), reason=str(exc)))
@@ -189,14 +191,14 @@ async def journal(home: HomeCalls, asked: shapes.JournalQuestion) -> shapes.Jour
     since = from_seconds(max(0.0, now - parse_duration(asked.since, "since")))
     device = (await meant_device(home, asked.device)).device.id if asked.device else ""
     request = {"device": device, "since": since, "limit": asked.limit}
-    found = cast("ReadJournalResponse", await call_or_fail(home, names.READ_JOURNAL, request))
-    named = {name.key: name.value for name in found.names}
+    response = cast("ReadJournalResponse", await call_or_fail(home, names.READ_JOURNAL, request))
+    named = {name.key: name.value for name in response.names}
     lines = [
         f"{clock_text(entry.at, now)} {name_text(entry.device, named, entry.part)}: {caused_text(entry, named)}"
-        for before, entry in pairwise([None, *found.entries])
+        for before, entry in pairwise([None, *response.entries])
         if entry is not None and entry.kind not in _STEPS and not repeats(entry, before)
     ]
-    return shapes.JournalAnswer(entries=tuple(lines), has_more=not found.complete)
+    return shapes.JournalAnswer(entries=tuple(lines), has_more=not response.complete)
 
 
 def _why_not(wanted: ExplainMissingStateResponse, now: float) -> tuple[str, list[str]]:
@@ -249,16 +251,16 @@ def short_value(value: object) -> shapes.ShortValue | None:
         case int() | float():
             return int(value) if value == int(value) else round(value, 2)
         case list():
-            return [round(one, 2) for one in value]
+            return [round(number, 2) for number in value]
     return printable(str(value), _WIDEST)
 
 
 def _takes(device: Device) -> dict[str, str]:
-    found: dict[str, str] = {}
+    accepted: dict[str, str] = {}
     for capability in (
         capability for part in main_parts(device) for capability in part.part.capabilities if capability.settable
     ):
-        found[capability.name] = span(capability) or (
+        accepted[capability.name] = span(capability) or (
             "on, off" if CAPABILITIES.get(capability.name, OWN).kind == "bool" else "any"
         )
-    return found
+    return accepted

@@ -66,13 +66,13 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     Raises:
         ProblemError: There is none, with similar ones named, or there are several, all named.
     """
-    found = await _named(home, text.strip())
-    if len(found) == 1:
+    devices = await _named(home, text.strip())
+    if len(devices) == 1:
         ident, hash_sign, part = text.strip().partition("#")
-        is_by_id = found[0].id.casefold() == ident.casefold()
-        return MeantDevice(found[0], f"{found[0].id}{hash_sign}{part}" if is_by_id else found[0].id)
-    ids = [one.id for one in found] or await _fitting(home, text)
-    if not found and len(ids) == 1:
+        is_by_id = devices[0].id.casefold() == ident.casefold()
+        return MeantDevice(devices[0], f"{devices[0].id}{hash_sign}{part}" if is_by_id else devices[0].id)
+    ids = [known.id for known in devices] or await _fitting(home, text)
+    if not devices and len(ids) == 1:
         return MeantDevice((await _found(home, {"ids": ids}))[0], text)
     more = ", …" if len(ids) >= _MAX_NAMED else ""
     problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MAX_NAMED])}{more}"
@@ -94,8 +94,8 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
     """Return the devices with the id, with or without a part, or the name *text*."""
     device_id = text.partition("#")[0]
     terms = query_terms(name_query(text, device_id))
-    found = await _found(home, {"query": [message_to_json(term) for term in terms]})
-    return devices_called(text, found, device_id)
+    devices = await _found(home, {"query": [message_to_json(term) for term in terms]})
+    return devices_called(text, devices, device_id)
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:
@@ -103,9 +103,9 @@ async def _fitting(home: HomeCalls, text: str) -> list[str]:
     if not answer.success:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
     if answer.devices:
-        return [one.id for one in answer.devices]
-    near = [one.id for one in (await listed(home, query=text, limit=_MAX_SIMILAR)).devices]
-    names = near or [name for one in await all_listed(home) for name in (one.id, one.name)]
+        return [device.id for device in answer.devices]
+    near = [device.id for device in (await listed(home, query=text, limit=_MAX_SIMILAR)).devices]
+    names = near or [name for device in await all_listed(home) for name in (device.id, device.name)]
     reason = answer.message or "a list of all devices shows what there is"
     hint = f"did you mean {' or '.join(near)}?" if near else close_names(text, names, reason)
     raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
@@ -120,13 +120,13 @@ async def listed(home: HomeCalls, *, query: str = "", **request: object) -> List
 
 async def all_listed(home: HomeCalls) -> Sequence[ListedDevice]:
     """Return all devices in short; of a large house the first 2,000."""
-    found: list[ListedDevice] = []
+    devices: list[ListedDevice] = []
     for _ in range(_MAX_PAGES):
-        page = await listed(home, limit=MAX_LISTED, offset=len(found))
-        found += page.devices
-        if len(found) >= page.total or not page.devices:
+        page = await listed(home, limit=MAX_LISTED, offset=len(devices))
+        devices += page.devices
+        if len(devices) >= page.total or not page.devices:
             break
-    return found
+    return devices
 
 
 async def _found(home: HomeCalls, request: Mapping[str, object]) -> list[Device]:

@@ -54,8 +54,8 @@ def all_routes() -> tuple[ApiRoute, ...]:
 @cache
 def openapi_text() -> bytes:
     """Return the description as JSON."""
-    models: list[type[BaseModel]] = [shapes.Problem, *(one.answer for one in all_routes())]
-    models += [one.question for one in all_routes() if one.method == "POST"]
+    models: list[type[BaseModel]] = [shapes.Problem, *(route.answer for route in all_routes())]
+    models += [route.question for route in all_routes() if route.method == "POST"]
     _, schemas = models_json_schema([(model, "serialization") for model in models], ref_template=_REFERENCE)
     paths: dict[str, Any] = {}
     for route in all_routes():
@@ -77,7 +77,7 @@ def _operation(route: ApiRoute) -> dict[str, Any]:
     answer = {"description": "Done.", "content": {"application/json": {"schema": _named(route.answer)}}}
     problem = {"content": {"application/problem+json": {"schema": _named(shapes.Problem)}}}
     too_long = {"description": "The address is longer than 8 KiB.", "content": {"text/plain": {}}}
-    problems = {str(one.value): {"description": one.phrase, **problem} for one in shapes.PROBLEMS}
+    problems = {str(status.value): {"description": status.phrase, **problem} for status in shapes.PROBLEMS}
     operation: dict[str, Any] = {
         "operationId": route.handle.__name__,
         "summary": (route.handle.__doc__ or "").partition("\n")[0],
@@ -133,14 +133,14 @@ async def answer(request: ApiRequest, home: HomeCalls) -> ApiAnswer:
         if (request.method, urlsplit(request.target).path) == ("GET", _OPENAPI):
             return ApiAnswer(HTTPStatus.OK, _JSON, openapi_text())
         route, question = _question(request)
-        found = await route.handle(home, question)
+        result = await route.handle(home, question)
     except ProblemError as exc:
         return problem_body(exc.status, str(exc))._replace(allow=exc.allow)
     except UsageError as exc:
         return problem_body(HTTPStatus.BAD_REQUEST, str(exc))
     except HomebotError as exc:
         return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
-    return ApiAnswer(HTTPStatus.OK, _JSON, _text(found))
+    return ApiAnswer(HTTPStatus.OK, _JSON, _text(result))
 
 
 def problem_body(status: HTTPStatus, detail: str) -> ApiAnswer:
@@ -155,13 +155,13 @@ def _text(model: BaseModel) -> bytes:
 
 def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     url = urlsplit(request.target)
-    fitting = [one for one in all_routes() if _fits(one.path, url.path)]
+    fitting = [route for route in all_routes() if _fits(route.path, url.path)]
     if not fitting:
-        known = ", ".join([*(f"{one.method} {one.path}" for one in all_routes()), f"GET {_OPENAPI}"])
+        known = ", ".join([*(f"{route.method} {route.path}" for route in all_routes()), f"GET {_OPENAPI}"])
         raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
-    route = next((one for one in fitting if one.method == request.method), None)
+    route = next((route for route in fitting if route.method == request.method), None)
     if route is None:
-        methods = ", ".join(one.method for one in fitting)
+        methods = ", ".join(route.method for route in fitting)
         raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{fitting[0].path} takes {methods}", methods)
     is_post = route.method == "POST"
     if is_post and request.content_type.partition(";")[0].strip().lower() != _JSON:

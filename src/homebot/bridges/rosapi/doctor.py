@@ -117,17 +117,19 @@ class _Doctor:
 
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
         now = self._node.graph.clock.now()
-        total, unconfirmed = [(await self._find(parse_query(one), 1)).total for one in ("", "unconfirmed")]
+        total, unconfirmed = [(await self._find(parse_query(query), 1)).total for query in ("", "unconfirmed")]
         states = await _ask_all(self._state, self._gateways())
-        findings = [one for name, state in states.items() for one in gateway_finding(name, state)]
+        findings = [finding for name, state in states.items() for finding in gateway_finding(name, state)]
         if not request.gateways_only:
             findings += await self._health_findings(now, everything=request.counts)
             lost = [name for name, state in states.items() if state is None or state.state != "active"]
             findings += await self._device_findings(now, lost)
-        findings.sort(key=lambda one: _RANKS[one.code])
+        findings.sort(key=lambda finding: _RANKS[finding.code])
         gateways = tuple(
-            ExaminedGateway(name=name, state="silent" if one is None else one.state, text=_gateway_line(name, one))
-            for name, one in states.items()
+            ExaminedGateway(
+                name=name, state="silent" if gateway is None else gateway.state, text=_gateway_line(name, gateway)
+            )
+            for name, gateway in states.items()
         )
         return ExamineResponse(gateways=gateways, devices=total, unconfirmed=unconfirmed, findings=tuple(findings))
 
@@ -188,12 +190,12 @@ class _Doctor:
         )
         of_features = (check for feature in all_features() if feature.checks for check in load(feature.checks)(lost))
         for check in (*of_features, *_DEVICE_CHECKS, *_unused(), *vacuums):
-            found = await self._find(check.asked or parse_query(check.query), check.most)
+            response = await self._find(check.asked or parse_query(check.query), check.most)
             rows = sorted(
-                (result.device.id, text) for result in found.results for text in check.reasons(result.device, now)
+                (result.device.id, text) for result in response.results for text in check.reasons(result.device, now)
             )
             if rows:
-                total = found.total - len(found.results) + len(rows)
+                total = response.total - len(response.results) + len(rows)
                 hint = f"; all: homebot find --limit {total} '{check.query}'"
                 finding = check.kind.finding(rows[: check.most], total=total)
                 findings.append(finding.model_copy(update={"hint": hint}))
@@ -246,10 +248,10 @@ def health_findings(
         counted: Its counts of about ten minutes ago.
         everything: Whether counts are told that are no fault.
     """
-    found: dict[FindingKind, list[Row]] = {kind: [] for kind in FindingKind}
+    rows_by_kind: dict[FindingKind, list[Row]] = {kind: [] for kind in FindingKind}
     for kind, row in _health_rows(health, now, counted, everything=everything):
-        found[kind].append(row)
-    for kind, rows in found.items():
+        rows_by_kind[kind].append(row)
+    for kind, rows in rows_by_kind.items():
         if rows:
             yield kind.finding(rows[:MAX_SHOWN] if kind in _CUT else rows, name, len(rows))
 
@@ -264,12 +266,12 @@ def _health_rows(
         yield FindingKind.TROUBLE, ("", text)
     for text in health.notes:
         yield FindingKind.NOTE, ("", text)
-    yield from _count_rows(health.counts, {one.name: one.count for one in counted}, everything=everything)
+    yield from _count_rows(health.counts, {count.name: count.count for count in counted}, everything=everything)
     for failure in health.failures:
         yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
-    for one in health.quarantined:
-        text = f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}"
-        yield FindingKind.QUARANTINE, (one.offender, text)
+    for quarantined in health.quarantined:
+        text = f"for {age(quarantined.since, now)}, {quarantined.offences} offences, the last: {quarantined.why}"
+        yield FindingKind.QUARANTINE, (quarantined.offender, text)
 
 
 def _count_rows(
@@ -317,12 +319,17 @@ def _unused() -> Iterator[DeviceCheck]:
     known = sorted(
         (ecosystem for ecosystem in ecosystems() if ecosystem.gateway), key=attrgetter("is_shared", "gateway")
     )
-    own = sorted(one.removesuffix(".local.") for kind in known if not kind.is_shared for one in kind.service_types)
-    no_own = "".join(f' and not "dns_sd_type"={one}' for one in own)
-    needs = [f'"{NEEDS_GATEWAY}"={one.gateway}' for one in known]
-    needs = [f"({need}{no_own})" if one.is_shared else need for one, need in zip(known, needs, strict=True)]
+    own = sorted(
+        service_type.removesuffix(".local.")
+        for kind in known
+        if not kind.is_shared
+        for service_type in kind.service_types
+    )
+    no_own = "".join(f' and not "dns_sd_type"={service_type}' for service_type in own)
+    needs = [f'"{NEEDS_GATEWAY}"={kind.gateway}' for kind in known]
+    needs = [f"({need}{no_own})" if kind.is_shared else need for kind, need in zip(known, needs, strict=True)]
     if needs:
-        step = partial(_step, [one.gateway for one in known if one.is_shared])
+        step = partial(_step, [kind.gateway for kind in known if kind.is_shared])
         yield DeviceCheck(FindingKind.NO_GATEWAY, " or ".join(needs), step)
 
 

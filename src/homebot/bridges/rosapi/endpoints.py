@@ -68,10 +68,10 @@ def _find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpoint
     kind = EntityKind(request.kind) if request.kind else None
     name, node = request.name or None, request.node or None
     if request.elsewhere:
-        found = graph.elsewhere.find(kind, name, node)
+        endpoints = graph.elsewhere.find(kind, name, node)
     else:
-        found = graph.get_endpoints(kind=kind, name=name, node=node)
-    ordered = sorted(found, key=lambda info: (info.name, info.kind, info.node))
+        endpoints = graph.get_endpoints(kind=kind, name=name, node=node)
+    ordered = sorted(endpoints, key=lambda info: (info.name, info.kind, info.node))
     return FindEndpointsResponse(endpoints=tuple(_details(info) for info in ordered))
 
 

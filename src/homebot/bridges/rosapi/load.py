@@ -112,6 +112,6 @@ class LoadMeter:
     def _ends(self) -> Iterator[Publisher[Message] | Subscription[Message]]:
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
-            for one in () if node is None else node.entities:
-                if isinstance(one, Publisher | Subscription):
-                    yield one
+            for entity in () if node is None else node.entities:
+                if isinstance(entity, Publisher | Subscription):
+                    yield entity

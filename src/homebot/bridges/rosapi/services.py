@@ -73,12 +73,15 @@ def _topics(graph: Graph, _request: Message) -> _Answer:
 def _topics_with_texts(graph: Graph, request: Message) -> _Answer:
     topics = _topics(graph, request)
     carried = (graph.get_message_type(topic) for topic in _visible(graph.get_topic_names_and_types()))
-    return {**topics, "typedefs_full_text": tuple(definition_text(one) for one in carried if one)}
+    return {
+        **topics,
+        "typedefs_full_text": tuple(definition_text(message_type) for message_type in carried if message_type),
+    }
 
 
 def _topics_of_type(graph: Graph, request: Any) -> tuple[str, ...]:
     types = (known.ros_type for known in graph.get_message_types() if same_type(known.ros_type, request.type))
-    return _visible(_unique(name for one in types for name in graph.get_topics_of_type(one)))
+    return _visible(_unique(name for ros_type in types for name in graph.get_topics_of_type(ros_type)))
 
 
 def _type_of_topic(graph: Graph, request: Any) -> str:
@@ -108,9 +111,9 @@ def _typedefs(find: Callable[[Graph, str], Any], part: str = "") -> _Answerer:
     """Return the function that describes the type that *find* finds, or a *part* of it such as its Request."""
 
     def answer(graph: Graph, request: Any) -> tuple[TypeDef, ...]:
-        found = find(graph, request.type)
-        message_type: type[Message] = getattr(found, part) if part else found
-        return tuple(_typedef(one) for one in (message_type, *nested_types(message_type)))
+        definition = find(graph, request.type)
+        message_type: type[Message] = getattr(definition, part) if part else definition
+        return tuple(_typedef(nested) for nested in (message_type, *nested_types(message_type)))
 
     return answer
 

@@ -181,7 +181,7 @@ class ClientAccess:
         )
         if self.name == LOCAL_CLIENT:
             client = f"a {'web page' if self.is_page else 'client'} without a token"
-            scopes = "".join(f" --scope {json.dumps(one)}" for one in dict.fromkeys(("read", wanted)))
+            scopes = "".join(f" --scope {json.dumps(scope)}" for scope in dict.fromkeys(("read", wanted)))
             own = f"use the owner's token, which the user of homebot finds in {self.owner_file} (--token-file), or "
             advice = f"{own if self.owner_file else ''}make a token: homebot token new NAME{scopes}"
         else:

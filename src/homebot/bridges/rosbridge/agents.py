@@ -55,8 +55,8 @@ class HouseOfAgent(HouseApi):
     async def ask(self, method: str, target: str, body: bytes = b"") -> tuple[int, str]:
         """See :meth:`HouseApi.ask`."""
         request = ApiRequest(method, target, "application/json" if body else "", body)
-        found = await answer(request, self._calls_of(self.client))
-        return found.status, found.body.decode()
+        reply = await answer(request, self._calls_of(self.client))
+        return reply.status, reply.body.decode()
 
     @asynccontextmanager
     async def send_goal(

@@ -379,7 +379,7 @@ class HttpExchange:
             status = HTTPStatus(message["status"])
             own = {name.lower() for name in _OF_API}
             given = [(name.decode(), value.decode()) for name, value in message["headers"]]
-            headers = Headers([*(one for one in given if one[0].lower() not in own), *_OF_API.items()])
+            headers = Headers([*(header for header in given if header[0].lower() not in own), *_OF_API.items()])
             self.response = Response(status, status.phrase, headers, b"")
         else:
             self.response.body += message.get("body", b"")

@@ -120,7 +120,7 @@ class SentGoals:
             frame = failure_frame(op, str(exc), int(status))
         finally:
             self._goals.pop(sent.key, None)
-            if not any(one.client is client for one in self._goals.values()):
+            if not any(goal.client is client for goal in self._goals.values()):
                 self._clients.pop(client.action_name, None)
                 client.close()
         self._outbox.answer(frame, Packing.of(op))

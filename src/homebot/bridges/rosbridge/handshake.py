@@ -110,7 +110,7 @@ class Handshake:
             self._first_code = None
         self.tokens = self._token_check(settings)
         after = self._clients
-        return frozenset(name for name, one in before.items() if after.get(name) != one)
+        return frozenset(name for name, token in before.items() if after.get(name) != token)
 
     def list_tokens(self, connected: Collection[str], since: float) -> ListTokensResponse:
         """Return all tokens with their rights, and their uses *since*; *connected* are the names of clients."""
@@ -136,7 +136,7 @@ class Handshake:
         from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first
 
         name, request = self._names[connection], connection.request
-        is_browser = request is not None and any(one in request.headers for one in _OF_BROWSERS)
+        is_browser = request is not None and any(header in request.headers for header in _OF_BROWSERS)
         is_page = is_browser and bool(self._unnamed_page(connection, request))
         is_person = request is not None and (
             is_page or (not is_for_api(request) and (name == OWNER_CLIENT or _is_of_own_page(request.headers)))
@@ -235,7 +235,9 @@ class Handshake:
 
     async def _file(self, request: Request) -> Response | None:
         """Return the file of the page for *request*, or None."""
-        etag, encodings = (", ".join(request.headers.get_all(one)) for one in ("If-None-Match", "Accept-Encoding"))
+        etag, encodings = (
+            ", ".join(request.headers.get_all(header)) for header in ("If-None-Match", "Accept-Encoding")
+        )
         site = self._site and await self._site(request.path, etag, encodings)
         if not site:
             return None

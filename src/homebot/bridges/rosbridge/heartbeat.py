@@ -87,16 +87,16 @@ class OwnedLeases:
     def has(self, owner: object) -> bool:
         """Return whether *owner* may have a lease."""
         now = self._now()
-        self._leases = {key: one for key, one in self._leases.items() if one.until > now}
+        self._leases = {key: held for key, held in self._leases.items() if held.until > now}
         return any(lease.owner is owner for lease in self._leases.values())
 
     def release(self, owner: object) -> None:
         """Release the leases of *owner*, which has left."""
-        for (issuer, by, lease), one in list(self._leases.items()):
-            if one.owner is owner:
+        for (issuer, by, lease), held in list(self._leases.items()):
+            if held.owner is owner:
                 del self._leases[issuer, by, lease]
                 request = HolderRequest(lease=lease, by=by, issuer=issuer)
-                self._node.create_task(partial(self._release, request, one.holding))
+                self._node.create_task(partial(self._release, request, held.holding))
 
     async def _release(self, request: HolderRequest, holding: Client[Any, Any]) -> None:
         """Release a lease now, and again once it begins, as its client may leave before that."""

@@ -136,7 +136,7 @@ class _Calls:
             raise ProblemError(HTTPStatus.FORBIDDEN, str(exc)) from exc
         frames: list[str] = []
         await call_service(self._node, op, self._client.shared.turns, access, frames.append)
-        found = json.loads(frames[0])
-        if not found["result"]:
-            raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, str(found["values"]))
-        return JsonMessage(found["values"])
+        response = json.loads(frames[0])
+        if not response["result"]:
+            raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, str(response["values"]))
+        return JsonMessage(response["values"])

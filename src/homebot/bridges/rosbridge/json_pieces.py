@@ -52,7 +52,7 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
         if _openings(bare) >= MAX_VALUES:
             raise _too_many_values()
     if len(text) > _SHORT and _MARK not in text:
-        rest = _LONG_ARRAY.sub(lambda found: _put_aside(found, arrays), text)
+        rest = _LONG_ARRAY.sub(lambda match: _put_aside(match, arrays), text)
         yield
     _check_size(rest, sum(text.count(",", *span) for span in arrays))
     lists: list[list[object]] = []
@@ -64,8 +64,8 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
             json.dumps(value, ensure_ascii=False).encode()
         except UnicodeEncodeError as exc:
             raise RefusedJsonError("contains half of a surrogate pair, which is not Unicode") from exc
-    for found, span in zip(lists, arrays, strict=True):
-        yield from _read_numbers(found, text, *span)
+    for numbers, span in zip(lists, arrays, strict=True):
+        yield from _read_numbers(numbers, text, *span)
     return value
 
 

@@ -108,7 +108,7 @@ class FrameAssembler:
         try:
             whole = self._collect(op)
         finally:
-            size = sum(one.size for one in self._open.values())
+            size = sum(unfinished.size for unfinished in self._open.values())
             self._hold(size - self._held)
             self._held = size
         if whole is None:
@@ -123,7 +123,7 @@ class FrameAssembler:
         if fragment.total != collected.total or fragment.num >= fragment.total:
             raise FrameError(f"number {fragment.num} of {fragment.total} does not fit", fragment.op, fragment.id)
         collected.add(fragment)
-        if collected.size + sum(one.size for one in self._open.values()) > self._limit:
+        if collected.size + sum(unfinished.size for unfinished in self._open.values()) > self._limit:
             raise FrameError(f"the fragments have more than {self._limit:,} characters", fragment.op, fragment.id)
         if len(collected.parts) == collected.total:
             return "".join(part for _, part in sorted(collected.parts.items()))

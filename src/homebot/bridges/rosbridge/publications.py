@@ -94,7 +94,7 @@ class Publications:
 
     def __len__(self) -> int:
         """Return the number of ids of all topics."""
-        return sum(1 + len(one.ids - {None}) for one in self._topics.values())
+        return sum(1 + len(advertised.ids - {None}) for advertised in self._topics.values())
 
     def __contains__(self, topic: object) -> bool:
         return topic in self._topics
@@ -216,7 +216,9 @@ class Publications:
 
     def _late_messages(self, topic: str, message_type: type[Message]) -> Iterator[Message]:
         oldest = self._now() - _RECENT
-        for sent in [one.message for one in self._recent if one.topic == topic and one.at > oldest][-_MAX_RECENT:]:
+        for sent in [recent.message for recent in self._recent if recent.topic == topic and recent.at > oldest][
+            -_MAX_RECENT:
+        ]:
             identifier: Identifier = None
             try:
                 op = _operation_in(sent) if isinstance(sent, str) else sent

@@ -288,7 +288,7 @@ class RosbridgeServer:
         if self.client_count >= most - min(kept, most // 8):
             return _FULL
         own = [session.client for session in self._sessions.values() if session.client.access.name == access.name]
-        if sum(one.address.rpartition(":")[0] == host for one in own) >= most - most // 4:
+        if sum(other.address.rpartition(":")[0] == host for other in own) >= most - most // 4:
             return f"too many clients with the token {access.name} are connected from this address"
         return ""
 

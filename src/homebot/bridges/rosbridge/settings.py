@@ -136,7 +136,7 @@ class RosbridgeSettings(AccessSettings):
 
     def all_tokens(self, owner: SecretStr | None = None) -> Mapping[str, SecretStr]:
         """Return all tokens by name; the name of ``token``, or else of that of the *owner*, is ``owner``."""
-        named = {name: one.token for name, one in self.tokens.items()}
+        named = {name: settings.token for name, settings in self.tokens.items()}
         own = self.token or owner
         return named if own is None else {OWNER_CLIENT: own, **named}
 
@@ -164,8 +164,8 @@ class RosbridgeSettings(AccessSettings):
 
     def robots(self) -> tuple[str, ...]:
         """Return the names of all robots that tokens may represent."""
-        named = (robot for one in self.tokens.values() for robot in read_scope(one.scope).robots)
-        return tuple(dict.fromkeys(one for one in named if one != ALL_ROBOTS))
+        named = (robot for settings in self.tokens.values() for robot in read_scope(settings.scope).robots)
+        return tuple(dict.fromkeys(robot for robot in named if robot != ALL_ROBOTS))
 
     def robot_owners(self, tables: Mapping[str, tuple[str, ...]] = MappingProxyType({})) -> "RobotOwners":
         """Return the robots that tokens may represent or that have *tables*, with their topics and frames."""
@@ -175,9 +175,9 @@ class RosbridgeSettings(AccessSettings):
 
     def rights(self, local: ClientRights, *, has_owner: bool = False) -> Mapping[str, ClientRights]:
         """Return the rights of clients by name; without ``local`` if every client must send a token."""
-        found = {name: read_scope(one.scope) for name, one in self.tokens.items()}
+        rights = {name: read_scope(settings.scope) for name, settings in self.tokens.items()}
         if has_owner or self.token is not None:
-            found[OWNER_CLIENT] = ALL_RIGHTS
+            rights[OWNER_CLIENT] = ALL_RIGHTS
         if self.token is None and (is_loopback(self.host) or not self.tokens):
-            found[LOCAL_CLIENT] = local if self.scope is None else read_scope(self.scope)
-        return found
+            rights[LOCAL_CLIENT] = local if self.scope is None else read_scope(self.scope)
+        return rights

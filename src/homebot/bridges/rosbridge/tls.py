@@ -90,5 +90,5 @@ def _own_hosts(host: str) -> list[str]:
     hosts = ["localhost", "127.0.0.1", "::1", name, f"{name.removesuffix('.local')}.local"]
     if not is_loopback(host):
         hosts += [host, *own_addresses()]
-    addresses = {one: parse_address(one) for one in hosts if one}
-    return [one for one, address in addresses.items() if address is None or not address.is_unspecified]
+    addresses = {name: parse_address(name) for name in hosts if name}
+    return [name for name, address in addresses.items() if address is None or not address.is_unspecified]

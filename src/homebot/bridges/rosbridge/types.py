@@ -99,7 +99,7 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
 def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
     """Return the action type called *ros_type*; see :func:`find_message_type`."""
     named = (action for action in graph.actions() if same_type(action.ros_type, ros_type))
-    known = (action_type for one in named if (action_type := graph.get_action_type(one.name)) is not None)
+    known = (action_type for action in named if (action_type := graph.get_action_type(action.name)) is not None)
     return _find(graph, ros_type, known, lambda interfaces: interfaces.find_action(ros_type))
 
 
@@ -131,9 +131,9 @@ def _checked(subject: str, used: InterfaceT | None, ros_type: str) -> InterfaceT
 def _find(
     graph: Graph, ros_type: str, known: Iterable[InterfaceT], define: Callable[[Interfaces], InterfaceT]
 ) -> InterfaceT:
-    found = next((one for one in known if same_type(one.ros_type, ros_type)), None)
-    if found is not None:
-        return found
+    known_type = next((candidate for candidate in known if same_type(candidate.ros_type, ros_type)), None)
+    if known_type is not None:
+        return known_type
     try:
         return define(interfaces_of(graph))
     except UsageError as exc:  # the client's mistake

@@ -84,7 +84,7 @@ class WireRights:
         Raises:
             UsageError: A machine has the name of a token.
         """
-        passwords = {name: one for name, one in rosbridge.all_tokens(owner).items() if name == OWNER_CLIENT}
+        passwords = {name: password for name, password in rosbridge.all_tokens(owner).items() if name == OWNER_CLIENT}
         rules = [WireRule(name, _FROM + _TO, _GIVE + _TAKE, _EVERYTHING) for name in passwords]
         for name, secret in machines.items():
             passwords[name] = secret
@@ -117,8 +117,10 @@ class WireRights:
 
     def dictionary(self) -> str:
         """Return the users with their passwords, as in Zenoh's file: without one, everybody could connect."""
-        known = {user: one.get_secret_value() for user, one in self.passwords.items()}
-        return "".join(f"{user}:{one}\n" for user, one in (known or {"nobody": secrets.token_urlsafe()}).items())
+        known = {user: password.get_secret_value() for user, password in self.passwords.items()}
+        return "".join(
+            f"{user}:{password}\n" for user, password in (known or {"nobody": secrets.token_urlsafe()}).items()
+        )
 
     def access_control(self) -> dict[str, object]:
         """Return the rules as Zenoh's configuration."""
@@ -129,8 +131,8 @@ class WireRights:
             "enabled": True,
             "default_permission": "deny",
             "rules": [
-                {**name, "permission": "allow", "flows": one.flows, "messages": one.messages, "key_exprs": one.keys}
-                for name, one in zip(ids, rules, strict=True)
+                {**name, "permission": "allow", "flows": rule.flows, "messages": rule.messages, "key_exprs": rule.keys}
+                for name, rule in zip(ids, rules, strict=True)
             ],
             "subjects": [{**name, **user} for name, user in zip(ids, users, strict=True)],
             "policies": [{"rules": [name["id"]], "subjects": [name["id"]]} for name in ids],
@@ -181,7 +183,9 @@ def _below(*names: str) -> str:
 
 def token_of(robot: str, rosbridge: RosbridgeSettings) -> str | None:
     """Return the name of the token of *robot*: the first with the right to be it; None without one."""
-    return next((name for name, one in rosbridge.tokens.items() if robot in read_scope(one.scope).robots), None)
+    return next(
+        (name for name, settings in rosbridge.tokens.items() if robot in read_scope(settings.scope).robots), None
+    )
 
 
 def check_apart(settings: RosSettings) -> None:

@@ -164,14 +164,14 @@ class ZenohSession:
 
     async def run(self) -> None:
         """Make the calls for the others until cancelled; in a task, so that they may start tasks."""
-        told = 0
+        logged = 0
         while True:
             call, values = await self._calls.get()
             call(*values)
-            if self._calls.empty() and self.lost > told:
-                told = self.lost
+            if self._calls.empty() and self.lost > logged:
+                logged = self.lost
                 problem = self._lanes.problem or "messages of others came faster than they were taken"
-                _log.warning(LOST, lost=told, problem=problem)
+                _log.warning(LOST, lost=logged, problem=problem)
             await asyncio.sleep(0)  # others have their turn
 
     def declare_token(self, text: str) -> Declared:

@@ -46,9 +46,12 @@ def _answer(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _list(door: DoorClient) -> int:
-    found, now = cast("OpenQuestions", JsonMessage(door.call(GET_QUESTIONS))).questions, house_time(door)
-    if found:
-        rows = [(one.question, printable(one.text, 300), age_text(to_seconds(one.until) - now)) for one in found]
+    questions, now = cast("OpenQuestions", JsonMessage(door.call(GET_QUESTIONS))).questions, house_time(door)
+    if questions:
+        rows = [
+            (question.question, printable(question.text, 300), age_text(to_seconds(question.until) - now))
+            for question in questions
+        ]
         print_table(("ID", "QUESTION", "FOR"), rows)
     else:
         print("no question waits")

@@ -68,7 +68,7 @@ def _back_up(options: argparse.Namespace) -> int:
     files, secrets = _config_files(path, tables, with_secrets=options.with_tokens)
     copies = _copies(folder, options)
     try:
-        data = {f"data/{one.name}": one for one in sorted(copies.iterdir())}
+        data = {f"data/{copied.name}": copied for copied in sorted(copies.iterdir())}
         archived = {name: ArchivedFile(size=0, sha256="0" * 64, version=_version(name)) for name in (*data, *files)}
         manifest = Manifest(
             version=__version__,
@@ -126,9 +126,9 @@ def _version(name: str) -> int | None:
 def _config_files(path: Path, tables: Mapping[str, object], *, with_secrets: bool) -> tuple[dict[str, Path], list[str]]:
     """Return the files of the configuration by name in the archive, and the omitted ones."""
     has_secret = any(key in _SECRETS or _URL_WITH_PASSWORD.match(value) for key, value in _values(tables))
-    found = {path.name: has_secret, **dict(_named_files(path.parent, tables))}
-    taken = {f"config/{name}": path.parent / name for name, is_secret in found.items() if with_secrets or not is_secret}
-    return taken, [] if with_secrets else [name for name, is_secret in found.items() if is_secret]
+    files = {path.name: has_secret, **dict(_named_files(path.parent, tables))}
+    taken = {f"config/{name}": path.parent / name for name, is_secret in files.items() if with_secrets or not is_secret}
+    return taken, [] if with_secrets else [name for name, is_secret in files.items() if is_secret]
 
 
 def _values(tables: object, key: str = "") -> Iterator[tuple[str, str]]:
@@ -182,8 +182,8 @@ def _restore(options: argparse.Namespace) -> int:
     finally:
         shutil.rmtree(staged, ignore_errors=True)
     print(f"restored {manifest.home}, as it was on {manifest.made}: {folder}, {options.into.absolute()}")
-    for one in aside:
-        print(f"moved aside: {one}")
+    for moved in aside:
+        print(f"moved aside: {moved}")
     if missing := [name for name in manifest.left_out if not (options.into / name).exists()]:
         print(f"missing, because they contain secrets: {', '.join(missing)}; put them there before the start")
     return 0
@@ -192,20 +192,20 @@ def _restore(options: argparse.Namespace) -> int:
 def _damage(path: Path) -> str:
     connection = sqlite3.connect(path)
     try:
-        (found,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
+        (verdict,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
     except sqlite3.Error as exc:
         return f"is damaged: {exc}"
     finally:
         connection.close()
-    return "" if found == "ok" else f"is damaged: {found}"
+    return "" if verdict == "ok" else f"is damaged: {verdict}"
 
 
 def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list[Path]:
     ending, aside = f".before-restore-{time.time():.3f}", []
-    for one, file in manifest.files.items():
-        if not one.startswith("config/"):
+    for name, file in manifest.files.items():
+        if not name.startswith("config/"):
             continue
-        new, old = staged / one, into / one.removeprefix("config/")
+        new, old = staged / name, into / name.removeprefix("config/")
         if old.exists() and not filecmp.cmp(new, old, shallow=False):
             aside.append(old.rename(old.with_name(old.name + ending)))
         if not old.exists():
@@ -217,7 +217,7 @@ def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list
     (staged / "data").mkdir(exist_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     (staged / "data").rename(folder)
-    names = [one.removeprefix("config/") for one in manifest.files if one.startswith("config/")]
+    names = [name.removeprefix("config/") for name in manifest.files if name.startswith("config/")]
     claim_folder(folder, manifest.home, into / next((name for name in names if name.endswith(".toml")), DEFAULT_CONFIG))
     if os.name == "posix" and os.geteuid() == 0:  # the service's user must be able to write them
         owner = data_directory().stat()

@@ -103,8 +103,8 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
 
 
 def _finding(kind: FindingKind, rows: Iterable[Row], where: str = "") -> Iterator[Finding]:
-    if found := tuple(rows):
-        yield kind.finding(found, where)
+    if all_rows := tuple(rows):
+        yield kind.finding(all_rows, where)
 
 
 def _of_errors(errors: Iterable[ConfigError]) -> Iterator[Row]:

@@ -55,7 +55,7 @@ def _doctor(options: argparse.Namespace) -> int:
         from homebot.cli.commands.config import offline_findings  # noqa: PLC0415 - loads the plug-ins
 
         file = Path(options.config or DEFAULT_CONFIG)
-        findings = [one.model_dump(mode="json") for one in offline_findings(file, reaches=options.reach)]
+        findings = [finding.model_dump(mode="json") for finding in offline_findings(file, reaches=options.reach)]
         return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
     if options.config or options.reach:
         raise UsageError("--config and --reach are for --offline; a running homebot knows its configuration")
@@ -82,13 +82,13 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
 def _show(
     title: str, facts: Mapping[str, object], findings: Sequence[Mapping[str, object]], options: argparse.Namespace
 ) -> int:
-    is_well = not any(one["is_problem"] for one in findings)
+    is_well = not any(finding["is_problem"] for finding in findings)
     if options.json:
         print(json.dumps({**facts, "is_well": is_well, "findings": findings}, indent=2))
         return 0 if is_well else 1
     print(title)
-    for one in findings:
-        print_finding(cast("Finding", JsonMessage(one)))
+    for finding in findings:
+        print_finding(cast("Finding", JsonMessage(finding)))
     print()
     print_line("all is well" if is_well else "problems found, the worst above", "bold green" if is_well else "bold red")
     return 0 if is_well else 1

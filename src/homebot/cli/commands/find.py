@@ -49,24 +49,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _find(door: DoorClient, options: argparse.Namespace) -> int:
     query = " ".join(options.query)
-    found = _found(door, query, options.limit)
+    answer = _found(door, query, options.limit)
     if options.json:
         waiting = unapproved(door)
         results = [
             device_json(result.device, waiting) | {"score": result.score, "reasons": result.reasons}
-            for result in found.results
+            for result in answer.results
         ]
         print(list_text([json_text(result) for result in results]))
         return 0 if results else 1
-    if not found.results:
-        print(why_none(found, query))
-    if found.results or found.pose_age:
-        print_note(found)
-    if found.results:
-        _show(found, why=options.why)
-    for one in found.left_out:
-        print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
-    return 0 if found.results else 1
+    if not answer.results:
+        print(why_none(answer, query))
+    if answer.results or answer.pose_age:
+        print_note(answer)
+    if answer.results:
+        _show(answer, why=options.why)
+    for item in answer.left_out:
+        print(f"homebot: left out: {printable(item.key)}: {printable(item.value, _WIDEST)}", file=sys.stderr)
+    return 0 if answer.results else 1
 
 
 def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:

@@ -217,10 +217,10 @@ def _forget(door: DoorClient, device: Device, options: argparse.Namespace) -> No
     answer = cast("ForgetDeviceResponse", door.ask(FORGET_DEVICE, {"device": device.id}))
     returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
     print(f"forgot {printable(device.id)}{returns}")
-    for one in answer.announced_on:
-        topic = printable(one.topic)
+    for announcement in answer.announced_on:
+        topic = printable(announcement.topic)
         if options.purge:
-            publisher.publish(one.gateway, one.topic, "")
+            publisher.publish(announcement.gateway, announcement.topic, "")
             print(f"deleted the retained message on {topic}")
         else:
             print(f"it was announced on {topic}; --purge deletes the retained message there")
@@ -240,7 +240,9 @@ def _pair(door: DoorClient, device: Device, options: argparse.Namespace) -> None
     if options.remove and options.code:
         raise UsageError("--remove takes no code")
     served = {entity.name for entity in entities(door, kind="service")}
-    endpoint = next((one for one in device.endpoints if PairingNames(one.gateway).pair in served), None)
+    endpoint = next(
+        (candidate for candidate in device.endpoints if PairingNames(candidate.gateway).pair in served), None
+    )
     if endpoint is None:
         raise PeerError(f"{printable(device.id)} needs no pairing: no running gateway that knows it pairs devices")
     names, request = PairingNames(endpoint.gateway), {"device": endpoint.key}
@@ -287,7 +289,7 @@ def _placed_text(device: str, position: str, answer: PlaceDeviceResponse) -> str
 
 def _split(door: DoorClient, device: Device, options: argparse.Namespace) -> None:
     request = {"device": device.id, "gateway": options.gateway, "key": options.key}
-    ids = [printable(one) for one in cast("SplitDeviceResponse", door.ask(SPLIT_DEVICE, request)).devices]
+    ids = [printable(device_id) for device_id in cast("SplitDeviceResponse", door.ask(SPLIT_DEVICE, request)).devices]
     print(f"{ids[0]} is {len(ids)} devices now: {', '.join(ids)}")
 
 

@@ -115,13 +115,13 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
     rooms = _rooms(places, [area for _, area, _ in devices])
     positions = {device_id: position for device_id, _, position in devices if position}
     if options.json:
-        absent = [{"device": one.key, "room": one.value} for one in places.absent]
+        absent = [{"device": item.key, "room": item.value} for item in places.absent]
         doors = answer["doors"]
-        found = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
-        print(json_text(found))
+        listing = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
+        print(json_text(listing))
     else:
         _print(rooms, places.absent)
-        print_rows([(printable(one), printable(at)) for one, at in positions.items()], "positions:")
+        print_rows([(printable(name), printable(at)) for name, at in positions.items()], "positions:")
     return 0
 
 
@@ -207,10 +207,10 @@ def _import(options: argparse.Namespace) -> int:
             answer = cast("ImportPlacesResponse", door.ask(IMPORT_PLACES, request))
         except PeerError as exc:
             raise PeerError(f"{options.file}: {exc}") from exc
-        for one in answer.added:
-            print(f"imported {printable(one)}")
-        for one in answer.kept:
-            print(f"kept: {printable(one)}")
+        for line in answer.added:
+            print(f"imported {printable(line)}")
+        for line in answer.kept:
+            print(f"kept: {printable(line)}")
         if answer.kept:
             print("use --replace to use the rooms of the file")
         if not answer.added and not answer.kept:
@@ -234,7 +234,11 @@ def _is_topic(file: str) -> bool:
 
 def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, float]]) -> str:
     doors = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).doors
-    rooms = [*_map(door, file).rooms(points, [[*zip(one.x, one.y, strict=True)] for one in doors if len(one.x) > 1])]
+    rooms = [
+        *_map(door, file).rooms(
+            points, [[*zip(outline.x, outline.y, strict=True)] for outline in doors if len(outline.x) > 1]
+        )
+    ]
     for room in rooms:
         print(f"{printable(room.name)} has {Polygon(room.polygons[0][0]).area:.1f} m²")
     return places_text(HousePlan("a map", rooms))
@@ -246,10 +250,10 @@ def _map(door: DoorClient, file: str) -> RobotMap:
 
     if _is_topic(file):
         door.subscribe(file)
-        found = next((one for one in door.until(_WAIT) if one.topic == file), None)
-        if found is None:
+        received = next((message for message in door.until(_WAIT) if message.topic == file), None)
+        if received is None:
             raise LinkError(f"no map was published on {file}; start the robot's map_server, or give a FILE")
-        robot_map = RobotMap.of(found.message)
+        robot_map = RobotMap.of(received.message)
     else:
         robot_map, warning = read_map(file)
         if warning:

@@ -179,10 +179,10 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
     """Return *first* and all other mistakes in the configuration, as in ``homebot config check``."""
     if not isinstance(first, ConfigError):
         return (first,)
-    found = _located((first, *first.others))
+    errors = _located((first, *first.others))
     with suppress(ConfigError):
-        found += config_errors(load_tables(Path(path)), Path(path)) if path else ()
-    return [*{(one.key, one.reason): one for one in reversed(found)}.values()][::-1]
+        errors += config_errors(load_tables(Path(path)), Path(path)) if path else ()
+    return [*{(error.key, error.reason): error for error in reversed(errors)}.values()][::-1]
 
 
 def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
@@ -192,10 +192,10 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
     try:
         return _located(plan_errors(with_environment(parse_config(tables, str(path), path.parent))))
     except ConfigError as exc:
-        found = _located((exc, *exc.others))
-        wrong = {error.key.partition(".")[0] for error in found}
+        errors = _located((exc, *exc.others))
+        wrong = {error.key.partition(".")[0] for error in errors}
     rest = {name: table for name, table in tables.items() if name not in wrong}
-    return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
+    return (*errors, *config_errors(rest, path)) if len(rest) < len(tables) else errors
 
 
 def _located(errors: Iterable[ConfigError]) -> tuple[ConfigError, ...]:
@@ -434,12 +434,12 @@ async def _first_of(*waits: Callable[[], Awaitable[None]]) -> None:
     """Wait until one of them is over."""
     async with anyio.create_task_group() as tasks:
 
-        async def wait(one: Callable[[], Awaitable[None]]) -> None:
-            await one()
+        async def run(wait: Callable[[], Awaitable[None]]) -> None:
+            await wait()
             tasks.cancel_scope.cancel()
 
-        for one in waits:
-            tasks.start_soon(wait, one)
+        for wait in waits:
+            tasks.start_soon(run, wait)
 
 
 @asynccontextmanager

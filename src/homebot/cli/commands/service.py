@@ -113,7 +113,7 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was omitted
         expected, request = "", expected
-    known = {one.name: one.type for one in entities(door, kind="service")}
+    known = {entity.name: entity.type for entity in entities(door, kind="service")}
     name = absolute_name(options.service)
     if name not in known:
         hint = did_you_mean(name, known, "`homebot service call /rosapi/services` lists all")

@@ -85,7 +85,7 @@ def _describe(
     _section("addresses", _addresses(device))
     _section("identifiers", [(identifier,) for identifier in device.identifiers])
     _section("facts", _facts(device, now))
-    _section("merged into one device, because", [(one,) for one in device.evidence])
+    _section("merged into one device, because", [(reason,) for reason in device.evidence])
     _section("disputed", [(conflict,) for conflict in device.conflicts])
     _section("why a search for its name finds it", [(reason,) for reason in reasons])
 
@@ -103,14 +103,14 @@ def _print_parts(device: Device, now: float, ineffective: Collection[tuple[str, 
 
 
 def _addresses(device: Device) -> list[tuple[str, ...]]:
-    found = [(endpoint.gateway, "publishes on", endpoint.address) for endpoint in device.endpoints]
-    found += [(endpoint.gateway, "takes commands on", endpoint.command_address) for endpoint in device.endpoints]
-    return [one for one in found if is_topic(one[-1])]
+    rows = [(endpoint.gateway, "publishes on", endpoint.address) for endpoint in device.endpoints]
+    rows += [(endpoint.gateway, "takes commands on", endpoint.command_address) for endpoint in device.endpoints]
+    return [row for row in rows if is_topic(row[-1])]
 
 
 def _facts(device: Device, now: float) -> list[tuple[str, ...]]:
     facts: list[tuple[str, ...]] = [(fact.name, fact.value, _by(fact), ago(fact.said_at, now)) for fact in device.facts]
-    return facts or [(one.key, one.value, "", "") for one in device.metadata]
+    return facts or [(item.key, item.value, "", "") for item in device.metadata]
 
 
 def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
@@ -135,7 +135,7 @@ def _title(part: DevicePart) -> str:
     more = [f"“{shown.name}”"] if shown.name else []
     more += [f"part {part.id}"] if part.id else []
     more += [f"announced as {shown.advertised}"] if shown.advertised not in {"", shown.service_type} else []
-    more += [one for one in (shown.tag, shown.category) if one]
+    more += [text for text in (shown.tag, shown.category) if text]
     more += ["guessed"] if shown.guessed else []
     name = type_text(shown.service_type)
     return f"{name} ({', '.join(more)})" if more else name
@@ -171,7 +171,7 @@ def _capability(capability: Capability, state: State | None, now: float) -> tupl
 
 def _endpoint(endpoint: Endpoint, now: float) -> tuple[str, ...]:
     reach = {"yes": "reachable", "no": "unreachable", "unknown": ""}[endpoint.reachable]
-    life = ", ".join(one for one in (endpoint.freshness, reach) if one)
+    life = ", ".join(text for text in (endpoint.freshness, reach) if text)
     if endpoint.claimed:
         life += ", unconfirmed: gets no commands"
     return endpoint.gateway, life, f"last seen {ago(endpoint.last_seen, now)}", f"as {endpoint.key}"

@@ -58,9 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(add, partial(_tag, remove=False), _TAG_TEXT, acts=True)
     remove = add_verb(verbs, "remove", "remove a tag from a device")
     set_door_command(remove, partial(_tag, remove=True), _TAG_TEXT, acts=True)
-    for one in (add, remove):
-        one.add_argument("device", metavar="DEVICE", help="its id or its name")
-        one.add_argument("tag", metavar="TAG", help="the tag, one word or several")
+    for command in (add, remove):
+        command.add_argument("device", metavar="DEVICE", help="its id or its name")
+        command.add_argument("tag", metavar="TAG", help="the tag, one word or several")
     read = add_verb(verbs, "read", "show the device that the tag at the reader, or the next one, points to")
     set_door_command(read, _read, f"  homebot tag read\n{_CODES_TEXT}")
     write = add_verb(verbs, "write", "overwrite the tag at the reader, or the next one, with a pointer to a device")
@@ -72,10 +72,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     scan.add_argument("code", metavar="CODE", help="the text of the code")
     scan.add_argument("--teach", action="store_true", help="remember the room in it, if no other source states one")
     scan.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
-    for one in (read, write):
-        one.add_argument("--reader", default="", metavar="NAME", help="a part of the reader's name (default: any)")
-        one.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
-        one.add_argument(
+    for command in (read, write):
+        command.add_argument("--reader", default="", metavar="NAME", help="a part of the reader's name (default: any)")
+        command.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
+        command.add_argument(
             "--wait",
             type=partial(duration, most=_MAX_WAIT),
             default=30.0,

@@ -50,12 +50,12 @@ def _top(door: DoorClient, options: argparse.Namespace) -> int:
         for _ in door.until(_FRAME if is_live else _SAMPLE):
             pass
 
-    found = samples(lambda: door.call("/rosapi/load"), wait)
+    loads = samples(lambda: door.call("/rosapi/load"), wait)
     if is_live:
-        frames = _frames(found, f"{door.home} on {door.where}")
+        frames = _frames(loads, f"{door.home} on {door.where}")
         rich_terminal(sys.stdout).show_live(HEADINGS, frames, if_wide=("BY", "SLOWEST", "WAITING"))
         return 0
-    for load in found:
+    for load in loads:
         if not options.json:
             print_table(HEADINGS, [row.cells() for row in load.rows])
             print_line(load.title)
@@ -69,7 +69,7 @@ def _frames(loads: Iterator[Load], where: str) -> Iterator[tuple[str, list[tuple
     for number, load in enumerate(loads):
         if number % _SORTED_EVERY == 0:
             order = [row.topic for row in load.rows]
-        yield f"{where}: {load.title}", [one.cells() for one in load.in_order_of(order)]
+        yield f"{where}: {load.title}", [row.cells() for row in load.in_order_of(order)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,13 +113,13 @@ class Load:
     def between(cls, before: Mapping[str, object], after: Mapping[str, object]) -> Load:
         """Return the load between two answers."""
         seconds = max(_number(after, "at") - _number(before, "at"), 0.001)
-        old = {str(one["topic"]): _number(one, "published") for one in _list(before, "topics")}
+        old = {str(entry["topic"]): _number(entry, "published") for entry in _list(before, "topics")}
         queues: dict[str, list[Mapping[str, object]]] = {}
-        for one in _list(after, "queues"):
-            queues.setdefault(str(one["topic"]), []).append(one)
+        for entry in _list(after, "queues"):
+            queues.setdefault(str(entry["topic"]), []).append(entry)
         rows = []
-        for one in _list(after, "topics"):
-            topic, published = str(one["topic"]), _number(one, "published")
+        for entry in _list(after, "topics"):
+            topic, published = str(entry["topic"]), _number(entry, "published")
             rate = max(0.0, published - old.get(topic, published)) / seconds
             rows.append(_row(topic, rate, queues.get(topic, [])))
         ordered = sorted(rows, key=lambda row: (-row.rate, -row.waiting, -row.lost, row.topic))

@@ -40,7 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    known = {one.name: (one.type, "") for one in entities(door) if one.kind in {"publisher", "subscription"}}
+    known = {
+        entity.name: (entity.type, "") for entity in entities(door) if entity.kind in {"publisher", "subscription"}
+    }
     elsewhere: dict[str, tuple[str, list[str]]] = {}
     for entity in entities(door, kind="publisher", elsewhere=True):
         elsewhere.setdefault(entity.name, (entity.type, []))[1].append(entity.node)

@@ -109,7 +109,9 @@ class _WatchedHouse:
         self.names[device.id] = device.name or device.id
         takes = [part for part in device.parts if any(can.settable for can in part.part.capabilities)]
         if len(takes) > 1:
-            self.names |= {f"{device.id}#{one.id}": f"{device.name} {one.part.name}" for one in takes if one.part.name}
+            self.names |= {
+                f"{device.id}#{part.id}": f"{device.name} {part.part.name}" for part in takes if part.part.name
+            }
         self._minor |= {(device.id, part.id) for part in device.parts if part.part.category}
         self.lines.learn(device.id, device.states)
 
@@ -154,7 +156,7 @@ class _LinePrinter:
         return fitted(line_cells(line, self._names, stamp), width)
 
     def _json(self, line: WatchLine) -> str:
-        found = {
+        fields = {
             "at": iso(line.at),
             "kind": line.kind,
             "device": line.device,
@@ -165,4 +167,4 @@ class _LinePrinter:
             "why": line.why,
             "issuer": line.issuer,
         }
-        return json.dumps({key: value for key, value in found.items() if value != ""}, ensure_ascii=False)
+        return json.dumps({key: value for key, value in fields.items() if value != ""}, ensure_ascii=False)

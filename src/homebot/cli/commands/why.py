@@ -122,7 +122,7 @@ def _print(device: Device, response: ExplainDeviceResponse, client: JournalClien
     for fact in device.facts:
         if fact.name == UNREADABLE:
             print_line(f"Not understood, {ago_text(fact.said_at, now)}: {printable(fact.value, 400)}.", "yellow")
-    for route in dict.fromkeys(one.value for one in response.ineffective):
+    for route in dict.fromkeys(item.value for item in response.ineffective):
         print_line(f"The last commands via {printable(route)} had no effect: another route is tried first.", "yellow")
 
 
@@ -134,7 +134,7 @@ def _json(device: Device, response: ExplainDeviceResponse, client: JournalClient
         "since": iso(response.changed_at) if response.changed_at.sec else None,
         "explained": response.finding == "command",
         "chain": chain_json(response.entries, client.names) if response.finding != "none" else [],
-        "ineffective_routes": [{"part": one.key, "route": one.value} for one in response.ineffective],
+        "ineffective_routes": [{"part": item.key, "route": item.value} for item in response.ineffective],
         "fights": [
             {"apps": list(fight.issuers), "text": fight.text, "last": iso(fight.newest)} for fight in response.fights
         ],
@@ -150,7 +150,7 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
     response = cast("ExplainMissingStateResponse", client.ask(EXPLAIN_MISSING_STATE, request))
     asked = chains_of(response.entries)
     if options.json:
-        chains = [chain_json(one, client.names) for one in asked]
+        chains = [chain_json(chain, client.names) for chain in asked]
         shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
         print(json_text({**shown, "is_so": response.is_so, "asked": chains}))
     else:
@@ -185,7 +185,7 @@ def _print_asked(
     times = "once" if len(asked) == 1 else f"{len(asked)} times"
     print(f"{_wanted(options)} was asked for {times}:")
     print()
-    print_rows([_row(one, client, now) for one in asked[-most:]])
+    print_rows([_row(chain, client, now) for chain in asked[-most:]])
     if len(asked) > most:
         print(f"  … the last {most} of {len(asked)}; all: homebot journal {_quoted(device)}")
 

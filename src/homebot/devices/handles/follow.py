@@ -324,8 +324,8 @@ class Became(Generic[HandleT]):
             wait = math.inf if due is None else due - self._clock.monotonic()
             with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
                 self._record(await anext(self._follow))  # first, because a change reported meanwhile may end the wait
-            if scope.cancelled_caught and (found := self._due.pop(self._clock.monotonic())) is not None:
-                _, (change, cause) = found
+            if scope.cancelled_caught and (ended := self._due.pop(self._clock.monotonic())) is not None:
+                _, (change, cause) = ended
                 CURRENT_CAUSE.set(cause)
                 return change
 
@@ -343,13 +343,13 @@ class Became(Generic[HandleT]):
             self._keys[handle] = key
             match = self._match(handle, match) if self._matches(handle) else None
             self._groups.setdefault(key, {})[handle] = match
-        for one in dict.fromkeys((before, key)):
-            self._schedule(one, handle)
+        for group_key in dict.fromkeys((before, key)):
+            self._schedule(group_key, handle)
 
     def _schedule(self, key: Hashable, handle: HandleT) -> None:
         """Set when a group is due, after a change of *handle*."""
         group = self._groups.get(key, {})
-        matches = [one.begun for one in group.values() if one is not None]
+        matches = [match.begun for match in group.values() if match is not None]
         if not group or len(matches) < len(group):
             self._begun.pop(key, None)
             self._due.discard(key)

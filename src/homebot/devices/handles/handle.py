@@ -119,7 +119,7 @@ class Handle:
 
     def can(self, capability: str) -> bool:
         """Return whether *capability*, for example ``level``, can be set."""
-        return any(one.name == capability and one.settable for one in self.capabilities)
+        return any(offered.name == capability and offered.settable for offered in self.capabilities)
 
     def value(self, capability: str) -> PlainValue:
         """Return the latest value of *capability*, in the unit of the vocabulary; None if unknown.
@@ -129,8 +129,8 @@ class Handle:
         """
         if capability in EVENTS:
             raise UsageError(f"{capability} is an event, not a state; use `follow` to receive events")
-        if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
-            known = ", ".join(one.name for one in self.capabilities) or "nothing"
+        if capability not in CAPABILITIES and not any(offered.name == capability for offered in self.capabilities):
+            known = ", ".join(offered.name for offered in self.capabilities) or "nothing"
             hint = did_you_mean(capability, CAPABILITIES, f"{self.id} reports {known}", cutoff=0.7)
             raise UsageError(f"{capability!r} is not a capability; {hint}")
         return self._view.value(self._part_id, capability)
@@ -219,7 +219,7 @@ class Handle:
 
     def _number_of_device(self, capability: str) -> float | None:
         """Return the number of the part, or else that of the only part of the device that has one."""
-        if any(one.name == capability for one in self.capabilities):
+        if any(offered.name == capability for offered in self.capabilities):
             return self._number(capability)
         value = self._view.only_value(capability)
         return value if isinstance(value, float) else None
@@ -239,16 +239,18 @@ class Handle:
         settable: Mapping[str, bool | None] = _NONE,
     ) -> HandleQuery[Self]:
         """Return the query with conditions by capability; conditions that are None are left out."""
-        found = list(terms)
+        all_terms = list(terms)
         comparisons: tuple[tuple[Operator, Mapping[str, PlainValue]], ...] = (("=", states), (">", above), ("<", below))
         for operator, wanted in comparisons:
             for name, value in wanted.items():
                 if value is not None:
-                    found.append(StateIs(name, operator, fold(value) if isinstance(value, str) else plain_value(value)))
+                    all_terms.append(
+                        StateIs(name, operator, fold(value) if isinstance(value, str) else plain_value(value))
+                    )
         for name, can in settable.items():
             if can is not None:
-                found.append(CanDo(name, settable=True) if can else Not(CanDo(name, settable=True)))
-        return HandleQuery(cls, filters, tuple(found))
+                all_terms.append(CanDo(name, settable=True) if can else Not(CanDo(name, settable=True)))
+        return HandleQuery(cls, filters, tuple(all_terms))
 
 
 _REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}

@@ -130,9 +130,9 @@ class HandleQuery(Generic[HandleT]):
 
     def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
         """Return the query for the devices that may have such a part; with a category, no type is required."""
-        found: list[Query] = [term for term in terms if not isinstance(term, Not)]  # another part may match it
-        found += [FactIs("category", self._category)] if self._category else types
-        return And((*found, *places) if self.near is None else (*found, *places, self.near))
+        searched: list[Query] = [term for term in terms if not isinstance(term, Not)]  # another part may match it
+        searched += [FactIs("category", self._category)] if self._category else types
+        return And((*searched, *places) if self.near is None else (*searched, *places, self.near))
 
     def narrowed(self, more: HandleQuery[HandleT]) -> HandleQuery[HandleT]:
         """Return the query with the additional conditions of *more*."""
@@ -177,7 +177,7 @@ def _freshness(filters: CommonFilters) -> list[Query]:
 
 
 def _contain_values(terms: tuple[Term, ...]) -> bool:
-    return any(isinstance(one, StateIs) for term in terms for one in leaves(term))
+    return any(isinstance(leaf, StateIs) for term in terms for leaf in leaves(term))
 
 
 def _near(filters: CommonFilters) -> IsNear | None:
@@ -209,7 +209,7 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
         if not (is_number or isinstance(value, expected)):
             raise TypeError(f"{name} is {_called(expected)}, not {value!r}")
     if (category := filters.get("category", "")) not in _CATEGORIES:
-        known = " or ".join(repr(one) for one in _CATEGORIES if one)
+        known = " or ".join(repr(category) for category in _CATEGORIES if category)
         raise ValueError(f"category is {known}, not {category!r}")
     for term in terms:
         _check_value(term)

@@ -87,9 +87,9 @@ def facets_of(device: Device) -> Facets:
             facts[fact.name] = (value,)
         elif value not in known:
             facts[fact.name] = (*known, value)
-    for one in device.metadata:
-        if one.key not in facts:
-            facts[one.key] = (fold(one.value),)
+    for item in device.metadata:
+        if item.key not in facts:
+            facts[item.key] = (fold(item.value),)
     (capabilities, settable, gateways, conventions, categories), named_parts = _sets_of(device)
     main = _main_part(device)
     return Facets(
@@ -128,9 +128,9 @@ def shared_facets_of(device: Device) -> Facets:
 
 def _main_part(device: Device) -> Part | None:
     """Return the part that determines the type of the device; None if there is none."""
-    for one in device.parts:
-        if device.service_type in (one.part.service_type, one.part.advertised):
-            return one.part
+    for part in device.parts:
+        if device.service_type in (part.part.service_type, part.part.advertised):
+            return part.part
     return None
 
 
@@ -144,27 +144,29 @@ def _sets_of(device: Device) -> tuple[list[frozenset[str]], Mapping[str, frozens
     categories: set[str] = set()
     named_parts = _NO_PARTS
     gateways, conventions = set(map(_GATEWAY, device.endpoints)), set(map(_CONVENTION, device.facts))
-    for each in device.parts:
-        if each.part.category:
-            categories.add(each.part.category)
-        elif each.part.members and each.part.is_group:
+    for part in device.parts:
+        if part.part.category:
+            categories.add(part.part.category)
+        elif part.part.members and part.part.is_group:
             categories.add("group")
-        for capability in each.part.capabilities:
+        for capability in part.part.capabilities:
             capabilities.add(capability.name)
             if capability.settable:
                 settable.add(capability.name)
-        if each.part.name and _is_named_like_another_type(each.part.name, each.part.service_type):
-            name = fold(each.part.name)
-            named_parts = {**named_parts, name: named_parts.get(name, frozenset()) | {each.id}}
-        for route in each.routes:
+        if part.part.name and _is_named_like_another_type(part.part.name, part.part.service_type):
+            name = fold(part.part.name)
+            named_parts = {**named_parts, name: named_parts.get(name, frozenset()) | {part.id}}
+        for route in part.routes:
             gateways.add(route.gateway)
             conventions.add(route.convention)
     return [*map(frozenset, (capabilities, settable, gateways, conventions, categories))], named_parts
 
 
 def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue, str], ...]:
-    types = {one.id: one.part.service_type for one in device.parts}
-    return tuple([(types.get(one.part, ""), one.capability, one.value.plain(), one.part) for one in device.states])
+    types = {part.id: part.part.service_type for part in device.parts}
+    return tuple(
+        [(types.get(state.part, ""), state.capability, state.value.plain(), state.part) for state in device.states]
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -192,12 +194,12 @@ def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozens
     if not parts:
         meant = wanted_types(service_type)
         sure = meant if len(meant) == 1 else frozenset()
-        return frozenset((one, "") for one in sure | ({service_type} & DEVICE_TYPES.keys())), meant
+        return frozenset((kind, "") for kind in sure | ({service_type} & DEVICE_TYPES.keys())), meant
     kinds: set[tuple[str, str]] = set()
     others: set[tuple[str, str]] = set()
-    for one in parts:
-        if not (one.part.members and one.part.is_group):
-            (others if one.part.category else kinds).add((one.part.service_type, one.part.tag))
+    for part in parts:
+        if not (part.part.members and part.part.is_group):
+            (others if part.part.category else kinds).add((part.part.service_type, part.part.tag))
     return frozenset(kinds or others), frozenset()
 
 
@@ -208,7 +210,7 @@ def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> tuple[str, .
     for name, values in facts.items():
         if name in _TEXTS:
             texts += values
-    for each in device.parts:
-        if not each.part.category:
-            texts.append(each.part.name)
+    for part in device.parts:
+        if not part.part.category:
+            texts.append(part.part.name)
     return tuple(dict.fromkeys(chain.from_iterable(map(words_of, texts))))[:_MAX_WORDS]

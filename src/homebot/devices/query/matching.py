@@ -38,7 +38,9 @@ from homebot.support.folding import fold
 
 def groups_of(device: Device, part_id: str) -> list[str]:
     """Return the names of the groups of which a part of *device* is a member."""
-    named = [(one.value, one.key.partition("#")[2]) for one in device.facts if one.name == GROUP and not one.gateway]
+    named = [
+        (fact.value, fact.key.partition("#")[2]) for fact in device.facts if fact.name == GROUP and not fact.gateway
+    ]
     return [name for name, parts in named if not parts or part_id in parts.split(",")]
 
 
@@ -110,8 +112,8 @@ class PartFacets:
     @property
     def named_parts(self) -> dict[str, frozenset[str]]:
         """Its id by its own name, if it is called like a type that it is not."""
-        found = facets_of(self._device).named_parts
-        return {name: ids & {self.part.id} for name, ids in found.items() if self.part.id in ids}
+        of_device = facets_of(self._device).named_parts
+        return {name: ids & {self.part.id} for name, ids in of_device.items() if self.part.id in ids}
 
     @property
     def areas(self) -> tuple[str, ...]:
@@ -161,7 +163,7 @@ class PartFacets:
         facts = facets_of(self._device).facts
         if GROUP not in facts:
             return facts
-        return {**facts, GROUP: tuple([fold(one) for one in groups_of(self._device, self.part.id)])}
+        return {**facts, GROUP: tuple([fold(name) for name in groups_of(self._device, self.part.id)])}
 
     @property
     def is_disputed(self) -> bool:

@@ -94,24 +94,24 @@ def query_words(text: str) -> tuple[QueryTerm, ...]:
 
 def query_terms(query: Query) -> tuple[QueryTerm, ...]:
     """Return *query* as a list of terms."""
-    found: list[QueryTerm] = []
+    written: list[QueryTerm] = []
     waiting: list[Query] = [query]
     while waiting:
         match waiting.pop():
             case And(operands):
-                found.append(QueryTerm(kind="and", operands=len(operands)))
+                written.append(QueryTerm(kind="and", operands=len(operands)))
                 waiting += reversed(operands)
             case Or(operands):
-                found.append(QueryTerm(kind="or", operands=len(operands)))
+                written.append(QueryTerm(kind="or", operands=len(operands)))
                 waiting += reversed(operands)
             case Not(operand):
-                found.append(QueryTerm(kind="not", operands=1))
+                written.append(QueryTerm(kind="not", operands=1))
                 waiting.append(operand)
             case TextTerm(text) as term:
-                found.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
+                written.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
             case term:
-                found.append(_WRITERS[type(term)](term))
-    return tuple(found)
+                written.append(_WRITERS[type(term)](term))
+    return tuple(written)
 
 
 def read_terms(terms: Sequence[QueryTerm], parse: Callable[[str], Query] | None = None) -> Query:

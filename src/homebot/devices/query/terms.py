@@ -280,11 +280,11 @@ def split_near(query: Query) -> tuple[IsNear | None, Query]:
         UsageError: It is combined with ``or`` or ``not``, or there are several.
     """
     terms = tuple(_joined(query))
-    rest = tuple(one for one in terms if not isinstance(one, IsNear))
-    if any(isinstance(one, IsNear) for term in rest for one in leaves(term)):
+    rest = tuple(term for term in terms if not isinstance(term, IsNear))
+    if any(isinstance(leaf, IsNear) for term in rest for leaf in leaves(term)):
         remedy = "write for example '(lamp or plug) near robot'"
         raise UsageError(f"'near' applies to a whole query, not to a part with 'or' or 'not'; {remedy}")
-    near = [one for one in terms if isinstance(one, IsNear)]
+    near = [term for term in terms if isinstance(term, IsNear)]
     if len(near) > 1:
         raise UsageError("the query has 'near' twice; one robot and one distance is the limit")
     return (near[0], And(rest)) if near else (None, query)

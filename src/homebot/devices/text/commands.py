@@ -15,12 +15,12 @@ from homebot.support.numbers import to_number
 
 _WORDS: Final[Mapping[str, Mapping[str, PlainValue]]] = {
     word: {name: known.words[word] for name, known in CAPABILITIES.items() if word in known.words}
-    for one in CAPABILITIES.values()
-    for word in one.words
+    for capability in CAPABILITIES.values()
+    for word in capability.words
 }
 """The capabilities that a word sets, with their values; it sets the first one that the part has."""
 
-_NUMBERS: Final = tuple(name for name, one in CAPABILITIES.items() if one.bare)
+_NUMBERS: Final = tuple(name for name, capability in CAPABILITIES.items() if capability.bare)
 """The capabilities that a bare number may set; it sets the first one that the part has."""
 
 
@@ -46,7 +46,7 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
     Raises:
         RefusedError: It does not take this text; the message names the accepted ones.
     """
-    settable = {one.name: one for one in part.capabilities if one.settable}
+    settable = {capability.name: capability for capability in part.capabilities if capability.settable}
     command = (
         _phrase_command(text, settable)
         or _kelvin_command(text, settable)
@@ -84,7 +84,7 @@ def encode_command(capability: str, value: PlainValue, part: Part) -> str:
     Raises:
         RefusedError: There is none; the message names the accepted texts.
     """
-    settable = {one.name: one for one in part.capabilities if one.settable}
+    settable = {offered.name: offered for offered in part.capabilities if offered.settable}
     if capability in settable and _is_within(value, settable[capability]):
         for text in _candidates(capability, value):
             if _is_decoded(text, part, capability, value):
@@ -137,9 +137,11 @@ def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
 
 
 def _number_in(settable: Mapping[str, Capability]) -> str | None:
-    numbers = [one for one in settable if one != "color_temperature" and CAPABILITIES.get(one, OWN).kind == "number"]
+    numbers = [
+        name for name in settable if name != "color_temperature" and CAPABILITIES.get(name, OWN).kind == "number"
+    ]
     only = numbers if len(numbers) == 1 else ()
-    return next((one for one in (*_NUMBERS, *only) if one in numbers), None)
+    return next((name for name in (*_NUMBERS, *only) if name in numbers), None)
 
 
 def _known(settable: Mapping[str, Capability]) -> str:
@@ -149,7 +151,7 @@ def _known(settable: Mapping[str, Capability]) -> str:
     words += ["2700 K"] if "color_temperature" in settable else []
     if (name := _number_in(settable)) is not None:
         words.append("a number from 0 to 1 (0.4 for 40 %)" if is_share(name) else "a number")
-    words += [option for name, one in settable.items() for option in settable_options(name, one.options)]
+    words += [option for name, capability in settable.items() for option in settable_options(name, capability.options)]
     return ", ".join(dict.fromkeys(words)) or "nothing"
 
 
@@ -182,12 +184,12 @@ def others_at(device: Device, address: str, text: str) -> tuple[str, ...]:
     if target is None:
         return ()
     return tuple(
-        one.part.name or one.id
-        for one in device.parts
-        if one is not target
-        and one.part.service_type == target.part.service_type
-        and one.part.category == target.part.category
-        and _takes(one, text)
+        other.part.name or other.id
+        for other in device.parts
+        if other is not target
+        and other.part.service_type == target.part.service_type
+        and other.part.category == target.part.category
+        and _takes(other, text)
     )
 
 
@@ -197,12 +199,20 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
     Of several routes to it, only those that lead there are kept, if any is known to.
     """
     is_text = is_text_address(address)
-    keys = {one.key for one in device.endpoints if (one.gateway, one.command_address) == (gateway, address)}
+    keys = {
+        endpoint.key
+        for endpoint in device.endpoints
+        if (endpoint.gateway, endpoint.command_address) == (gateway, address)
+    }
     for part in device.parts:
         routes = [
-            one
-            for one in part.routes
-            if (text_address(one.key, one.part) == address if is_text else one.gateway == gateway and one.key in keys)
+            route
+            for route in part.routes
+            if (
+                text_address(route.key, route.part) == address
+                if is_text
+                else route.gateway == gateway and route.key in keys
+            )
         ]
         if routes or address in part.part.writes:
             is_some = 0 < len(routes) < len(part.routes)

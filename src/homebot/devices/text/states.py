@@ -79,16 +79,18 @@ class TextDecoder:
     """
 
     def __init__(self, capabilities: tuple[Capability, ...]) -> None:
-        names = ", ".join([one.name for one in capabilities])
+        names = ", ".join([capability.name for capability in capabilities])
         self.expects = names and f"a state of {names}"
-        readable = {one.name: one for one in capabilities if one.readable}
+        readable = {capability.name: capability for capability in capabilities if capability.readable}
         self._names = frozenset(readable)
         self._texts: dict[bytes, Decoded] = {}
         self._numbers: list[tuple[str, float, float]] = []
         self._kelvin: tuple[float, float] | None = None
         self._text_capability = ""
         self._measured = ""
-        for name in dict.fromkeys((*(one for one in (*PRIORITY, *OPENING_WORDS) if one in readable), *readable)):
+        for name in dict.fromkeys(
+            (*(preferred for preferred in (*PRIORITY, *OPENING_WORDS) if preferred in readable), *readable)
+        ):
             capability = readable[name]
             match CAPABILITIES.get(name, OWN).kind:
                 case "bool":
@@ -101,9 +103,9 @@ class TextDecoder:
 
     def decode(self, text: bytes) -> Decoded:
         """Return the values in *text*; empty if it is not a text of the part."""
-        found = self._texts.get(text)
-        if found is not None:
-            return found
+        decoded = self._texts.get(text)
+        if decoded is not None:
+            return decoded
         if (measured := self._number_in(text)) is not None:
             return measured
         if self._text_capability:
@@ -201,6 +203,6 @@ def _implied(name: str, value: PlainValue) -> Iterator[tuple[str, PlainValue]]:
         yield "on_off", value > 0
     if name == "position" and isinstance(value, float):
         movement = {0.0: "closed", 100.0: "open"}.get(value, "stopped")
-        yield from ((one, movement) for one in OPENING_WORDS)
+        yield from ((word, movement) for word in OPENING_WORDS)
     if name in OPENING_WORDS and value in {"open", "closed"}:
         yield "position", 100.0 if value == "open" else 0.0

@@ -94,7 +94,7 @@ def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
 
 
 def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:
-    name = name_text(trigger.device, names, next((one.part for one in trigger.readings), ""))
+    name = name_text(trigger.device, names, next((reading.part for reading in trigger.readings), ""))
     match trigger.kind:
         case "lease":
             return f"{printable(trigger.text, 200)} holds it"
@@ -116,7 +116,7 @@ def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:
 
 def settings_text(settings: Iterable[Setting | Reading]) -> str:
     """Return values in words: ``on``, ``level 40 %``."""
-    return ", ".join(_setting_text(one) for one in settings) or "nothing"
+    return ", ".join(_setting_text(setting) for setting in settings) or "nothing"
 
 
 def issuer_text(issuer: str) -> str:
@@ -237,14 +237,14 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     if last.kind == "reverted":
         asked = f"{issuer_text(first.issuer)} had asked for {settings_text(first.settings)}"
         return f"it changed back, {reverted_by(last.cause)}, after {asked}"
-    reported = [(one.device, one.part) for one in chain if one.kind == "reported"]
+    reported = [(entry.device, entry.part) for entry in chain if entry.kind == "reported"]
     if chain[0].kind == "requested" and bool(reported) and (chain[0].device, chain[0].part) not in reported:
         asked_part = f"asked {name_text(first.device, names, first.part)} for"
         return f"{_request_reason(first, names, asked_part)}; it changed along with that"
     reason = _request_reason(first, names, "published" if first.kind == "published" else "asked for")
-    if last.kind == "reported" and any(one.kind == "outcome" for one in chain):
+    if last.kind == "reported" and any(entry.kind == "outcome" for entry in chain):
         return f"{reason}; it answered late, or somebody did it by hand"
-    results = [one.results[0] for one in chain if one.kind == "outcome"]
+    results = [entry.results[0] for entry in chain if entry.kind == "outcome"]
     doubt = next((printable(result.saw) for result in results if result.saw and result.witness), "")
     return f"{reason}; it reported that, but {doubt}" if doubt else reason
 
@@ -257,7 +257,7 @@ def _request_reason(first: JournalEntry, names: Mapping[str, str], verb: str) ->
 
 def finding_text(response: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
     """Return a sentence that explains since when and why a device is in its state."""
-    goal = (f" {ago_text(one.at, now).capitalize()}: {entry_text(one, names)}." for one in response.goal)
+    goal = (f" {ago_text(entry.at, now).capitalize()}: {entry_text(entry, names)}." for entry in response.goal)
     return "".join((_finding_text(response, names, now), *goal))
 
 
@@ -285,21 +285,21 @@ def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -
 
 def was_obeyed(chain: Chain) -> bool:
     """Return whether the device obeyed *chain*, or already had the state, and is not known to have gone back."""
-    results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
+    results = [entry.results[0].outcome for entry in chain if entry.kind in {"outcome", "reverted"}]
     return bool(results) and has_succeeded(results[-1])
 
 
 def result_text(chain: Chain, now: float) -> str:
     """Return the outcome of a command known at *now*, in seconds since 1970."""
-    decided = [one for one in chain if one.kind in {"outcome", "reverted"}]
+    decided = [entry for entry in chain if entry.kind in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
     if chain[0].kind == "denied":
         return f"refused: {denial_text(chain[0])}"
-    if would := [one for one in chain if one.kind == "would"]:
+    if would := [entry for entry in chain if entry.kind == "would"]:
         return entry_text(would[-1], {})
-    if any(one.kind == "published" for one in chain):
-        reports = [one for one in chain if one.kind == "reported"]
+    if any(entry.kind == "published" for entry in chain):
+        reports = [entry for entry in chain if entry.kind == "reported"]
         return f"it reported {settings_text(reports[-1].settings)}" if reports else "it reported nothing new"
     if now - to_seconds(chain[0].at) > _MAX_WAIT_S:
         return "its outcome is not known: homebot stopped before it was"
@@ -313,7 +313,7 @@ def _commanded(entry: JournalEntry) -> str:
 def _informative(entries: Iterable[JournalEntry]) -> Iterator[JournalEntry]:
     """Yield the informative entries: an acknowledgement only with a route or without a report, a refusal only once."""
     shown = list(entries)
-    has_report = any(one.kind == "reported" for one in shown)
-    for before, one in zip([None, *shown], shown, strict=False):
-        if (one.kind != "acknowledged" or one.text or not has_report) and not repeats(one, before):
-            yield one
+    has_report = any(entry.kind == "reported" for entry in shown)
+    for before, entry in zip([None, *shown], shown, strict=False):
+        if (entry.kind != "acknowledged" or entry.text or not has_report) and not repeats(entry, before):
+            yield entry

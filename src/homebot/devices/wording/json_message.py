@@ -40,5 +40,5 @@ def _read(value: object) -> object:
     if isinstance(value, dict):
         return JsonMessage(value)
     if isinstance(value, list):
-        return [_read(one) for one in value]
+        return [_read(item) for item in value]
     return value

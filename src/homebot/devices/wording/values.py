@@ -49,8 +49,8 @@ def types(device: Device) -> str:
     """Return the distinct types that the device offers; for a device that sends plain text, its own word."""
     if device.parts and device.service_type not in DEVICE_TYPES:
         return device.service_type
-    found = dict.fromkeys(type_text(part.part.service_type) for part in main_parts(device))
-    return ", ".join(found) or device.service_type
+    names = dict.fromkeys(type_text(part.part.service_type) for part in main_parts(device))
+    return ", ".join(names) or device.service_type
 
 
 def type_text(name: str) -> str:
@@ -83,7 +83,7 @@ def value_text(capability: str, value: PlainValue, unit: str = "", step: float =
         case str():
             return value
         case list() | tuple():
-            return " ".join(_number(one) for one in value)
+            return " ".join(_number(number) for number in value)
         case _:
             unit = unit or CAPABILITIES.get(capability, OWN).unit
             return f"{_rounded(value, unit, step)} {unit}".rstrip()
@@ -121,7 +121,9 @@ def _rounded(value: float, unit: str, step: float) -> str:
     """Return *value* as people say it: 40.16 % is 40 %, unless the device has half percents."""
     near, most = abs(value), 1 if unit == "%" else _DIGITS
     usual = int(0 < near < 1) if unit == "%" else 1 if unit == "°C" or near >= _LARGE else _DIGITS
-    shown = (one for one in range(_DIGITS + 1) if step and math.isclose(step * 10**one, round(step * 10**one)))
+    shown = (
+        digits for digits in range(_DIGITS + 1) if step and math.isclose(step * 10**digits, round(step * 10**digits))
+    )
     return f"{round(value, min(next(shown, usual), most)):.15g}"
 
 
