@@ -181,7 +181,7 @@ def _parsed(text: str) -> Query:
 @cache
 def _terms(kind: AlertKind) -> tuple[StateIs, ...]:
     """Return the values that *kind* is about; none if it is about a whole device."""
-    return tuple(one for one in leaves(_parsed(kind.text)) if isinstance(one, StateIs))
+    return tuple(term for term in leaves(_parsed(kind.text)) if isinstance(term, StateIs))
 
 
 WATCHED: Final = frozenset(term.capability for kind in ALERTS for term in _terms(kind))
@@ -205,7 +205,7 @@ def held_alerts_of(device: Device, now: float) -> Iterator[Alert]:
 
 
 def _alerts_of_parts(kind: AlertKind, query: Query, device: Device, now: float) -> Iterator[Alert]:
-    parts = [one for one in device.parts if fits(query, PartFacets(device, one))]
+    parts = [part for part in device.parts if fits(query, PartFacets(device, part))]
     for part in parts:
         name = _name_of(device) if len(parts) == 1 else f"{_name_of(device)} {part.part.name}".strip()
         if kind.key != "door" or _is_door(device, part):
@@ -231,7 +231,7 @@ def _name_of(device: Device) -> str:
 
 
 def _alert_of_part(kind: AlertKind, device: Device, part_id: str, name: str, now: float) -> Alert:
-    states = [one for term, one in _values(kind, device, part_id) if compares(term, one.value.plain())]
+    states = [state for term, state in _values(kind, device, part_id) if compares(term, state.value.plain())]
     since = max(state.since.to_seconds() for state in states)
     return Alert(kind, target_of(device.id, part_id), name, since, (*_details(device, states, since, now),))
 
@@ -277,7 +277,7 @@ def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
 def _values(kind: AlertKind, device: Device, part_id: str) -> list[tuple[StateIs, State]]:
     """Return the known values of a part that decide on *kind*, each with its term."""
     known = [state for state in device.states if state.part == part_id and state.value.plain() is not None]
-    return [(term, one) for term in _terms(kind) for one in known if one.capability == term.capability]
+    return [(term, state) for term in _terms(kind) for state in known if state.capability == term.capability]
 
 
 def _is_door(device: Device, part: DevicePart) -> bool:

@@ -158,13 +158,13 @@ def update_incidents(
 ) -> dict[str, Incident]:
     """Return the incidents by key with the present *alerts*, and those that have *ended*. Pure."""
     known_now = {
-        key: _ended(one, now) if key not in alerts and (not one.is_told or key in ended) else one
-        for key, one in before.items()
+        key: _ended(incident, now) if key not in alerts and (not incident.is_told or key in ended) else incident
+        for key, incident in before.items()
     }
-    found = {key: one for key, one in known_now.items() if _is_remembered(one, now)}
+    incidents = {key: incident for key, incident in known_now.items() if _is_remembered(incident, now)}
     for key, alert in list(alerts.items())[:MAX_INCIDENTS]:
-        found[key] = found.pop(key, Incident(0.0)).lasting(alert, now, language)
-    return dict(list(found.items())[-2 * MAX_INCIDENTS :])
+        incidents[key] = incidents.pop(key, Incident(0.0)).lasting(alert, now, language)
+    return dict(list(incidents.items())[-2 * MAX_INCIDENTS :])
 
 
 def _ended(incident: Incident, now: float) -> Incident:
@@ -207,20 +207,20 @@ class Alerts(App[AlertsSettings]):
                 await self._changed.wait()
 
     def _on_values(self, changed: ChangedSettings) -> None:
-        if any(one.capability in WATCHED for one in changed.changes):
+        if any(change.capability in WATCHED for change in changed.changes):
             self._changed.set()
 
     async def _on_seen(self, _: TriggerRequest) -> SuccessResponse:
         """Tell nothing again that lasts now."""
-        for key, one in self._incidents.items():
-            if one.is_told and not one.over_at:
-                self._incidents[key] = one._replace(repeats=-1)
+        for key, incident in self._incidents.items():
+            if incident.is_told and not incident.over_at:
+                self._incidents[key] = incident._replace(repeats=-1)
         self.store["incidents"] = self._incidents
         self._publish()
         return SuccessResponse(success=True, message="")
 
     def _publish(self) -> None:
-        repeats = (one.repeats_at(_kind_of(key).urgency) < math.inf for key, one in self._incidents.items())
+        repeats = (incident.repeats_at(_kind_of(key).urgency) < math.inf for key, incident in self._incidents.items())
         message = Findings(findings=self._shown, repeats=self.context.notifies and any(repeats))
         if message != self._published:
             self._published = message
@@ -228,11 +228,13 @@ class Alerts(App[AlertsSettings]):
 
     async def _on_questions(self, asked: OpenQuestions) -> None:
         """Send the new questions, of which a flood holds no alert back."""
-        for one in asked.questions:
-            if one.question not in self._asked:
-                self._asked[one.question] = None
-                how = f"homebot answer {one.question} yes (or no), or on the page, within a minute"
-                await self.context.notify(f"{one.text}? Answer: {how}", "Question", f"{self.node.name} (questions)")
+        for question in asked.questions:
+            if question.question not in self._asked:
+                self._asked[question.question] = None
+                how = f"homebot answer {question.question} yes (or no), or on the page, within a minute"
+                await self.context.notify(
+                    f"{question.text}? Answer: {how}", "Question", f"{self.node.name} (questions)"
+                )
 
     def _on_gateway(self, name: str, state: GatewayState) -> None:
         known = self._gateways.get(name) or Alert(GATEWAY, name, f"gateway {name}", self.clock.now())
@@ -247,7 +249,7 @@ class Alerts(App[AlertsSettings]):
             ended, held = await self._ended(self._incidents.keys() - alerts.keys(), now)
         except ServiceError:
             return _AGAIN
-        self._shown = findings_of(one for one in alerts.values() if one.is_shown(now))
+        self._shown = findings_of(alert for alert in alerts.values() if alert.is_shown(now))
         self._publish()
         lasting = alerts | held
         self._incidents = update_incidents(self._incidents, lasting, ended, now, self.settings.language)
@@ -262,7 +264,7 @@ class Alerts(App[AlertsSettings]):
     async def _publish_news(self, now: float) -> bool:
         """Tell people what began, lasts or ended; return False if some of that failed."""
         due = [key for key in self._incidents if self._due(key) <= now]
-        told = []
+        sent = []
         for title, keys in (
             ("Alert", [key for key in due if not self._incidents[key].over_at]),
             ("Over", [key for key in due if self._incidents[key].over_at]),
@@ -272,26 +274,28 @@ class Alerts(App[AlertsSettings]):
             rest = [key for key in keys if key not in alone]
             kinds = dict.fromkeys(map(_kind_of, rest))
             groups += [[key for key in rest if _kind_of(key) is kind] for kind in kinds]
-            told += [await self._send_news(title, group, now) for group in groups if group]
-        return all(told)
+            sent += [await self._send_news(title, group, now) for group in groups if group]
+        return all(sent)
 
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
         lost = tuple(name for name, alert in self._gateways.items() if alert is not None)
         devices = await self._devices(_query(lost), ())
         self._is_empty = _is_nobody_home(devices)
-        alerts = [one for one in self._gateways.values() if one is not None]
-        alerts += [one for device in devices for one in alerts_of(ALERTS, device, now, lost)]
-        return {one.key: one for one in sorted(alerts, key=lambda one: [*FindingKind].index(one.kind.finding))}
+        alerts = [alert for alert in self._gateways.values() if alert is not None]
+        alerts += [alert for device in devices for alert in alerts_of(ALERTS, device, now, lost)]
+        return {
+            alert.key: alert for alert in sorted(alerts, key=lambda alert: [*FindingKind].index(alert.kind.finding))
+        }
 
     async def _ended(self, keys: Iterable[str], now: float) -> tuple[set[str], dict[str, Alert]]:
         """Return those of *keys* that are known to be over, and those that are not, though they would not begin now."""
         targets = {key: key.partition(" ")[2].partition("#")[0] for key in keys}
-        devices = {one.id: one for one in await self._devices((), tuple(targets.values()))} if targets else {}
-        held = {one.key: one for device in devices.values() for one in held_alerts_of(device, now)}
-        held = {key: one for key, one in held.items() if key in targets and not self._incidents[key].over_at}
+        devices = {device.id: device for device in await self._devices((), tuple(targets.values()))} if targets else {}
+        held = {alert.key: alert for device in devices.values() for alert in held_alerts_of(device, now)}
+        held = {key: alert for key, alert in held.items() if key in targets and not self._incidents[key].over_at}
         working = {f"{GATEWAY.key} {name}" for name, alert in self._gateways.items() if alert is None}
-        over = {key for key, one in targets.items() if one in devices and is_over(key, devices[one])}
+        over = {key for key, device_id in targets.items() if device_id in devices and is_over(key, devices[device_id])}
         return working | over - held.keys(), held
 
     async def _devices(self, query: tuple[QueryTerm, ...], ids: tuple[str, ...]) -> tuple[Device, ...]:
@@ -300,29 +304,32 @@ class Alerts(App[AlertsSettings]):
     async def _send_news(self, title: str, keys: list[str], now: float) -> bool:
         """Tell people the news about *keys*; return False if that failed, to be tried again."""
         language, kind = self.settings.language, _kind_of(keys[0])
-        texts = [one.end_text if one.over_at else one.text for one in map(self._incidents.__getitem__, keys)]
+        texts = [
+            incident.end_text if incident.over_at else incident.text
+            for incident in map(self._incidents.__getitem__, keys)
+        ]
         more = [say("… and {count} more", language, count=str(len(texts) - _MAX_LINES))]
         text = "\n".join(texts[:_MAX_LINES] + (more if len(texts) > _MAX_LINES else []))
         sent = await self.context.notify(text, say(title, language), self.node.name, kind.urgency, kind.key)
         if not sent and self.context.notifies:
             return False
         for key in keys:
-            one = self._incidents[key]
-            is_repeated = one.is_told and not one.over_at
-            self._incidents[key] = one._replace(
-                is_told=is_repeated or not one.is_told,
-                times=one.times + (not one.is_told),
+            incident = self._incidents[key]
+            is_repeated = incident.is_told and not incident.over_at
+            self._incidents[key] = incident._replace(
+                is_told=is_repeated or not incident.is_told,
+                times=incident.times + (not incident.is_told),
                 told_at=now,
-                repeats=one.repeats + 1 if is_repeated else 0,
+                repeats=incident.repeats + 1 if is_repeated else 0,
             )
         return True
 
     def _due(self, key: str) -> float:
-        kind, one = _kind_of(key), self._incidents[key]
+        kind, incident = _kind_of(key), self._incidents[key]
         told_after = self.settings.told_after.get(kind.key, kind.told_after)
         if kind.key == "door" and self._is_empty and told_after < math.inf:
             told_after = min(told_after, _WHILE_AWAY)
-        due = one.due(told_after, kind.urgency)
+        due = incident.due(told_after, kind.urgency)
         return self._next_daily(due) if kind.urgency == "low" and due < math.inf else due
 
     def _next_daily(self, time: float) -> float:
@@ -335,7 +342,7 @@ class Alerts(App[AlertsSettings]):
 def _kind_of(key: str) -> AlertKind:
     """Return the kind of the cause *key*."""
     name = key.partition(" ")[0]
-    return next(one for one in (*ALERTS, GATEWAY) if one.key == name)
+    return next(kind for kind in (*ALERTS, GATEWAY) if kind.key == name)
 
 
 @lru_cache(maxsize=8)
@@ -345,5 +352,5 @@ def _query(lost: tuple[str, ...]) -> tuple[QueryTerm, ...]:
 
 
 def _is_nobody_home(devices: Iterable[Device]) -> bool:
-    states = (state for one in devices for state in one.states)
-    return any(one.capability == _AT_HOME and one.live and one.value.plain() is False for one in states)
+    states = (state for device in devices for state in device.states)
+    return any(state.capability == _AT_HOME and state.live and state.value.plain() is False for state in states)

@@ -15,14 +15,14 @@ def bag_files(path: Path) -> tuple[McapFile, ...]:
     """
     if not path.exists():
         raise UsageError(f"there is no bag {path}")
-    found = [path] if not path.is_dir() else sorted(path.glob("*.mcap"), key=_number)
-    if not found:
-        others = ", ".join(sorted(one.name for one in (*path.glob("*.db3*"), *path.glob("*.mcap.*"))))
+    paths = [path] if not path.is_dir() else sorted(path.glob("*.mcap"), key=_number)
+    if not paths:
+        others = ", ".join(sorted(file.name for file in (*path.glob("*.db3*"), *path.glob("*.mcap.*"))))
         hint = f", but {others}: convert it with `ros2 bag convert`" if others else ""
         raise UsageError(f"{path} has no MCAP file{hint}")
-    return tuple(map(McapFile, found))
+    return tuple(map(McapFile, paths))
 
 
 def _number(path: Path) -> tuple[int, str]:
-    found = re.search(r"_(\d+)\.mcap$", path.name)
-    return int(found[1]) if found else 0, path.name
+    match = re.search(r"_(\d+)\.mcap$", path.name)
+    return int(match[1]) if match else 0, path.name

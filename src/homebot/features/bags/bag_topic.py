@@ -78,7 +78,7 @@ class BagMessage(NamedTuple):
 
 def qos_text(offered: Iterable[Mapping[str, Any]]) -> str:
     """Return the profiles that publishers *offered*, as :meth:`QoSProfile.to_plain`, in the form of rosbag2: YAML."""
-    return json.dumps([_profile(one) for one in offered])
+    return json.dumps([_profile(profile) for profile in offered])
 
 
 def _profile(plain: Mapping[str, Any]) -> dict[str, Any]:

@@ -97,7 +97,7 @@ class BagWriter:
         return McapWriter(file, min(CHUNK, self._max_size // 10 or CHUNK))
 
     def _metadata(self) -> dict[str, Any]:
-        counts = sum((one.counts for one in self._files), Counter())
+        counts = sum((file.counts for file in self._files), Counter())
         information = {
             "version": 9,
             "storage_identifier": "mcap",
@@ -117,8 +117,8 @@ class BagWriter:
             ],
             "compression_format": "",
             "compression_mode": "",
-            "relative_file_paths": [one.name for one in self._files],
-            "files": [{"path": one.name, **_span([one])} for one in self._files],
+            "relative_file_paths": [file.name for file in self._files],
+            "files": [{"path": file.name, **_span([file])} for file in self._files],
             "custom_data": None,
             "ros_distro": self._distribution,
         }
@@ -126,12 +126,12 @@ class BagWriter:
 
 
 def _span(files: Sequence[McapWriter]) -> dict[str, Any]:
-    used = [one for one in files if one.counts]
-    start, end = min((one.start for one in used), default=0), max((one.end for one in used), default=0)
+    used = [file for file in files if file.counts]
+    start, end = min((file.start for file in used), default=0), max((file.end for file in used), default=0)
     return {
         "starting_time": {"nanoseconds_since_epoch": start},
         "duration": {"nanoseconds": end - start},
-        "message_count": sum(one.counts.total() for one in files),
+        "message_count": sum(file.counts.total() for file in files),
     }
 
 

@@ -19,9 +19,9 @@ def info(options: argparse.Namespace) -> int:
     """Print the content of a bag like ``ros2 bag info``."""
     files = bag_files(Path(options.bag))
     contents = [file.content() for file in files]
-    used = [one for one in contents if sum(one.counts.values())]
-    start, end = min((one.start for one in used), default=0), max((one.end for one in used), default=0)
-    counts: Counter[BagTopic] = sum((Counter(one.counts) for one in contents), Counter())
+    used = [content for content in contents if sum(content.counts.values())]
+    start, end = min((content.start for content in used), default=0), max((content.end for content in used), default=0)
+    counts: Counter[BagTopic] = sum((Counter(content.counts) for content in contents), Counter())
     print(f"Files:             {', '.join(file.path.name for file in files)}")
     print(f"Bag size:          {sum(file.path.stat().st_size for file in files) / 1024:,.1f} KiB")
     print("Storage id:        mcap")
@@ -29,7 +29,7 @@ def info(options: argparse.Namespace) -> int:
     print(f"Start:             {_time(start)}")
     print(f"End:               {_time(end)}")
     print(f"Messages:          {counts.total():,}")
-    for topic, count in sorted(counts.items(), key=lambda one: one[0].name):
+    for topic, count in sorted(counts.items(), key=lambda counted: counted[0].name):
         print(f"Topic:             {printable(topic.name)} | {printable(topic.ros_type)} | {count:,}")
     return 0
 

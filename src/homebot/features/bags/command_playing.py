@@ -165,7 +165,7 @@ class _Player:
 
 
 def _names(topics: Iterable[BagTopic]) -> str:
-    return ", ".join(sorted(printable(one.name) for one in topics))
+    return ", ".join(sorted(printable(topic.name) for topic in topics))
 
 
 def _is_own(topic: BagTopic) -> bool:

@@ -77,9 +77,9 @@ class _Recorder:
 
     def _follow_new_topics(self) -> None:
         offered: dict[str, list[EndpointDetails]] = {}
-        for one in entities(self._door, kind="publisher"):
-            if one.name not in self.topics and self._is_wanted(one):
-                offered.setdefault(one.name, []).append(one)
+        for endpoint in entities(self._door, kind="publisher"):
+            if endpoint.name not in self.topics and self._is_wanted(endpoint):
+                offered.setdefault(endpoint.name, []).append(endpoint)
         if not offered:
             return
         known: Mapping[str, Any] = self._door.call("/rosapi/topics_and_raw_types")

@@ -138,12 +138,14 @@ class McapFile:
             summary = _summary(file)
             if summary.statistics is None:
                 raise EndOfFile("it has no index")
-            found = summary.statistics
+            statistics = summary.statistics
             counts = {
-                _topic(summary.schemas.get(channel.schema_id), channel): found.channel_message_counts.get(number, 0)
+                _topic(summary.schemas.get(channel.schema_id), channel): statistics.channel_message_counts.get(
+                    number, 0
+                )
                 for number, channel in summary.channels.items()
             }
-            return McapContent(counts, found.message_start_time, found.message_end_time)
+            return McapContent(counts, statistics.message_start_time, statistics.message_end_time)
 
     def messages(self) -> Iterator[BagMessage]:
         """Yield its messages in order of time; errors as for :meth:`content`."""
@@ -159,7 +161,9 @@ class McapFile:
                     raise EndOfFile("too many of its chunks are of one time")
             if not summary.chunk_indexes:
                 file.seek(len(MCAP0_MAGIC))
-                waiting = [(one.at, next(numbers), one) for one in _messages(_records(file, is_file=True), summary)]
+                waiting = [
+                    (message.at, next(numbers), message) for message in _messages(_records(file, is_file=True), summary)
+                ]
             for *_, message in sorted(waiting):
                 yield _whole(message)
 
@@ -179,11 +183,11 @@ class McapFile:
                     if (chunk := next(chunks, None)) is None:
                         break
                     records = _chunk_records(file, chunk) if isinstance(chunk, ChunkIndex) else iter((chunk,))
-                    found = list(_messages(records, summary))
+                    messages = list(_messages(records, summary))
                 except _BROKEN as exc:  # the next one may be whole; after records that have no end nothing comes
                     problem = exc
                     continue
-                for message in found:
+                for message in messages:
                     try:
                         unpacked = _whole(message)
                     except _BROKEN as exc:

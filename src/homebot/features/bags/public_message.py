@@ -9,7 +9,9 @@ from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.message import Message
 from homebot.recording.secrets import without_secrets
 
-_RAW: Final[Mapping[str, type[Message]]] = {one.ros_type: one for one in (RawMessage, RawCommand)}
+_RAW: Final[Mapping[str, type[Message]]] = {
+    message_type.ros_type: message_type for message_type in (RawMessage, RawCommand)
+}
 
 
 def without_raw_secrets(message: BagMessage) -> BagMessage:

@@ -34,11 +34,18 @@ def recorded_messages(recording: Recording) -> Iterator[BagMessage]:
     """Yield the messages of *recording* in order of time; those from before its start come at its start."""
     start = recording.header.started_at
     began = start.sec * 1_000_000_000 + start.nanosec
-    timed: list[tuple[float, Message]] = [(0.0, one) for one in (*recording.devices.values(), *recording.before)]
-    timed += [(one.at, one.message) for one in recording.events]
-    timed += [(one.at, part) for one in recording.commands for part in (one.command, one.result) if part is not None]
+    timed: list[tuple[float, Message]] = [
+        (0.0, message) for message in (*recording.devices.values(), *recording.before)
+    ]
+    timed += [(event.at, event.message) for event in recording.events]
+    timed += [
+        (command.at, part)
+        for command in recording.commands
+        for part in (command.command, command.result)
+        if part is not None
+    ]
     timed += recording.leases
-    for at, message in sorted(timed, key=lambda one: one[0]):
+    for at, message in sorted(timed, key=lambda timed_message: timed_message[0]):
         name = _NAMES[type(message)](message)
         carried: Message = message.state if isinstance(message, GatewayNews) else message
         yield BagMessage(_topic(name, type(carried)), began + round(at * 1e9), message_to_cdr(carried))

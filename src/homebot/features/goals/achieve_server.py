@@ -82,10 +82,10 @@ class AchieveServer:
     def record_cut_off(self) -> None:
         """Say in the log and in the journal which goals the end of homebot cut off."""
         while self._kept:
-            _, one = self._kept.popitem()
-            text = f"{one['goal']} was cut off when homebot ended, {one['how_far']}"
+            _, run = self._kept.popitem()
+            text = f"{run['goal']} was cut off when homebot ended, {run['how_far']}"
             self._node.log.warning(CUT_OFF, message=text)
-            self._record(one["devices"], one["issuer"], text)
+            self._record(run["devices"], run["issuer"], text)
 
     def _record(self, devices: Iterable[str], issuer: str, text: str) -> None:
         control = self._control()
@@ -113,7 +113,7 @@ class AchieveServer:
             if goal.is_cancel_requested:
                 self._kept.pop(run, None)
                 message = (
-                    f"cancelled; {sum(bool(one.outcome) for one in shown.steps)} of {len(shown.steps)} steps are done"
+                    f"cancelled; {sum(bool(step.outcome) for step in shown.steps)} of {len(shown.steps)} steps are done"
                 )
                 goal.canceled(AchieveResult(success=False, message=message, steps=shown.steps, tried=shown.tried))
             raise
@@ -153,7 +153,7 @@ class AchieveServer:
 
     async def _save_run(self, run: str, achievement: Achievement, issuer: str) -> None:
         before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
-        done = [f"after {one.text}: {one.outcome[:_MAX_CHARACTERS]}" for one in achievement.steps if one.outcome]
+        done = [f"after {step.text}: {step.outcome[:_MAX_CHARACTERS]}" for step in achievement.steps if step.outcome]
         self._kept[run] = {
             "goal": self._under_way[achievement],
             "issuer": issuer,

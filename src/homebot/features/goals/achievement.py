@@ -108,7 +108,7 @@ class Achievement:
     @property
     def devices(self) -> set[str]:
         """The ids of the devices of the plan."""
-        return {device for one in self._moves for device, *_ in one.step.parts}
+        return {device for move in self._moves for device, *_ in move.step.parts}
 
     def claim(self, moves: Sequence[Move]) -> None:
         """Take *moves* as the plan."""
@@ -132,17 +132,17 @@ class Achievement:
         """Return the fact of this goal that *moves* of another one would undo, now or after its own; empty for none."""
         house = await self._house()
         own = self._moves[sum(bool(step.outcome) for step in self.steps[self._first :]) :]
-        after = house.after(one.step for one in own)
-        robots = {one.step.place for one in own if one.step.kind == "drive"}
-        if shared := robots.intersection(one.step.place for one in moves):
+        after = house.after(move.step for move in own)
+        robots = {move.step.place for move in own if move.step.kind == "drive"}
+        if shared := robots.intersection(move.step.place for move in moves):
             return f"{min(shared)} for itself"
-        kept = self._facts(after.after(one.step for one in moves))
+        kept = self._facts(after.after(move.step for move in moves))
         lost = self._facts(after).facts - kept.facts
-        wanted = kept.goal.keys() | frozenset[str]().union(*(one.needs for one in own))
-        return next((repr(one) for one in sorted(wanted & lost)), "")
+        wanted = kept.goal.keys() | frozenset[str]().union(*(move.needs for move in own))
+        return next((repr(fact) for fact in sorted(wanted & lost)), "")
 
     async def _house(self) -> HouseSnapshot:
-        return await self._reader.read([(one.robot, one.room) for one in self._goal.drives], self._assumed)
+        return await self._reader.read([(wish.robot, wish.room) for wish in self._goal.drives], self._assumed)
 
     def _facts(self, house: HouseSnapshot) -> GoalProblem:
         return build_problem(self._goal, house, self._unseen)
@@ -154,7 +154,7 @@ class Achievement:
             while self._goal.drives and problem.missing:
                 await anyio.sleep(_LOOK)
                 problem = self._facts(await self._house())
-        return "".join(f"after all steps, {problem.contrary[one]}" for one in problem.missing[:1])
+        return "".join(f"after all steps, {problem.contrary[fact]}" for fact in problem.missing[:1])
 
     async def _do(self, moves: Sequence[Move]) -> str:
         """Do all steps; return the failure of one, empty if there is none."""
@@ -174,7 +174,7 @@ class Achievement:
     async def _lost(self, needs: frozenset[str]) -> str:
         """Return those of *needs* that are not so, in words."""
         problem = self._facts(await self._house())
-        return "; ".join(problem.contrary.get(one, f"no longer: {one}") for one in sorted(needs - problem.facts))
+        return "; ".join(problem.contrary.get(fact, f"no longer: {fact}") for fact in sorted(needs - problem.facts))
 
     async def _one(self, move: Move) -> tuple[str, bool]:
         """Do a step, unless a fact that it needs is lost meanwhile; return its outcome, and whether it was done.
@@ -229,7 +229,7 @@ class Achievement:
             request = CommandRequest(
                 device=device,
                 part=part,
-                settings=tuple(Setting.of(*one) for one in settings),
+                settings=tuple(Setting.of(*pair) for pair in settings),
                 issuer=issuer,
                 scope=scope,
                 ask_first=bool(step.asks),
@@ -265,12 +265,12 @@ class Move:
 def _merged(operators: Sequence[Operator]) -> list[Move]:
     """Return the steps of a plan, with one drive for several rooms in a row."""
     moves: list[Move] = []
-    for one in operators:
-        if one.step is None:
+    for operator in operators:
+        if operator.step is None:
             continue
-        is_drive = one.step.kind == "drive"
-        needs = one.needs - one.takes if is_drive else one.needs
-        if is_drive and moves and moves[-1].step.place == one.step.place:
+        is_drive = operator.step.kind == "drive"
+        needs = operator.needs - operator.takes if is_drive else operator.needs
+        if is_drive and moves and moves[-1].step.place == operator.step.place:
             needs |= moves.pop().needs
-        moves.append(Move(one.step, needs, one.gives if one.is_unseen else frozenset()))
+        moves.append(Move(operator.step, needs, operator.gives if operator.is_unseen else frozenset()))
     return moves

@@ -58,7 +58,7 @@ def _achieve(options: argparse.Namespace) -> int:
 
 
 def _lines(feedback: AchieveFeedback) -> Iterable[str]:
-    for one in feedback.tried:
-        yield f"tried: {printable(one, _WIDEST)}"
+    for text in feedback.tried:
+        yield f"tried: {printable(text, _WIDEST)}"
     for number, step in enumerate(feedback.steps, 1):
         yield f"{number}. {step_text(step)}"

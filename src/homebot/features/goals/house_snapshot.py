@@ -94,17 +94,17 @@ class HouseReader:
     async def names(self, scenes: Iterable[SceneInfo]) -> KnownNames:
         """Return the names that a wish may have."""
         rooms = (await self.places()).rooms
-        areas = dict.fromkeys(one.name for one in rooms) | dict.fromkeys(one.floor for one in rooms)
-        areas |= dict.fromkeys(one.area for one in await self.lookup.devices())
-        actions = [one.name for one in self.node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)]
+        areas = dict.fromkeys(room.name for room in rooms) | dict.fromkeys(room.floor for room in rooms)
+        areas |= dict.fromkeys(device.area for device in await self.lookup.devices())
+        actions = [endpoint.name for endpoint in self.node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)]
         robots = [
-            name.removesuffix(each).rpartition("/")[2] or "robot"
+            name.removesuffix(action).rpartition("/")[2] or "robot"
             for name in actions
-            for each in _DRIVE_ACTIONS
-            if name.endswith(each)
+            for action in _DRIVE_ACTIONS
+            if name.endswith(action)
         ]
         return KnownNames(
-            [one.name for one in rooms], [one for one in areas if one], robots, [one.name for one in scenes]
+            [room.name for room in rooms], [area for area in areas if area], robots, [scene.name for scene in scenes]
         )
 
     async def read(self, robots: Iterable[tuple[str, str]], assumed: Assumed) -> HouseSnapshot:
@@ -114,14 +114,14 @@ class HouseReader:
             UsageError: There is no such robot.
             ServiceError: The directory does not answer.
         """
-        devices = {one.id: _assuming(one, assumed) for one in await self.lookup.devices()}
+        devices = {device.id: _assuming(device, assumed) for device in await self.lookup.devices()}
         at, lost, problems = dict[str, str](), dict[str, str](), dict[str, str]()
         for robot, room in robots:
-            found = await self._robot(robot)
-            if found.success and found.pose[0].room:
-                at[robot] = found.pose[0].room
+            where = await self._robot(robot)
+            if where.success and where.pose[0].room:
+                at[robot] = where.pose[0].room
             else:
-                lost[robot] = found.message or f"the room of {robot} is unknown"
+                lost[robot] = where.message or f"the room of {robot} is unknown"
             try:
                 await check_move(self.node, SendRobot("", robot, room))
             except UsageError as exc:
@@ -130,18 +130,18 @@ class HouseReader:
 
     async def _robot(self, robot: str) -> WhereIsRobotResponse:
         try:
-            found = await self._where.call(WhereIsRobotRequest(robot=robot))
+            where = await self._where.call(WhereIsRobotRequest(robot=robot))
         except ServiceUnavailableError:
             raise UsageError(
                 f"there is no robot {robot!r}: none has said where it is, for example on /NAME/pose{_NO_ROBOT}"
             ) from None
-        if found.is_mistake:
-            raise UsageError(f"{found.message}{_NO_ROBOT}")
-        return found
+        if where.is_mistake:
+            raise UsageError(f"{where.message}{_NO_ROBOT}")
+        return where
 
 
 def _with_values(device: Device, part: str, values: Mapping[str, PlainValue]) -> Device:
-    kept = tuple(one for one in device.states if one.part != part or one.capability not in values)
+    kept = tuple(state for state in device.states if state.part != part or state.capability not in values)
     at = device.last_seen
     new = tuple(
         State(part=part, capability=name, value=Value.of(value), since=at, told_at=at, live=True)
@@ -152,7 +152,7 @@ def _with_values(device: Device, part: str, values: Mapping[str, PlainValue]) ->
 
 def _implied(part: DevicePart, settings: Mapping[str, PlainValue]) -> dict[str, PlainValue]:
     """Return the values of *part* after a command with *settings*."""
-    able = {one.name for one in part.part.capabilities}
+    able = {capability.name for capability in part.part.capabilities}
     values: dict[str, PlainValue] = {}
     for capability, value in settings.items():
         if capability in LIGHTS_UP and "on_off" in able:
@@ -160,14 +160,14 @@ def _implied(part: DevicePart, settings: Mapping[str, PlainValue]) -> dict[str, 
         if capability in OPENINGS:
             is_open = value != 0 if capability == "position" else value == "open"
             said: dict[str, PlainValue] = {"movement": "open" if is_open else "closed", "contact": is_open}
-            values |= {one: said[one] for one in said if one in able}
+            values |= {capability: said[capability] for capability in said if capability in able}
             if capability == "movement" and "position" in able and value in END_POSITIONS:
                 values["position"] = END_POSITIONS[value]
     return {**values, **settings}
 
 
 def _assuming(device: Device, assumed: Assumed) -> Device:
-    known = {(one.part, one.capability) for one in device.states}
+    known = {(state.part, state.capability) for state in device.states}
     for part in device.parts:
         values = assumed.get((device.id, part.id), {})
         if unknown := {name: value for name, value in values.items() if (part.id, name) not in known}:

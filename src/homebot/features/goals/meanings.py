@@ -57,19 +57,20 @@ class GoalPart:
         part = device.part(self.part)
         if part is None:
             return False
-        known = {one.capability: one.value.plain() for one in device.states if one.part == self.part}
+        known = {state.capability: state.value.plain() for state in device.states if state.part == self.part}
         if _LEAVING.get(known.get("movement")) in self.states:
             return False
-        if any(fits(one, PartFacets(device, part)) for one in self.states):
+        if any(fits(term, PartFacets(device, part)) for term in self.states):
             return True
         return bool(self.settings) and all(
-            one in known and obeys(one, value, known[one]) for one, value in self.settings.items()
+            capability in known and obeys(capability, value, known[capability])
+            for capability, value in self.settings.items()
         )
 
     @property
     def capabilities(self) -> frozenset[str]:
         """The capabilities that it is about."""
-        return frozenset(self.settings).union(one.capability for one in self.states)
+        return frozenset(self.settings).union(term.capability for term in self.states)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +88,7 @@ class ParsedGoal:
     @property
     def drives(self) -> list[RobotCondition]:
         """The wishes for robots."""
-        return [one for one, _ in self.wishes if isinstance(one, RobotCondition)]
+        return [wish for wish, _ in self.wishes if isinstance(wish, RobotCondition)]
 
 
 async def parse_goal(text: str, reader: HouseReader) -> ParsedGoal:
@@ -99,18 +100,18 @@ async def parse_goal(text: str, reader: HouseReader) -> ParsedGoal:
     """
     scenes, doors = await reader.scenes(), (await reader.places()).doors
     meanings = _Meanings(reader)
-    found: list[tuple[GoalCondition, tuple[GoalPart, ...]]] = []
+    pairs: list[tuple[GoalCondition, tuple[GoalPart, ...]]] = []
     for wish in read_wishes(text, await reader.names(scenes)):
         match wish:
             case StateCondition():
-                found.append((wish, await meanings.of_state(wish, doors)))
+                pairs.append((wish, await meanings.of_state(wish, doors)))
             case RoomCondition():
-                found.append((wish, await meanings.of_room(wish)))
+                pairs.append((wish, await meanings.of_room(wish)))
             case SceneCondition():
-                found.append((wish, _of_scene(next(one for one in scenes if one.name == wish.scene))))
+                pairs.append((wish, _of_scene(next(scene for scene in scenes if scene.name == wish.scene))))
             case RobotCondition():
-                found.append((wish, ()))
-    return ParsedGoal(tuple(found), scenes)
+                pairs.append((wish, ()))
+    return ParsedGoal(tuple(pairs), scenes)
 
 
 @final
@@ -126,20 +127,20 @@ class _Meanings:
             UsageError: There are none, several devices have the name, or none takes the value; the message says why.
             ServiceError: The directory does not answer.
         """
-        door = next((one for one in doors if fold(one.name) == fold(wish.target)), None)
+        door = next((door for door in doors if fold(door.name) == fold(wish.target)), None)
         target = (door and _door_device(door, wish.command)) or wish.target
         target = f'everything in "{target}"' if wish.area else target
         request = CommandDevicesRequest(target=target, command=wish.command)
         try:
-            found = await self._targets.find(request)
+            targets = await self._targets.find(request)
         except (NoTargetError, UsageError) as exc:
             raise UsageError(f"{wish.text}: {exc}") from None
         meant, problem = list[GoalPart](), "nothing takes it"
-        for one in found:
+        for device_and_parts in targets:
             try:
-                meant += _meant(request, one, wish.states)
+                meant += _meant(request, device_and_parts, wish.states)
             except RefusedError as exc:
-                problem = f"{one[0].name}: {exc.what}: {exc.reason}"
+                problem = f"{device_and_parts[0].name}: {exc.what}: {exc.reason}"
         if not meant:
             raise UsageError(f"{wish.text}: {problem}")
         return tuple(meant)
@@ -154,17 +155,17 @@ class _Meanings:
         lights: Query = type_is("light")
         query = And((lights, InArea(fold(wish.area)))) if wish.area else lights
         state = StateIs("on_off", "=", wish.is_lit)
-        found = tuple(
-            GoalPart(one.id, part.id, part_name(one, part), settings, (state,))
-            for one in await self._lookup.devices(query)
-            for part in one.parts
-            if fits(lights, PartFacets(one, part)) and (settings := _switched(part, is_on=wish.is_lit)) is not None
+        parts = tuple(
+            GoalPart(device.id, part.id, part_name(device, part), settings, (state,))
+            for device in await self._lookup.devices(query)
+            for part in device.parts
+            if fits(lights, PartFacets(device, part)) and (settings := _switched(part, is_on=wish.is_lit)) is not None
         )
-        if not found:
+        if not parts:
             raise UsageError(
                 f"{wish.text}: no lamp is known in {wish.area or 'the house'}; `homebot find lights` shows all"
             )
-        return found
+        return parts
 
 
 def _door_device(door: DoorInfo, command: str) -> str:
@@ -178,19 +179,19 @@ def _of_scene(scene: SceneInfo) -> tuple[GoalPart, ...]:
     Raises:
         UsageError: A part is not in the house.
     """
-    if absent := [one.name for one in scene.parts if not one.is_known]:
+    if absent := [part.name for part in scene.parts if not part.is_known]:
         raise UsageError(f"scene {scene.name}: {', '.join(absent[:3])} is not in the house now")
-    if not all(one.settings for one in scene.parts):
+    if not all(part.settings for part in scene.parts):
         return ()
     return tuple(
         GoalPart(
-            one.device,
-            one.part,
-            one.name,
-            {each.capability: each.value.plain() for each in one.settings},
-            asks=one.asks,
+            part.device,
+            part.part,
+            part.name,
+            {setting.capability: setting.value.plain() for setting in part.settings},
+            asks=part.asks,
         )
-        for one in scene.parts
+        for part in scene.parts
     )
 
 
@@ -207,8 +208,10 @@ def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs
             yield GoalPart(device.id, part.id, part_name(device, part), parsed, states)
     if is_taken:
         return
-    told = {one.capability for one in states}
-    telling = [one for one in device.parts if told.intersection(each.name for each in one.part.capabilities)]
+    wanted = {term.capability for term in states}
+    telling = [
+        part for part in device.parts if wanted.intersection(capability.name for capability in part.part.capabilities)
+    ]
     if not telling:
         raise refused or RefusedError(request.command, "it is done once, and does not last")
     for part in telling:
@@ -217,7 +220,7 @@ def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs
 
 def _switched(part: DevicePart, *, is_on: bool) -> dict[str, PlainValue] | None:
     """Return the settings that turn a lamp on or off, none if it only reports that; None if it is no lamp by itself."""
-    able = [one for one in part.part.capabilities if one.name == "on_off"]
+    able = [capability for capability in part.part.capabilities if capability.name == "on_off"]
     if not able or part.part.is_group or part.part.category:
         return None
     return {"on_off": is_on} if able[0].settable else {}

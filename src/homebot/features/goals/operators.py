@@ -75,30 +75,30 @@ class GoalProblem:
     @property
     def missing(self) -> list[str]:
         """The wished facts that are not so."""
-        return [one for one in self.goal if one not in self.facts]
+        return [fact for fact in self.goal if fact not in self.facts]
 
     def allowed(self) -> Iterator[Operator]:
         """Yield the operators that are not blocked."""
-        return (one for one in self.operators if not one.blocked)
+        return (operator for operator in self.operators if not operator.blocked)
 
 
 def reachable(facts: Iterable[str], operators: Iterable[Operator]) -> set[str]:
     """Return all facts that can hold at some time, if nothing that is done undid another."""
-    found, waiting = set(facts), list(operators)
+    known, waiting = set(facts), list(operators)
     while True:
-        ready = [one for one in waiting if one.needs <= found]
+        ready = [operator for operator in waiting if operator.needs <= known]
         if not ready:
-            return found
-        waiting = [one for one in waiting if not one.needs <= found]
-        for one in ready:
-            found |= one.gives
+            return known
+        waiting = [operator for operator in waiting if not operator.needs <= known]
+        for operator in ready:
+            known |= operator.gives
 
 
 def is_plan(problem: GoalProblem, operators: Sequence[Operator]) -> bool:
     """Return whether *operators* in this order lead to the goal."""
     facts: AbstractSet[str] = problem.facts
-    for one in operators:
-        if not one.needs <= facts:
+    for operator in operators:
+        if not operator.needs <= facts:
             return False
-        facts = one.after(facts)
+        facts = operator.after(facts)
     return problem.goal.keys() <= facts

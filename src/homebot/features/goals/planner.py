@@ -67,57 +67,62 @@ def _is_drive(operator: Operator) -> bool:
 
 def _opposite(problem: GoalProblem, operators: Sequence[Operator]) -> bool:
     """Return whether a wish and another one undo each other, by whatever they are reached."""
-    concerned = problem.goal.keys() | frozenset[str]().union(*(one.needs for one in operators if one.step is None))
+    concerned = problem.goal.keys() | frozenset[str]().union(
+        *(operator.needs for operator in operators if operator.step is None)
+    )
     givers: dict[str, list[Operator]] = {}
     pairs = set[tuple[str, str]]()
-    for one in operators:
-        for fact in one.gives & concerned:
-            givers.setdefault(fact, []).append(one)
-            pairs.update((fact, other) for other in one.takes & concerned)
-    undo = {(fact, other) for fact, other in pairs if all(other in one.takes for one in givers[fact])}
+    for operator in operators:
+        for fact in operator.gives & concerned:
+            givers.setdefault(fact, []).append(operator)
+            pairs.update((fact, other) for other in operator.takes & concerned)
+    undo = {(fact, other) for fact, other in pairs if all(other in operator.takes for operator in givers[fact])}
     both = [(fact, other) for fact, other in undo if (other, fact) in undo]
     undone = {fact for fact, other in both if other in problem.goal}
     return any(
-        fact in undone or all(one.step is None and not one.needs.isdisjoint(undone) for one in givers.get(fact, [_ANY]))
+        fact in undone
+        or all(operator.step is None and not operator.needs.isdisjoint(undone) for operator in givers.get(fact, [_ANY]))
         for fact in problem.goal
     )
 
 
 def _relevant(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operator]:
     """Return the operators that may be of use."""
-    wanted, found, waiting = set(problem.missing), list[Operator](), list(operators)
-    while useful := [one for one in waiting if not one.gives.isdisjoint(wanted)]:
-        waiting = [one for one in waiting if one.gives.isdisjoint(wanted)]
-        found += useful
-        for one in useful:
-            wanted |= one.needs | (one.takes & problem.goal.keys())
-    return found
+    wanted, relevant, waiting = set(problem.missing), list[Operator](), list(operators)
+    while useful := [operator for operator in waiting if not operator.gives.isdisjoint(wanted)]:
+        waiting = [operator for operator in waiting if operator.gives.isdisjoint(wanted)]
+        relevant += useful
+        for operator in useful:
+            wanted |= operator.needs | (operator.takes & problem.goal.keys())
+    return relevant
 
 
 def _simple(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operator]:
     """Return operators that reach wishes without a need, and disturb nothing: the planner is slow with many lamps."""
-    touched = problem.goal.keys() | frozenset[str]().union(*(one.needs for one in operators))
+    touched = problem.goal.keys() | frozenset[str]().union(*(operator.needs for operator in operators))
     missing = dict.fromkeys(problem.missing)
     givers: dict[str, list[Operator]] = {}
-    for one in sorted(operators, key=lambda one: -len(one.gives & missing.keys())):  # a scene before its commands
-        if one.takes.isdisjoint(touched):
-            for fact in one.gives:
-                givers.setdefault(fact, []).append(one)
-    found: dict[Operator, None] = {}
+    for operator in sorted(
+        operators, key=lambda operator: -len(operator.gives & missing.keys())
+    ):  # a scene before its commands
+        if operator.takes.isdisjoint(touched):
+            for fact in operator.gives:
+                givers.setdefault(fact, []).append(operator)
+    chosen: dict[Operator, None] = {}
     given = set[str]()
     for fact in missing:
         if fact not in given and (way := next(_ways(fact, givers), None)) is not None:
-            found.update(dict.fromkeys(way))
-            given.update(*(one.gives for one in way))
-    return list(found)
+            chosen.update(dict.fromkeys(way))
+            given.update(*(operator.gives for operator in way))
+    return list(chosen)
 
 
 def _ways(fact: str, givers: Mapping[str, Sequence[Operator]]) -> Iterator[list[Operator]]:
     """Yield operators without a need that give *fact*, alone or as what it follows from."""
-    for one in givers.get(fact, ()):
-        first = [other for need in one.needs for other in givers.get(need, ())[:1]] if one.step is None else []
-        if len(first) == len(one.needs) and not any(other.needs for other in first):
-            yield [*first, one]
+    for giver in givers.get(fact, ()):
+        first = [other for need in giver.needs for other in givers.get(need, ())[:1]] if giver.step is None else []
+        if len(first) == len(giver.needs) and not any(other.needs for other in first):
+            yield [*first, giver]
 
 
 def _search(

@@ -74,7 +74,7 @@ def build_problem(
     facts = _FactBuilder(house)
     for wish, meant in goal.wishes:
         facts.add_parts(wish, meant)
-    named = {one.scene for one, _ in goal.wishes if isinstance(one, SceneCondition)}
+    named = {wish.scene for wish, _ in goal.wishes if isinstance(wish, SceneCondition)}
     for scene in goal.scenes:
         if scene.name in named and not _parts_of(scene):
             facts.add_applied(scene)
@@ -120,12 +120,12 @@ class _FactBuilder:
     def add_parts(self, wish: GoalCondition, meant: Iterable[GoalPart]) -> None:
         """Add the facts that the wish is about."""
         is_any = isinstance(wish, RoomCondition) and wish.is_lit
-        for one in meant:
-            device, fact = self.house.devices.get(one.device), f"{one.name}: {wish.text}"
-            self.wished.setdefault((one.device, one.part), []).append(one)
-            self.problem.contrary[fact] = f"{one.name} is not in the house any more"
+        for part in meant:
+            device, fact = self.house.devices.get(part.device), f"{part.name}: {wish.text}"
+            self.wished.setdefault((part.device, part.part), []).append(part)
+            self.problem.contrary[fact] = f"{part.name} is not in the house any more"
             if device is not None:
-                self._track(device, fact, one.is_so, f"{one.name} is {_told(device, one)}")
+                self._track(device, fact, part.is_so, f"{part.name} is {_told(device, part)}")
             if is_any:
                 self.follows[fact] = wish.text
                 self.problem.operators.append(Operator(frozenset((fact,)), frozenset((wish.text,))))
@@ -140,17 +140,17 @@ class _FactBuilder:
     def add_door(self, door: DoorInfo, *, is_way: bool) -> None:
         """Add the facts of a door that is on a way, or whose devices are concerned, as its devices tell them."""
         contact, lock = self.house.called(door.contact), self.house.called(door.lock)
-        devices = {one.id for one in (contact, lock) if one is not None}
+        devices = {device.id for device in (contact, lock) if device is not None}
         if not (is_way or devices & self.tests.keys()):
             return
         self.of_doors |= devices
         if contact is not None and (_is_open(contact) is not None or _can_open(contact)):
             opened, closed = f"{door.name} is open", f"{door.name} is closed"
-            self._track(contact, opened, lambda one: _is_open(one) is not False, closed)
-            self._track(contact, closed, lambda one: _is_open(one) is False, opened)
+            self._track(contact, opened, lambda device: _is_open(device) is not False, closed)
+            self._track(contact, closed, lambda device: _is_open(device) is False, opened)
         if lock is not None:
             fact = f"{door.name} is unlocked"
-            self._track(lock, fact, lambda one: _value(one, "lock") != "locked", f"{door.name} is locked")
+            self._track(lock, fact, lambda device: _value(device, "lock") != "locked", f"{door.name} is locked")
             self.unlocked |= dict.fromkeys(devices, fact)
             if contact is not None:
                 self.closed[lock.id] = f"{door.name} is closed"
@@ -199,11 +199,13 @@ class _StepBuilder:
         parts = _parts_of(scene)
         if not (is_named or (len(parts) >= _MIN_PARTS and all(map(self._is_wished, parts)))):
             return
-        asks = next((one.asks for one in scene.parts if one.asks), "") or next(filter(None, map(self._asks, parts)), "")
+        asks = next((part.asks for part in scene.parts if part.asks), "") or next(
+            filter(None, map(self._asks, parts)), ""
+        )
         step = PlanStep("scene", f"apply scene {scene.name}", scene.id, parts, asks)
         gives, takes = self._effects(step)
         gives |= {_applied(scene)}
-        refusals = (self._refusal(one, asks) for one in parts)
+        refusals = (self._refusal(part, asks) for part in parts)
         why = self._blocked(step) or next(filter(None, refusals), "")
         self._known.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
 
@@ -233,8 +235,10 @@ class _StepBuilder:
         self._known.problem.operators.append(Operator(needs, gives, takes, step, why, is_unseen=step.room == DOCK))
 
     def _commands(self, device: Device, part: DevicePart) -> Iterator[Operator]:
-        meant = sorted(self._known.wished.get((device.id, part.id), ()), key=lambda one: one.asks, reverse=True)
-        wished = {tuple(one.settings.items()): one.asks for one in meant}  # also named by itself, it does not ask
+        meant = sorted(self._known.wished.get((device.id, part.id), ()), key=lambda wanted: wanted.asks, reverse=True)
+        wished = {
+            tuple(wanted.settings.items()): wanted.asks for wanted in meant
+        }  # also named by itself, it does not ask
         of_door = _door_settings(part) if device.id in self._known.of_doors else ()
         for settings in filter(None, dict.fromkeys((*wished, *of_door))):
             asks, parts = wished.get(settings), ((device.id, part.id, settings),)
@@ -255,10 +259,10 @@ class _StepBuilder:
         """Return the facts that hold after *step*, and those that do not, of the devices that it changes."""
         gives, takes = set[str](), set[str]()
         after = self._house.after((step,)).devices
-        for device_id in {one for one, *_ in step.parts} & self._known.tests.keys():
+        for device_id in {device_id for device_id, *_ in step.parts} & self._known.tests.keys():
             for fact, test in self._known.tests[device_id].items():
                 (gives if test(after[device_id]) else takes).add(fact)
-        takes |= {self._known.follows[one] for one in takes if one in self._known.follows}  # it is derived again
+        takes |= {self._known.follows[fact] for fact in takes if fact in self._known.follows}  # it is derived again
         return frozenset(gives), frozenset(takes)
 
     def _blocked(self, step: PlanStep) -> str:
@@ -266,7 +270,7 @@ class _StepBuilder:
 
     def _is_wished(self, part: PartSettings) -> bool:
         device, its_part, settings = part
-        return any(one.settings == dict(settings) for one in self._known.wished.get((device, its_part), ()))
+        return any(wished.settings == dict(settings) for wished in self._known.wished.get((device, its_part), ()))
 
     def _asks(self, wanted: PartSettings) -> str:
         """Return that each command of the client to a part has to be agreed to; empty if it has not."""
@@ -288,7 +292,7 @@ class _StepBuilder:
         request = CommandRequest(
             device=device_id,
             part=part_id,
-            settings=tuple(Setting.of(*one) for one in settings),
+            settings=tuple(Setting.of(*pair) for pair in settings),
             issuer=self._asker.issuer,
             scope=self._asker.scope,
             ask_first=bool(asks),
@@ -300,9 +304,9 @@ class _StepBuilder:
 def _parts_of(scene: SceneInfo) -> tuple[PartSettings, ...]:
     """Return the values of a scene; none if only its bridge knows them."""
     return tuple(
-        (one.device, one.part, tuple((each.capability, each.value.plain()) for each in one.settings))
-        for one in scene.parts
-        if all(each.settings for each in scene.parts)
+        (part.device, part.part, tuple((setting.capability, setting.value.plain()) for setting in part.settings))
+        for part in scene.parts
+        if all(part.settings for part in scene.parts)
     )
 
 
@@ -312,7 +316,7 @@ def _applied(scene: SceneInfo) -> str:
 
 def _door_settings(part: DevicePart) -> Sequence[Settings]:
     """Return the settings that open, close, lock and unlock a door."""
-    able = {one.name for one in part.part.capabilities if one.settable}
+    able = {capability.name for capability in part.part.capabilities if capability.settable}
     moving = able.intersection(_OF_DOORS) - ({"position"} if "movement" in able else set())
     return [((name, value),) for name in _OF_DOORS if name in moving for value in _DEEDS[name]]
 
@@ -322,7 +326,7 @@ def _step_text(name: str, settings: Settings) -> str:
         ((capability, value),) = settings
         if words := _DEEDS.get(capability, {}).get(value):
             return words.format(name)
-    return f"set {name} to {', '.join(value_text(*one) for one in settings)}"
+    return f"set {name} to {', '.join(value_text(*pair) for pair in settings)}"
 
 
 def _is_open(device: Device) -> bool | None:
@@ -338,19 +342,19 @@ def _is_open(device: Device) -> bool | None:
 
 
 def _can_open(device: Device) -> bool:
-    names = {one.name for part in device.parts for one in part.part.capabilities if one.settable}
+    names = {capability.name for part in device.parts for capability in part.part.capabilities if capability.settable}
     return not names.isdisjoint(OPENINGS)
 
 
 def _value(device: Device, capability: str) -> PlainValue:
-    states = [one for one in device.states if one.capability == capability]
-    newest = max(states, key=lambda one: one.told_at.to_seconds(), default=None)
+    states = [state for state in device.states if state.capability == capability]
+    newest = max(states, key=lambda state: state.told_at.to_seconds(), default=None)
     return None if newest is None else newest.value.plain()
 
 
 def _told(device: Device, meant: GoalPart) -> str:
-    known = [one for one in device.states if one.part == meant.part and one.capability in meant.capabilities]
-    return ", ".join(value_text(one.capability, one.value.plain()) for one in known) or "in an unknown state"
+    known = [state for state in device.states if state.part == meant.part and state.capability in meant.capabilities]
+    return ", ".join(value_text(state.capability, state.value.plain()) for state in known) or "in an unknown state"
 
 
 def _at(robot: str, room: str) -> str:

@@ -53,11 +53,11 @@ def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
     if options.decision:
         return _decide(door, options, answer)
     if options.json:
-        print(list_text([json_text(fields_of(one)) for one in answer.proposals]))
+        print(list_text([json_text(fields_of(proposal)) for proposal in answer.proposals]))
         return 0
-    for number, one in enumerate(answer.proposals, 1):
-        _print(number, one)
-        for occasion in one.occasions if options.each else ():
+    for number, proposal in enumerate(answer.proposals, 1):
+        _print(number, proposal)
+        for occasion in proposal.occasions if options.each else ():
             print_line(f"     {_occasion(occasion, answer)}")
     if not answer.proposals:
         print(f"nothing to propose: {answer.searched:,} changes and presses, {answer.by_persons:,} of them by persons")
@@ -76,7 +76,7 @@ def _print(number: int, proposal: HabitProposal) -> None:
 
 
 def _occasion(occasion: HabitOccasion, answer: SuggestHabitsResponse) -> str:
-    at, done_at = (one.sec + one.nanosec / 1e9 for one in (occasion.at, occasion.done_at))
+    at, done_at = (stamp.sec + stamp.nanosec / 1e9 for stamp in (occasion.at, occasion.done_at))
     when = datetime.fromtimestamp(at, zone_of(answer.zone))
     if not done_at:
         return f"{when:%a %d %b %H:%M}  you did not"

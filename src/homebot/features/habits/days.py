@@ -75,19 +75,19 @@ class Days:
     @cached_property
     def midnights(self) -> tuple[float, ...]:
         """The beginnings of the days."""
-        return tuple(sorted({self.midnight(one.at) for one in self.events}))
+        return tuple(sorted({self.midnight(event.at) for event in self.events}))
 
     @cached_property
     def by_text(self) -> Mapping[str, EventSeries]:
         """The events of each trigger."""
         kinds: defaultdict[str, EventSeries] = defaultdict(EventSeries)
-        for one in self.events:
-            kind = kinds[one.text]
-            kind.text, kind.device, kind.what, kind.is_press = one.text, one.device, one.what, one.is_press
-            kind.times.append(one.at)
-            if one.step:
-                kind.step = one.step
-                kind.done.append(one.at)
+        for event in self.events:
+            kind = kinds[event.text]
+            kind.text, kind.device, kind.what, kind.is_press = event.text, event.device, event.what, event.is_press
+            kind.times.append(event.at)
+            if event.step:
+                kind.step = event.step
+                kind.done.append(event.at)
         return dict(kinds)
 
     def moments_of(self, when: str) -> list[float]:
@@ -109,7 +109,7 @@ class Days:
 
     def conditions_on(self, device: str) -> Mapping[str, Callable[[float], bool]]:
         """Return the conditions that may narrow what is done with *device*."""
-        return {text: one for text, one in self.conditions.items() if device in self.rooms.get(text, {device})}
+        return {text: holds for text, holds in self.conditions.items() if device in self.rooms.get(text, {device})}
 
     def is_so(self, kind: EventSeries, at: float) -> bool:
         """Return whether the place of *kind* had its value already before *at*."""
@@ -119,15 +119,15 @@ class Days:
 
     @cached_property
     def _times(self) -> tuple[float, ...]:
-        return tuple(one.at for one in self.events)
+        return tuple(event.at for event in self.events)
 
     @cached_property
     def _values(self) -> Mapping[tuple[str, str], tuple[list[float], list[str]]]:
         values: defaultdict[tuple[str, str], tuple[list[float], list[str]]] = defaultdict(lambda: ([], []))
-        for one in self.events:
-            times, texts = values[one.device, one.what]
-            times.append(one.at)
-            texts.append("" if one.is_press else one.text)
+        for event in self.events:
+            times, texts = values[event.device, event.what]
+            times.append(event.at)
+            texts.append("" if event.is_press else event.text)
         return dict(values)
 
 

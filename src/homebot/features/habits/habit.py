@@ -44,7 +44,7 @@ class FoundHabit:
     @property
     def done(self) -> int:
         """The number of occasions on which a person did it."""
-        return sum(one.done_at is not None for one in self.occasions)
+        return sum(occasion.done_at is not None for occasion in self.occasions)
 
 
 @dataclass(frozen=True, slots=True)

@@ -114,23 +114,25 @@ class HabitServices:
                     return SuggestHabitsResponse(success=False, message=str(exc))
         answer = self._last[2]
         running = await self._running_routines()
-        left = tuple(one for one in answer.proposals if self._is_open(one, running))
+        left = tuple(proposal for proposal in answer.proposals if self._is_open(proposal, running))
         return answer.model_copy(update={"proposals": left})
 
     async def _decide(self, request: DecideHabitRequest) -> ChangeRoutineResponse:
         known = () if self._last is None else self._last[2].proposals
         running = await self._running_routines()
-        found = next((one for one in known if one.id == request.id and self._is_open(one, running)), None)
-        if found is None:
+        proposal = next(
+            (proposal for proposal in known if proposal.id == request.id and self._is_open(proposal, running)), None
+        )
+        if proposal is None:
             message = f"there is no proposal {request.id!r} now; `homebot suggest` lists them"
             return ChangeRoutineResponse(success=False, message=message)
         if request.accept:
-            return await self._follow(found, request.issuer)
+            return await self._follow(proposal, request.issuer)
         for oldest in list(self._rejected)[: max(0, len(self._rejected) + 1 - _MAX_REJECTED)]:
             del self._rejected[oldest]
-        self._rejected[found.id] = {"when": found.when, "do": found.do}
+        self._rejected[proposal.id] = {"when": proposal.when, "do": proposal.do}
         await self._write_stores()
-        return ChangeRoutineResponse(message=f"rejected {found.name}; it is not proposed again")
+        return ChangeRoutineResponse(message=f"rejected {proposal.name}; it is not proposed again")
 
     async def _follow(self, habit: HabitProposal, issuer: str) -> ChangeRoutineResponse:
         """Keep and start the routine of *habit*, or remove the one that people undo."""
@@ -145,14 +147,14 @@ class HabitServices:
     async def _running_routines(self) -> Sequence[RoutineInfo]:
         if not self._routines.service_is_ready():
             return ()
-        return [one for one in (await self._routines.call(RoutinesRequest())).routines if not one.problem]
+        return [routine for routine in (await self._routines.call(RoutinesRequest())).routines if not routine.problem]
 
     def _is_open(self, proposal: HabitProposal, running: Sequence[RoutineInfo]) -> bool:
         """Return whether nobody rejected *proposal*, and none of the *running* routines does the same already."""
         if proposal.removes:
-            return proposal.id not in self._rejected and proposal.removes in {one.name for one in running}
+            return proposal.id not in self._rejected and proposal.removes in {routine.name for routine in running}
         wanted = fold(proposal.do)
-        if any(is_same(proposal, str(one["when"]), str(one["do"])) for one in self._rejected.values()):
+        if any(is_same(proposal, str(rejected["when"]), str(rejected["do"])) for rejected in self._rejected.values()):
             return False
         return not any(
             wanted in map(fold, info.steps) and any(is_same(proposal, when, proposal.do) for when in info.when)
@@ -164,10 +166,10 @@ class HabitServices:
             raise PeerError(_NO_HISTORY)
         devices = await self._lookup.devices()
         entries = await self._entries(since)
-        series = [one for device in devices for one in await self._series(device, since, until)]
+        series = [history for device in devices for history in await self._series(device, since, until)]
         zone = await to_thread.run_sync(read_zone, self._home.zone)
         home = Home(zone, self._home.latitude, self._home.longitude)
-        made = {one.app: one.name for one in await self._running_routines() if one.of_habit}
+        made = {routine.app: routine.name for routine in await self._running_routines() if routine.of_habit}
         search = _search(devices, series, entries, home, made)
         while (answer := await to_thread.run_sync(_slice, search)) is None:
             pass
@@ -175,7 +177,7 @@ class HabitServices:
 
     async def _series(self, device: Device, since: float, until: float) -> list[HistorySeries]:
         """Return the states and events of the main parts of *device*; numbers start no routine."""
-        found: list[HistorySeries] = []
+        series: list[HistorySeries] = []
         named = {can.name for part in device.parts if not part.part.category for can in part.part.capabilities}
         for name in sorted(named):
             if CAPABILITIES.get(name, OWN).kind not in {"bool", "text"}:
@@ -190,8 +192,8 @@ class HabitServices:
             answer = await self._history.call(request)
             if not answer.success:
                 raise PeerError(answer.message)
-            found += [one for one in answer.series if one.words]
-        return found
+            series += [history for history in answer.series if history.words]
+        return series
 
     async def _entries(self, since: float) -> list[JournalEntry]:
         """Return the entries about persons and commands, oldest first: the newest hundred thousand."""
@@ -203,12 +205,12 @@ class HabitServices:
             if not page.success:
                 raise PeerError(page.message)
             if pages:  # this page has those at its newest time as well
-                pages[-1] = [one for one in pages[-1] if one.at != until]
-            pages.append([one for one in page.entries if one.kind in _ENTRIES])
+                pages[-1] = [entry for entry in pages[-1] if entry.at != until]
+            pages.append([entry for entry in page.entries if entry.kind in _ENTRIES])
             if page.complete or not page.entries or page.entries[0].at == until:
                 break
             until = page.entries[0].at
-        return [one for page in reversed(pages) for one in page]
+        return [entry for page in reversed(pages) for entry in page]
 
 
 def _search(
@@ -242,9 +244,9 @@ def _search(
         proposals=(*map(proposal_of, best.values()), *_removals(made, entries)),
         watched=tuple(watched),
         searched=len(days.events),
-        by_persons=sum(bool(one.step) for one in days.events),
-        left_out=max(0, sum(len(one.words) for one in series) - MAX_HAPPENINGS),
-        unnamed=sum(not words.reference(one.id) for one in devices),
+        by_persons=sum(bool(event.step) for event in days.events),
+        left_out=max(0, sum(len(history.words) for history in series) - MAX_HAPPENINGS),
+        unnamed=sum(not words.reference(device.id) for device in devices),
     )
     yield from _free(series)
     yield from _free(entries)

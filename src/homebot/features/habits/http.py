@@ -36,8 +36,14 @@ async def list_habits(home: HomeCalls, _: NoQuestion) -> HabitList:
     answer = cast("SuggestHabitsResponse", await call_or_fail(home, SUGGEST_HABITS.name, {}))
     return HabitList(
         habits=tuple(
-            HabitLine(name=one.name, text=one.text, proof=one.proof, precision=one.precision, recall=one.recall)
-            for one in answer.proposals
+            HabitLine(
+                name=proposal.name,
+                text=proposal.text,
+                proof=proposal.proof,
+                precision=proposal.precision,
+                recall=proposal.recall,
+            )
+            for proposal in answer.proposals
         )
     )
 

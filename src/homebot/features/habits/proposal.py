@@ -45,7 +45,9 @@ def proposal_of(tried: TriedHabit) -> HabitProposal:
     table["do"] = [habit.do]
     key = repr((habit.when, habit.conditions, habit.do))
     known = (*habit.occasions, *tried.trial)
-    occasions = [HabitOccasion(at=Time.from_seconds(one.at), done_at=_time(one.done_at)) for one in known]
+    occasions = [
+        HabitOccasion(at=Time.from_seconds(occasion.at), done_at=_time(occasion.done_at)) for occasion in known
+    ]
     lowest, highest = tried.precision_range
     return HabitProposal(
         id=sha256(key.encode()).hexdigest()[:8],
@@ -81,25 +83,25 @@ def is_same(one: HabitProposal, when: str, do: str) -> bool:
 
 def undone_commands(entries: Sequence[JournalEntry], issuer: str) -> Undone:
     """Return how many of the last five commands of *issuer* a person undid within ten minutes."""
-    given = [one for one in entries if one.kind == "requested" and one.issuer == issuer][-_LAST:]
-    by_persons = [one for one in entries if is_persons(one)]
-    return Undone(sum(_is_undone(one, by_persons) for one in given), len(given))
+    given = [entry for entry in entries if entry.kind == "requested" and entry.issuer == issuer][-_LAST:]
+    by_persons = [entry for entry in entries if is_persons(entry)]
+    return Undone(sum(_is_undone(entry, by_persons) for entry in given), len(given))
 
 
 def _is_undone(command: JournalEntry, by_persons: Iterable[JournalEntry]) -> bool:
-    wanted, at = {one.capability: one.value for one in command.settings}, command.at.to_seconds()
+    wanted, at = {setting.capability: setting.value for setting in command.settings}, command.at.to_seconds()
     return any(
-        (one.device, one.part) == (command.device, command.part)
+        (entry.device, entry.part) == (command.device, command.part)
         and wanted.get(setting.capability, setting.value) != setting.value
-        for one in by_persons
-        if at < one.at.to_seconds() <= at + _AGAINST
-        for setting in one.settings
+        for entry in by_persons
+        if at < entry.at.to_seconds() <= at + _AGAINST
+        for setting in entry.settings
     )
 
 
 def _proof(tried: TriedHabit) -> str:
     habit, done, total = tried.found, tried.done, len(tried.trial)
-    gaps = sorted(abs(one.done_at - one.at) for one in habit.occasions if one.done_at is not None)
+    gaps = sorted(abs(occasion.done_at - occasion.at) for occasion in habit.occasions if occasion.done_at is not None)
     near = age_text(max(1.0, gaps[int(0.9 * (len(gaps) - 1))]))
     within = f"within {near} of that time" if _is_timed(habit.when) else f"within {near}"
     low, high = (round(100 * share) for share in tried.precision_range)

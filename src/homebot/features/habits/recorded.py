@@ -51,11 +51,13 @@ def recorded_days(
     words: HabitWords, series: Sequence[HistorySeries], entries: Sequence[JournalEntry], home: Home
 ) -> Days:
     """Return the days of *series*, the states of the house, and *entries* of its journal, oldest first."""
-    refused = {one.command for one in entries if any(not verdict.allowed for verdict in one.verdicts)}
+    refused = {entry.command for entry in entries if any(not verdict.allowed for verdict in entry.verdicts)}
     happenings = _changes(words, series)
-    by_persons = (one for one in entries if is_persons(one) and (not one.command or one.command not in refused))
-    deeds = [deed for one in by_persons for deed in _deeds(words, one)]
-    known = sorted(_with_deeds(happenings, deeds), key=lambda one: one.at)[-MAX_HAPPENINGS:]
+    by_persons = (
+        entry for entry in entries if is_persons(entry) and (not entry.command or entry.command not in refused)
+    )
+    deeds = [deed for entry in by_persons for deed in _deeds(words, entry)]
+    known = sorted(_with_deeds(happenings, deeds), key=lambda happening: happening.at)[-MAX_HAPPENINGS:]
     midnights = _midnights(known[0].at, known[-1].at, home.zone) if known else [0.0]
     rooms = words.rooms()
     conditions = {**dict(_calendar(midnights, home)), **dict(_presence(words, rooms, series))}
@@ -65,15 +67,15 @@ def recorded_days(
 
 
 def _changes(words: HabitWords, series: Iterable[HistorySeries]) -> Iterator[Happening]:
-    for one in series:
-        before, is_event = "", one.capability in EVENTS
-        for at, word in zip(one.times, one.words, strict=False):
+    for history in series:
+        before, is_event = "", history.capability in EVENTS
+        for at, word in zip(history.times, history.words, strict=False):
             if is_event:
-                text = words.press(one.device, one.part, word)
+                text = words.press(history.device, history.part, word)
             else:
-                text = words.trigger(one.device, one.part, one.capability, _FLAGS.get(word, word))
+                text = words.trigger(history.device, history.part, history.capability, _FLAGS.get(word, word))
             if text and (is_event or word != before):
-                yield Happening(at, one.device, f"{one.part} {one.capability}", text, is_press=is_event)
+                yield Happening(at, history.device, f"{history.part} {history.capability}", text, is_press=is_event)
             before = word
 
 
@@ -81,25 +83,25 @@ def _deeds(words: HabitWords, entry: JournalEntry) -> Iterator[Happening]:
     """Yield the deed of a person, as the value and the step that sets it; a level says that it is on, too."""
     settings: Iterable[Setting] = entry.settings
     if len(entry.settings) > 1:
-        settings = [one for one in entry.settings if one.capability != "on_off"]
-    for one in settings:
-        value = one.value.plain()
-        step = words.step(entry.device, entry.part, one.capability, value)
+        settings = [setting for setting in entry.settings if setting.capability != "on_off"]
+    for setting in settings:
+        value = setting.value.plain()
+        step = words.step(entry.device, entry.part, setting.capability, value)
         is_number = isinstance(value, float)
-        text = words.trigger(entry.device, entry.part, one.capability, rounded(one.capability, value))
+        text = words.trigger(entry.device, entry.part, setting.capability, rounded(setting.capability, value))
         if step and text:
-            what = f"{entry.part} {one.capability}"
+            what = f"{entry.part} {setting.capability}"
             yield Happening(entry.at.to_seconds(), entry.device, what, text, step, is_press=is_number)
 
 
 def _with_deeds(happenings: Iterable[Happening], deeds: Iterable[Happening]) -> Iterator[Happening]:
     """Yield *happenings*, those that persons brought about with the step, and the deeds that changed nothing else."""
     times: defaultdict[tuple[str, str, str], list[Happening]] = defaultdict(list)
-    for one in happenings:
-        times[one.device, one.what, one.text].append(one)
+    for happening in happenings:
+        times[happening.device, happening.what, happening.text].append(happening)
     for deed in deeds:
         same = times[deed.device, deed.what, deed.text]
-        near = [place for place, one in enumerate(same) if -_SAME / 6 <= one.at - deed.at <= _SAME]
+        near = [place for place, happening in enumerate(same) if -_SAME / 6 <= happening.at - deed.at <= _SAME]
         if near:
             same[near[0]] = replace(same[near[0]], step=deed.step)
         else:
@@ -110,11 +112,11 @@ def _with_deeds(happenings: Iterable[Happening], deeds: Iterable[Happening]) -> 
 
 def _midnights(since: float, until: float, zone: tzinfo) -> list[float]:
     day = datetime.fromtimestamp(since, zone).replace(hour=0, minute=0, second=0, microsecond=0)
-    found: list[float] = []
+    midnights: list[float] = []
     while (at := day.timestamp()) <= until:
-        found.append(at)
+        midnights.append(at)
         day += timedelta(days=1)
-    return found
+    return midnights
 
 
 def _index(times: Sequence[float], at: float) -> int:
@@ -148,22 +150,22 @@ def _presence(
 ) -> Iterator[tuple[str, Callable[[float], bool]]]:
     """Yield who is at home, and in which rooms somebody is."""
     known: defaultdict[tuple[str, str], list[HistorySeries]] = defaultdict(list)
-    for one in series:
-        known[one.device, one.capability].append(one)
+    for history in series:
+        known[history.device, history.capability].append(history)
     for text, person in words.people().items():
         if at_home := known[person, "at_home"]:
             yield text, partial(_is_any, at_home)
     for room in rooms:
-        if seen := [one for sensor in room.sensors for one in known[sensor, "occupancy"]]:
+        if seen := [history for sensor in room.sensors for history in known[sensor, "occupancy"]]:
             somebody, nobody = room.texts
             yield somebody, partial(_is_any, seen)
             yield nobody, partial(_is_none, seen)
 
 
 def _is_any(series: Iterable[HistorySeries], at: float) -> bool:
-    for one in series:
-        place = bisect_right(one.times, at) - 1
-        if place >= 0 and one.words[place] == "true" and at < one.ends[place]:
+    for history in series:
+        place = bisect_right(history.times, at) - 1
+        if place >= 0 and history.words[place] == "true" and at < history.ends[place]:
             return True
     return False
 

@@ -76,11 +76,11 @@ def find_habits(days: Days) -> Iterator[FoundHabit | None]:
     unlikely = _MAX_LUCK / max(1, len(steps))  # each step is a try that p_value has
     changed: list[str] = []
     for done in steps:
-        found = 0
+        count = 0
         for habit in _habits_of(days, done, unlikely):
-            found += habit is not None
+            count += habit is not None
             yield habit
-        if not found:
+        if not count:
             changed.append(done.text)
     recent = days.recent(len(days.midnights) // 2)
     for done in _steps(recent):
@@ -98,7 +98,7 @@ def _steps(days: Days) -> Iterator[EventSeries]:
 def occasions_of(days: Days, habit: FoundHabit) -> tuple[Occasion, ...]:
     """Return the occasions of a habit in other days, however seldom it is done there."""
     rule = _rule(days, days.by_text[habit.do], habit.when, habit.within, is_found=True)
-    return tuple(one.occasion for one in replace(rule, conditions=habit.conditions).occasions)
+    return tuple(case.occasion for case in replace(rule, conditions=habit.conditions).occasions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class _Rule:
 
     @property
     def occasions(self) -> list[_Tried]:
-        return [one for one in self.tried if one.held.issuperset(self.conditions)]
+        return [case for case in self.tried if case.held.issuperset(self.conditions)]
 
 
 def _habits_of(days: Days, done: EventSeries, unlikely: float) -> Iterator[FoundHabit | None]:
@@ -146,7 +146,7 @@ def _habits_of(days: Days, done: EventSeries, unlikely: float) -> Iterator[Found
         if best is None:
             return
         habit = _proved(rules, days, best, left, done, unlikely)
-        followed = {one.occasion.done_at for one in best.occasions}
+        followed = {case.occasion.done_at for case in best.occasions}
         if habit is None or len(followed & left) < MIN_DAYS:
             return
         yield habit
@@ -157,7 +157,7 @@ def _after_events(days: Days, done: EventSeries) -> Iterator[_Rule]:
     """Yield the rules of frequent events before."""
     before: Counter[str] = Counter()
     for at in done.done:
-        texts = {one.text for one in days.between(at - _WITHIN[-1], at) if one.device != done.device}
+        texts = {event.text for event in days.between(at - _WITHIN[-1], at) if event.device != done.device}
         before.update(texts)
     least = max(MIN_DAYS, 0.25 * len(done.done))
     common = [(text, count) for text, count in before.items() if count >= least]
@@ -181,7 +181,7 @@ def _at_times(days: Days, done: EventSeries) -> Iterator[_Rule]:
         moments = days.moments_of(text)
         if len(moments) < MIN_DAYS:
             continue
-        gaps = [min((at - one for one in moments), key=abs) for at in done.done]
+        gaps = [min((at - moment for moment in moments), key=abs) for at in done.done]
         near = [gap for gap in gaps if abs(gap) <= 3600]
         if len(near) >= MIN_DAYS:
             shift = round(median(near) / _ROUND) * _ROUND
@@ -191,9 +191,11 @@ def _at_times(days: Days, done: EventSeries) -> Iterator[_Rule]:
 
 def _common_times(offsets: Sequence[float]) -> Iterable[float]:
     """Return the times of day around which most is done, rounded: two for a deed of twice a day."""
-    hours = Counter(round(one / 3600) for one in offsets)
-    near = ([one for one in offsets if abs(one - hour * 3600) <= 3600] for hour, _ in hours.most_common(_MAX_TIMES))
-    return dict.fromkeys(round(median(one) / _ROUND) * _ROUND for one in near)
+    hours = Counter(round(offset / 3600) for offset in offsets)
+    near = (
+        [offset for offset in offsets if abs(offset - hour * 3600) <= 3600] for hour, _ in hours.most_common(_MAX_TIMES)
+    )
+    return dict.fromkeys(round(median(group) / _ROUND) * _ROUND for group in near)
 
 
 def _rule(days: Days, done: EventSeries, when: str, within: float, *, is_found: bool = False) -> _Rule:
@@ -215,8 +217,8 @@ def _rule(days: Days, done: EventSeries, when: str, within: float, *, is_found: 
 
 def _is_worth_a_look(days: Days, done: EventSeries, occasions: Iterable[Occasion]) -> bool:
     """Return whether it is done often enough to score: always, or where one condition holds."""
-    hits = [one.at for one in occasions if one.done_at is not None]
-    others = [one.at for one in occasions if one.done_at is None]
+    hits = [occasion.at for occasion in occasions if occasion.done_at is not None]
+    others = [occasion.at for occasion in occasions if occasion.done_at is None]
     for holds in (lambda _: True, *days.conditions_on(done.device).values()):
         count = sum(map(holds, hits))
         most = int(count / _WORTH_A_LOOK) - count
@@ -227,20 +229,20 @@ def _is_worth_a_look(days: Days, done: EventSeries, occasions: Iterable[Occasion
 
 def _occasions(days: Days, done: EventSeries, begins: Iterable[float], span: float, late: float) -> list[Occasion]:
     """Return when a routine would have acted: not again soon, nor where it is so already."""
-    found: list[Occasion] = []
+    occasions: list[Occasion] = []
     last = float("-inf")
     for begin in begins:
         if begin >= last + span and not days.is_so(done, begin):
             last = begin
-            found.append(Occasion(begin + late, done.first(begin, begin + span)))
-    return found
+            occasions.append(Occasion(begin + late, done.first(begin, begin + span)))
+    return occasions
 
 
 def _tried(days: Days, done: EventSeries, occasions: Iterable[Occasion]) -> tuple[_Tried, ...]:
     conditions = days.conditions_on(done.device).items()
     return tuple(
-        _Tried(one, days.number(one.at), frozenset(text for text, holds in conditions if holds(one.at)))
-        for one in occasions
+        _Tried(occasion, days.number(occasion.at), frozenset(text for text, holds in conditions if holds(occasion.at)))
+        for occasion in occasions
     )
 
 
@@ -248,12 +250,12 @@ def _by_chance(days: Days, done: EventSeries, rule: _Rule) -> float:
     """Return how often it is done after other times, such as those of other days, under the same conditions."""
     first, last = days.events[0].at, days.events[-1].at
     moved = ([at + shift * DAY for at in rule.begins] for shift in rule.shifts)
-    other = [one for begins in moved for one in _occasions(days, done, begins, rule.span, rule.late)]
-    conditions = [days.conditions[one] for one in rule.conditions]
+    other = [occasion for begins in moved for occasion in _occasions(days, done, begins, rule.span, rule.late)]
+    conditions = [days.conditions[condition] for condition in rule.conditions]
     followed = [
-        one.done_at is not None
-        for one in other
-        if first <= one.at <= last and all(holds(one.at) for holds in conditions)
+        occasion.done_at is not None
+        for occasion in other
+        if first <= occasion.at <= last and all(holds(occasion.at) for holds in conditions)
     ]
     return (sum(followed) + 1) / (len(followed) + 2)
 
@@ -263,7 +265,7 @@ def _share(tried: Sequence[_Tried]) -> float:
 
 
 def _hits(tried: Iterable[_Tried]) -> int:
-    return sum(one.occasion.done_at is not None for one in tried)
+    return sum(case.occasion.done_at is not None for case in tried)
 
 
 def _best(rules: Iterable[_Rule], left: set[float], chosen: Iterable[int]) -> _Rule | None:
@@ -271,12 +273,16 @@ def _best(rules: Iterable[_Rule], left: set[float], chosen: Iterable[int]) -> _R
     best, most = None, 0.0
     numbers = frozenset(chosen)
     for rule in rules:
-        own = [one for one in rule.tried if one.day in numbers]
-        known = sorted(frozenset[str]().union(*(one.held for one in own)))
+        own = [case for case in rule.tried if case.day in numbers]
+        known = sorted(frozenset[str]().union(*(case.held for case in own)))
         conditions: tuple[str, ...] = ()
         for count in range(_MAX_CONDITIONS + 1):
-            wider = [(*conditions, one) for one in known if one not in conditions] if count else [conditions]
-            scores = [_score(own, one, left) - _LATENCY_PENALTY * (rule.span - rule.late) for one in wider]
+            wider = (
+                [(*conditions, condition) for condition in known if condition not in conditions]
+                if count
+                else [conditions]
+            )
+            scores = [_score(own, choice, left) - _LATENCY_PENALTY * (rule.span - rule.late) for choice in wider]
             if not scores:
                 break
             conditions = wider[scores.index(max(scores))]
@@ -286,8 +292,8 @@ def _best(rules: Iterable[_Rule], left: set[float], chosen: Iterable[int]) -> _R
 
 
 def _score(tried: Sequence[_Tried], conditions: tuple[str, ...], left: set[float]) -> float:
-    own = [one.occasion for one in tried if one.held.issuperset(conditions)]
-    followed = {one.done_at for one in own if one.done_at is not None}
+    own = [case.occasion for case in tried if case.held.issuperset(conditions)]
+    followed = {occasion.done_at for occasion in own if occasion.done_at is not None}
     new = len(followed & left)
     if new < _MIN_NEW:
         return 0.0
@@ -300,14 +306,14 @@ def _proved(
 ) -> FoundHabit | None:
     """Return the habit if it holds on days that were not used to find it; None otherwise."""
     tried = best.occasions
-    hits = [one for one in tried if one.occasion.done_at is not None]
-    recent = [one for one in tried if one.day >= len(days.midnights) - _RECENT]
+    hits = [case for case in tried if case.occasion.done_at is not None]
+    recent = [case for case in tried if case.day >= len(days.midnights) - _RECENT]
     held_out = [*_held_out(rules, days, left)]
     proved = _hits(held_out), len(held_out)
     precision = (proved[0] + 0.5) / (proved[1] + 1)  # H. Jeffreys (1946)
     chance = _by_chance(days, done, best)
     is_habit = (
-        len({one.day for one in hits}) >= max(MIN_DAYS, _MIN_OF_DAYS * _chances(days, best))
+        len({case.day for case in hits}) >= max(MIN_DAYS, _MIN_OF_DAYS * _chances(days, best))
         and wilson_lower_bound(len(hits), len(tried)) >= _MIN_SURE
         and precision >= max(_MIN_PRECISION, chance + _ABOVE_CHANCE)
         and p_value(*proved, chance) <= unlikely
@@ -316,8 +322,8 @@ def _proved(
     )
     if not is_habit:
         return None
-    occasions = tuple(one.occasion for one in tried)
-    recall = len({one.occasion.done_at for one in hits}) / len(done.done)
+    occasions = tuple(case.occasion for case in tried)
+    recall = len({case.occasion.done_at for case in hits}) / len(done.done)
     return FoundHabit(
         best.when, best.conditions, done.step, done.device, best.span - best.late, occasions, proved, recall
     )
@@ -325,7 +331,7 @@ def _proved(
 
 def _chances(days: Days, rule: _Rule) -> int:
     """Return how often there was an occasion for a rule that is late; 0 for any other."""
-    conditions = [days.conditions[one] for one in rule.conditions]
+    conditions = [days.conditions[condition] for condition in rule.conditions]
     return sum(all(holds(at + rule.late) for holds in conditions) for at in rule.begins) if rule.late > 0 else 0
 
 
@@ -334,18 +340,18 @@ def _is_automatic(days: Days, rule: _Rule, hits: Iterable[_Tried]) -> bool:
 
     No person does that: programs of devices do, buttons that are bound to a device, and a fan that follows its lamp.
     """
-    late = [one.occasion.done_at - one.occasion.at for one in hits if one.occasion.done_at is not None]
+    late = [case.occasion.done_at - case.occasion.at for case in hits if case.occasion.done_at is not None]
     usual = median(late)
     if rule.late < 0 and days.by_text[rule.when].is_press:
         usual = 0.0
     elif rule.late < 0 and usual < _LONG_DELAY:
         return False
-    return sum(abs(one - usual) <= _PUNCTUAL for one in late) >= 0.8 * len(late)
+    return sum(abs(delay - usual) <= _PUNCTUAL for delay in late) >= 0.8 * len(late)
 
 
 def _held_out(rules: Sequence[_Rule], days: Days, left: set[float]) -> Iterator[_Tried]:
     """Yield the occasions of each third of the days, by the best rule of the others."""
     for fold in range(_FOLDS):
-        known = [one for one in range(len(days.midnights)) if one % _FOLDS != fold]
-        found = _best(rules, {at for at in left if days.number(at) in known}, known)
-        yield from () if found is None else (one for one in found.occasions if one.day % _FOLDS == fold)
+        known = [day for day in range(len(days.midnights)) if day % _FOLDS != fold]
+        rule = _best(rules, {at for at in left if days.number(at) in known}, known)
+        yield from () if rule is None else (case for case in rule.occasions if case.day % _FOLDS == fold)

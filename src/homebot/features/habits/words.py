@@ -48,9 +48,9 @@ class HabitWords:
     """The words for *devices*. A value that no text means, or that several devices share, has an empty one."""
 
     def __init__(self, devices: Sequence[Device]) -> None:
-        self._devices = {one.id: one for one in devices}
-        self._facets = [facets_of(one) for one in devices]
-        self._named = Counter(fold(name) for one in devices for name in {one.name, *one.names})
+        self._devices = {device.id: device for device in devices}
+        self._facets = [facets_of(device) for device in devices]
+        self._named = Counter(fold(name) for device in devices for name in {device.name, *device.names})
         self.reference = lru_cache(None)(self._reference)
         self.trigger = lru_cache(None)(self._trigger)
         self.press = lru_cache(None)(self._press)
@@ -60,21 +60,21 @@ class HabitWords:
         """Return the conditions that somebody is at home, with the device of the person or the household."""
         texts = {"x_person": "{} is home", "x_household": "somebody is home"}
         known = (
-            (texts[one.service_type].format(one.name), one)
-            for one in self._devices.values()
-            if one.service_type in texts
+            (texts[device.service_type].format(device.name), device)
+            for device in self._devices.values()
+            if device.service_type in texts
         )
-        return {text: one.id for text, one in known if _holds(text, one, "at_home")}
+        return {text: device.id for text, device in known if _holds(text, device, "at_home")}
 
     def rooms(self) -> Sequence[WatchedRoom]:
         """Return the rooms with sensors of presence."""
-        found: list[WatchedRoom] = []
-        for area in dict.fromkeys(one.area for one in self._devices.values() if one.area):
+        rooms: list[WatchedRoom] = []
+        for area in dict.fromkeys(device.area for device in self._devices.values() if device.area):
             texts = f"somebody in {area}", f"nobody in {area}"
-            there = [one for one in self._devices.values() if fold(one.area) == fold(area)]
-            if sensors := tuple(one.id for one in there if _holds(texts[0], one, "occupancy")):
-                found.append(WatchedRoom(texts, sensors, frozenset(one.id for one in there)))
-        return found
+            there = [device for device in self._devices.values() if fold(device.area) == fold(area)]
+            if sensors := tuple(device.id for device in there if _holds(texts[0], device, "occupancy")):
+                rooms.append(WatchedRoom(texts, sensors, frozenset(device.id for device in there)))
+        return rooms
 
     def _reference(self, device_id: str) -> str:
         """Return the words that mean this device alone: its name if that is clear, or ``name="…"``."""
@@ -92,8 +92,8 @@ class HabitWords:
             query = parse_query(name)
         except UsageError:
             return f'name="{name}"'
-        found = [one.id for one in self._facets if fits(query, one)]
-        return name if found == [device_id] else f'name="{name}"'
+        ids = [facets.id for facets in self._facets if fits(query, facets)]
+        return name if ids == [device_id] else f'name="{name}"'
 
     def _trigger(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
         """Return the trigger that this value starts."""
@@ -114,12 +114,12 @@ class HabitWords:
         device, reference = self._devices.get(device_id), self.reference(device_id)
         if device is None or not (reference and value and value.isprintable()):
             return ""
-        buttons = [one for one in device.parts if any(can.name in EVENTS for can in one.part.capabilities)]
+        buttons = [button for button in device.parts if any(can.name in EVENTS for can in button.part.capabilities)]
         button = f"{reference}#{part}" if len(buttons) > 1 else reference
         for text in (f"{button} press {value}", f'{button} press "{value}"'):
             read = _read(text)
             if isinstance(read, Press) and read.value == value.casefold() and fits(read.query, facets_of(device)):
-                return text if [one.id for one in buttons if read.is_of(one)] == [part] else ""
+                return text if [button.id for button in buttons if read.is_of(button)] == [part] else ""
         return ""
 
     def _step(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
@@ -127,7 +127,7 @@ class HabitWords:
         device = self._devices.get(device_id)
         if device is None or not self._is_clear(device, part, capability):
             return ""
-        (own,) = (one for one in device.parts if one.id == part)
+        (own,) = (candidate for candidate in device.parts if candidate.id == part)
         if always_asks(device, own) or _is_passing(own, capability, value):
             return ""
         value = rounded(capability, value)
@@ -146,8 +146,14 @@ class HabitWords:
     @staticmethod
     def _is_clear(device: Device, part: str, capability: str) -> bool:
         """Return whether only this main part of *device* has the capability."""
-        having = [one.id for one in device.parts if any(can.name == capability for can in one.part.capabilities)]
-        return having == [part] and not any(one.id == part and one.part.category for one in device.parts)
+        having = [
+            candidate.id
+            for candidate in device.parts
+            if any(can.name == capability for can in candidate.part.capabilities)
+        ]
+        return having == [part] and not any(
+            candidate.id == part and candidate.part.category for candidate in device.parts
+        )
 
 
 def rounded(capability: str, value: PlainValue) -> PlainValue:
@@ -161,7 +167,7 @@ def rounded(capability: str, value: PlainValue) -> PlainValue:
 def _is_passing(part: DevicePart, capability: str, value: PlainValue) -> bool:
     """Return whether a value is only on the way, or says the same as a word: a cover at 0 % is closed."""
     if capability == "position" and value in {0.0, 100.0}:
-        return any(one.name == "movement" for one in part.part.capabilities)
+        return any(offered.name == "movement" for offered in part.part.capabilities)
     return capability == "movement" and value not in {"open", "closed"}
 
 
@@ -178,7 +184,7 @@ def _holds(text: str, device: Device, capability: str) -> bool:
         read = read_condition(text)
     except UsageError:
         return False
-    having = (one.id for one in device.parts if any(can.name == capability for can in one.part.capabilities))
+    having = (part.id for part in device.parts if any(can.name == capability for can in part.part.capabilities))
     return isinstance(read, Matches) and any(
         _means(read.state, device, part, capability, value=True) for part in having
     )
@@ -208,7 +214,7 @@ def _sets(text: str, reference: str, device: Device) -> tuple[str, dict[str, Pla
     if not isinstance(step, Do) or step.target != reference or step.values:
         return None
     request = CommandDevicesRequest(target=step.target, command=step.command)
-    found = [(part.id, parsed) for part, parsed in settings_by_part(request, device, device.parts)]
-    if len(found) != 1 or not isinstance(found[0][1], dict):
+    by_part = [(part.id, parsed) for part, parsed in settings_by_part(request, device, device.parts)]
+    if len(by_part) != 1 or not isinstance(by_part[0][1], dict):
         return None
-    return found[0][0], found[0][1]
+    return by_part[0][0], by_part[0][1]

@@ -79,7 +79,7 @@ def combined(first: Bucket | None, second: Bucket) -> Bucket:
 
 def wider(buckets: Mapping[int, Bucket] | Iterable[tuple[int, Bucket]], times: int) -> dict[int, Bucket]:
     """Return *buckets*, oldest first, each combined from *times* buckets."""
-    found: dict[int, Bucket] = {}
+    wide: dict[int, Bucket] = {}
     for number, bucket in buckets.items() if isinstance(buckets, Mapping) else buckets:
-        found[number // times] = combined(found.get(number // times), bucket)
-    return found
+        wide[number // times] = combined(wide.get(number // times), bucket)
+    return wide

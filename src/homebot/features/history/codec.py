@@ -73,11 +73,11 @@ def decode_batch(data: bytes) -> tuple[array[int], array[int], array[float]]:
 
 
 def _pack(*columns: array[Any]) -> bytes:
-    found = []
+    pieces = []
     for column in columns:
         size, data = column.itemsize, _little(column).tobytes()
-        found += [data[place::size] for place in range(size)]
-    return _VERSION + zlib.compress(b"".join(found), _LEVEL)
+        pieces += [data[place::size] for place in range(size)]
+    return _VERSION + zlib.compress(b"".join(pieces), _LEVEL)
 
 
 def _unpack(data: bytes, letters: str) -> list[Any]:
@@ -89,7 +89,7 @@ def _unpack(data: bytes, letters: str) -> list[Any]:
     count, rest = divmod(len(plain), sum(sizes))
     if rest:
         raise WireError("the numbers of the history cannot be read", data[:20])
-    found: list[Any] = []
+    columns: list[Any] = []
     begin = 0
     for letter, size in zip(letters, sizes, strict=True):
         mixed = bytearray(count * size)
@@ -98,8 +98,8 @@ def _unpack(data: bytes, letters: str) -> list[Any]:
             begin += count
         column: array[Any] = array(letter)
         column.frombytes(bytes(mixed))
-        found.append(_little(column))
-    return found
+        columns.append(_little(column))
+    return columns
 
 
 def _little(column: array[Any]) -> array[Any]:

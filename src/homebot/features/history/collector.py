@@ -76,12 +76,12 @@ class Collector(HouseWatcher):
     @property
     def counters(self) -> frozenset[int]:
         """The numbers of the series of counters."""
-        return frozenset(one.number for one in self.series.values() if one.place[2] in COUNTERS)
+        return frozenset(series.number for series in self.series.values() if series.place[2] in COUNTERS)
 
     @property
     def has_states(self) -> bool:
         """True if a word or flag is still in effect."""
-        return any(one.opened_at for followed in self._followed.values() for one in followed.values())
+        return any(collected.opened_at for followed in self._followed.values() for collected in followed.values())
 
     def on_device(self, change: DeviceChange) -> None:
         """Start or stop collecting the values of a device, depending on whether it is alive."""
@@ -93,8 +93,8 @@ class Collector(HouseWatcher):
         }
         if change.kind == "removed" or device.freshness == "stale" or device.reachable.state == "no":
             now = self._now()
-            for one in self._followed.get(device.id, {}).values():
-                self._end(one, now)
+            for collected in self._followed.get(device.id, {}).values():
+                self._end(collected, now)
         else:
             self._begin_device(device)
 
@@ -111,9 +111,9 @@ class Collector(HouseWatcher):
     def restart_total(self, series: int, last: float | None) -> None:
         """Let the counter of *series*, if it is one, go on from its *last* value after a correction."""
         for followed in self._followed.values():
-            for one in followed.values():
-                if one.series.number == series and one.total is not None:
-                    one.total = CounterTotal(last)
+            for collected in followed.values():
+                if collected.series.number == series and collected.total is not None:
+                    collected.total = CounterTotal(last)
 
     def close(self) -> None:
         """End all values now. Idempotent."""
@@ -124,30 +124,30 @@ class Collector(HouseWatcher):
         """End all states at *seen*, in milliseconds since the Unix epoch, and restart all values now."""
         now = self._now()
         for followed in self._followed.values():
-            for one in followed.values():
-                value = one.value
+            for collected in followed.values():
+                value = collected.value
                 if isinstance(value, float):
-                    self._add(one, now, value)
-                elif one.opened_at and not isinstance(value, float | None):
-                    self._close_state(one, seen)
+                    self._add(collected, now, value)
+                elif collected.opened_at and not isinstance(value, float | None):
+                    self._close_state(collected, seen)
                     if seen != now:
-                        self._open_state(one, value, now)
+                        self._open_state(collected, value, now)
 
     def repeat(self, at: int) -> None:
         """Collect each current number again at *at*, unless a newer one is known."""
         for followed in self._followed.values():
-            for one in followed.values():
-                if isinstance(one.value, float) and one.told_at < at:
-                    self._add(one, at, one.value)
-                one.changes = 0
+            for collected in followed.values():
+                if isinstance(collected.value, float) and collected.told_at < at:
+                    self._add(collected, at, collected.value)
+                collected.changes = 0
 
     def renew(self) -> None:
         """Write all series and current states again, because the file is new."""
         self.batch.new = list(self.series.values())
         for followed in self._followed.values():
-            for one in followed.values():
-                if one.opened_at and not isinstance(one.value, float | None):
-                    self.batch.states[one.opened_at, one.series.number] = StateRow(None, one.value)
+            for collected in followed.values():
+                if collected.opened_at and not isinstance(collected.value, float | None):
+                    self.batch.states[collected.opened_at, collected.series.number] = StateRow(None, collected.value)
 
     def _begin_device(self, device: Device) -> None:
         known, now = self._followed.get(device.id, {}), self._now()
@@ -191,8 +191,8 @@ class Collector(HouseWatcher):
             recorded = total.record(value, at)
             value = value if total.last is None else total.last
         followed.value = value
-        for one in recorded:
-            self._add(followed, at, one)
+        for recorded_value in recorded:
+            self._add(followed, at, recorded_value)
 
     def _record_state(self, followed: _CollectedValue, value: StoredState, at: int) -> None:
         if followed.opened_at:
@@ -244,7 +244,7 @@ class Collector(HouseWatcher):
         """Return the series of *place*, a new one if there is room for it."""
         series = self.series.get(place)
         if series is None:
-            number = 1 + max((one.number for one in self.series.values()), default=0)
+            number = 1 + max((series.number for series in self.series.values()), default=0)
             if self._count >= self._most or number > MASK:
                 self.left_out += 1
                 return None

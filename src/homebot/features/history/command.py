@@ -87,11 +87,11 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
     if options.energy:
         return _print_energy(_ask(door, READ_ENERGY.name, request), options)
     request |= {"capability": options.capability, "points": _points(options)}
-    found, since = _series(door, request, since)
-    if not found.series and (name := options.capability) and name not in CAPABILITIES:
+    response, since = _series(door, request, since)
+    if not response.series and (name := options.capability) and name not in CAPABILITIES:
         raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
-    _print_history(found, options, since, until)
-    return 0 if found.series else 1
+    _print_history(response, options, since, until)
+    return 0 if response.series else 1
 
 
 def _points(options: argparse.Namespace) -> int:
@@ -136,16 +136,16 @@ def _moment(text: str, now: datetime) -> float:
 def _series(door: DoorClient, request: Mapping[str, object], since: float) -> tuple[ReadHistoryResponse, float]:
     """Return the series, and when they begin: of a young history, rows for the whole time would be few."""
     while True:
-        found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY.name, {**request, "since": from_seconds(since)}))
-        begins = min((one.times[0] for one in found.series if one.times), default=since)
+        response = cast("ReadHistoryResponse", _ask(door, READ_HISTORY.name, {**request, "since": from_seconds(since)}))
+        begins = min((series.times[0] for series in response.series if series.times), default=since)
         if begins <= since:
-            return found, since
+            return response, since
         since = begins
 
 
 def _print_history(found: ReadHistoryResponse, options: argparse.Namespace, since: float, until: float) -> None:
     if options.json:
-        print(json.dumps([fields_of(one) for one in found.series]))
+        print(json.dumps([fields_of(series) for series in found.series]))
     elif options.csv:
         _print_csv(("time", "device", "part", "capability", "value", "low", "high", "until"), _csv_rows(found.series))
     else:
@@ -169,10 +169,10 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
     device = device_or_similar(door, text)
     if not isinstance(device, list):
         return {"device": device.id}
-    found = find_devices(door, text, _MATCHES, is_spelled=True)
-    if not found.results:
-        raise PeerError(why_none(found, text))
-    print_note(found)
+    answer = find_devices(door, text, _MATCHES, is_spelled=True)
+    if not answer.results:
+        raise PeerError(why_none(answer, text))
+    print_note(answer)
     return {"query": text}
 
 
@@ -189,16 +189,18 @@ def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonM
 def _print_series(found: ReadHistoryResponse, since: float, until: float, *, is_plot: bool) -> None:
     if not found.series:
         print("nothing is known about that time; a history begins shortly after homebot, and when a value changes")
-    for number, one in enumerate(found.series):
+    for number, series in enumerate(found.series):
         if number:
             print()
-        part = f"#{one.part}" if one.part else ""
-        print(f"{printable(one.name)}{printable(part)}  {one.capability}{f', {one.unit}' if one.unit else ''}")
-        if is_plot and one.values:
+        part = f"#{series.part}" if series.part else ""
+        print(
+            f"{printable(series.name)}{printable(part)}  {series.capability}{f', {series.unit}' if series.unit else ''}"
+        )
+        if is_plot and series.values:
             width = max(min(shutil.get_terminal_size().columns, _WIDEST), _NARROWEST)
-            print("\n".join(plot_lines(one.times, one.values, since, until, width)))
+            print("\n".join(plot_lines(series.times, series.values, since, until, width)))
         else:
-            _print_table(one, until - since)
+            _print_table(series, until - since)
     if found.left_out:
         print(f"\n… and {found.left_out} more values; --capability or a narrower query leaves some out")
 
@@ -232,26 +234,33 @@ def _print_table(one: HistorySeries, length: float) -> None:
 
 
 def _csv_rows(series: Sequence[HistorySeries]) -> Iterator[Sequence[object]]:
-    for one in series:
-        place = one.device, one.part, one.capability
-        for number, at in enumerate(one.times):
-            if one.words:
-                yield _iso(at), *place, one.words[number], "", "", _iso(one.ends[number])
-            elif one.lows:
-                yield _iso(at), *place, one.values[number], one.lows[number], one.highs[number], _iso(at + one.width)
+    for history in series:
+        place = history.device, history.part, history.capability
+        for number, at in enumerate(history.times):
+            if history.words:
+                yield _iso(at), *place, history.words[number], "", "", _iso(history.ends[number])
+            elif history.lows:
+                yield (
+                    _iso(at),
+                    *place,
+                    history.values[number],
+                    history.lows[number],
+                    history.highs[number],
+                    _iso(at + history.width),
+                )
             else:
-                yield _iso(at), *place, one.values[number], "", "", ""
+                yield _iso(at), *place, history.values[number], "", "", ""
 
 
 def _print_energy(found: JsonMessage, options: argparse.Namespace) -> int:
     days = cast("list[EnergyOfDay]", found.days)
     if options.json:
-        print(json.dumps([fields_of(one) for one in days]))
+        print(json.dumps([fields_of(row) for row in days]))
     elif options.csv:
         head = ("day", "device", "part", "used", "returned")
-        _print_csv(head, [(one.day, one.device, one.part, one.used, one.returned) for one in days])
+        _print_csv(head, [(row.day, row.device, row.part, row.used, row.returned) for row in days])
     elif days:
-        rows = [(one.day, f"{one.name}{f'#{one.part}' if one.part else ''}", *_kwh(one)) for one in days]
+        rows = [(row.day, f"{row.name}{f'#{row.part}' if row.part else ''}", *_kwh(row)) for row in days]
         print_table(("DAY", "DEVICE", "USED KWH", "RETURNED KWH"), rows, if_any=("RETURNED KWH",))
     else:
         print("no device counted energy in that time")
@@ -302,7 +311,7 @@ def plot_lines(
     for at, value in zip(times, values, strict=True):
         column = min(int((at - since) / (until - since) * columns), columns - 1)
         sums.setdefault(max(column, 0), []).append(value)
-    means = {column: sum(found) / len(found) for column, found in sums.items()}
+    means = {column: sum(numbers) / len(numbers) for column, numbers in sums.items()}
     low, high = min(means.values(), default=0.0), max(means.values(), default=0.0)
     return [*_plot_rows(means, low, high, columns, height), _axis(since, until, columns)]
 
@@ -319,5 +328,5 @@ def _plot_rows(means: dict[int, float], low: float, high: float, columns: int, h
 
 def _axis(since: float, until: float, columns: int) -> str:
     form = "%H:%M" if until - since < _DAY else "%d %b %H:%M" if until - since <= 30 * _DAY else "%d %b %Y"
-    first, last = (datetime.fromtimestamp(one).astimezone().strftime(form) for one in (since, until))
+    first, last = (datetime.fromtimestamp(at).astimezone().strftime(form) for at in (since, until))
     return f"{'':{_LABEL}} └{first}{'─' * max(columns - len(first) - len(last), 1)}{last}"

@@ -48,12 +48,12 @@ class Correction(NamedTuple):
     def buckets(self, known: Mapping[int, Bucket], width: int) -> dict[int, Bucket]:
         """Return *known*, of which only those that lie wholly in the span change."""
         new = None if self.value is None else Bucket(self.value, self.value, self.value, self.value, width / 1000, 0.0)
-        found: dict[int, Bucket] = {}
+        corrected: dict[int, Bucket] = {}
         for number, bucket in known.items():
             is_meant = self.since <= number * width and (number + 1) * width <= self.until
             if (kept := new if is_meant else bucket) is not None:
-                found[number] = kept
-        return found
+                corrected[number] = kept
+        return corrected
 
 
 def correct(connection: sqlite3.Connection, one: Correction, *, is_counter: bool) -> int:
@@ -80,9 +80,7 @@ def _correct_recent(connection: sqlite3.Connection, one: Correction) -> int:
     count = 0
     for at, data in connection.execute("SELECT t, d FROM recent").fetchall():
         series, times, values = decode_batch(data)
-        meant = [
-            number == one.series and one.since <= told < one.until for number, told in zip(series, times, strict=True)
-        ]
+        meant = [number == one.series and one.since <= at < one.until for number, at in zip(series, times, strict=True)]
         if not any(meant):
             continue
         count += sum(meant)
@@ -92,8 +90,8 @@ def _correct_recent(connection: sqlite3.Connection, one: Correction) -> int:
             for number, moment, value, is_meant in zip(series, times, values, meant, strict=True)
             if not is_meant or new is not None
         ]
-        numbers, told, kept = zip(*rows, strict=True) if rows else ((), (), ())
-        corrected = encode_batch(array("H", numbers), array("q", told), array("d", kept))
+        numbers, moments, kept = zip(*rows, strict=True) if rows else ((), (), ())
+        corrected = encode_batch(array("H", numbers), array("q", moments), array("d", kept))
         connection.execute("UPDATE recent SET d = ? WHERE t = ?", (corrected, at))
     return count
 

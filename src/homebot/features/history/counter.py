@@ -35,19 +35,19 @@ class CounterTotal:
         """Return the totals to record for *value* at *at* milliseconds; NaN is before one that is no rise."""
         last, low, before = self.last, self._low, self._before
         if last is None:
-            found: tuple[float, ...] = (value,)
+            recorded: tuple[float, ...] = (value,)
         elif value >= _NEAR * before and value - last >= _JUMP * before and at - self._fell_at <= _HOUR:
-            found, self._before = (math.nan, before, max(value, before)), math.inf
+            recorded, self._before = (math.nan, before, max(value, before)), math.inf
         elif value >= last:
-            found = (value,)
+            recorded = (value,)
         elif value >= _NEAR * last:
-            found = ()
+            recorded = ()
         elif low is None or value <= low:
             self._low = value
             return ()
         else:
             is_reset = low < max(last * (1 - _NEAR), min(last / 2, _ONE))
-            found, self._before, self._fell_at = (0.0 if is_reset else low, value), last, at
+            recorded, self._before, self._fell_at = (0.0 if is_reset else low, value), last, at
         self._low = None
-        self.last = found[-1] if found else last
-        return found
+        self.last = recorded[-1] if recorded else last
+        return recorded

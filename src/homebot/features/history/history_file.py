@@ -104,7 +104,7 @@ class HistoryFile(SqliteFile):
         with self._used("read") as connection:
             rows = connection.execute("SELECT s, device, part, capability, unit FROM series").fetchall()
             series = {(row[1], row[2], row[3]): Series(row[0], (row[1], row[2], row[3]), row[4]) for row in rows}
-            self._counters = {one.number for place, one in series.items() if place[2] in COUNTERS}
+            self._counters = {stored.number for place, stored in series.items() if place[2] in COUNTERS}
             newest = connection.execute("SELECT max(t) FROM recent").fetchone()[0]
             self._recent_hour = None if newest is None else newest // HOUR
             (five,) = connection.execute("SELECT max(k) FROM five").fetchone()
@@ -148,9 +148,9 @@ class HistoryFile(SqliteFile):
             return count, self._last_of_counters().get(correction.series)
 
     def _write_series(self, new: Iterable[Series]) -> None:
-        rows = [(one.number, *one.place, one.unit) for one in new]
+        rows = [(series.number, *series.place, series.unit) for series in new]
         self._opened().executemany("INSERT OR IGNORE INTO series VALUES (?, ?, ?, ?, ?)", rows)
-        self._counters.update(one.number for one in new if one.place[2] in COUNTERS)
+        self._counters.update(series.number for series in new if series.place[2] in COUNTERS)
 
     def _write_values(self, batch: Batch, now: int) -> bool:
         """Write the values of this hour, and seal earlier ones; return whether a day is over."""
@@ -158,9 +158,9 @@ class HistoryFile(SqliteFile):
         is_past = self._recent_hour is not None and self._recent_hour != hour
         columns = list(read_recent(connection)) if is_past else []
         past, present = _split(batch, hour)
-        if sum(len(one[0]) for one in (*columns, past)):
+        if sum(len(column[0]) for column in (*columns, past)):
             sealed = seal_hours(connection, points_of((*columns, past)), self._counters)
-            self._open_days |= {one // HOURS for one in sealed}
+            self._open_days |= {hour // HOURS for hour in sealed}
         if is_past:
             connection.execute("DELETE FROM recent")
             self._drop_old(now)
@@ -183,7 +183,9 @@ class HistoryFile(SqliteFile):
 
     def _shrink(self) -> None:
         connection = self._opened()
-        free, pages = (connection.execute(f"PRAGMA {one}").fetchone()[0] for one in ("freelist_count", "page_count"))
+        free, pages = (
+            connection.execute(f"PRAGMA {pragma}").fetchone()[0] for pragma in ("freelist_count", "page_count")
+        )
         if free * _FREE_SHARE > pages:
             connection.execute("PRAGMA incremental_vacuum").fetchall()
 
@@ -196,15 +198,15 @@ class HistoryFile(SqliteFile):
 
     def _last_of_counters(self) -> dict[int, float]:
         """Return the last value of each counter among the single values that are kept."""
-        found = {
+        last = {
             series: values[-1] for series, (_, values) in points_of(read_recent(self._opened()), self._counters).items()
         }
         for key, data in self._opened().execute("SELECT k, d FROM raw ORDER BY k DESC"):
-            if len(found) == len(self._counters):
+            if len(last) == len(self._counters):
                 break
-            if (series := key & MASK) in self._counters and series not in found:
-                found[series] = decode_values((key >> BITS) * HOUR, data)[1][-1]
-        return found
+            if (series := key & MASK) in self._counters and series not in last:
+                last[series] = decode_values((key >> BITS) * HOUR, data)[1][-1]
+        return last
 
 
 _Columns = tuple["array[int]", "array[int]", "array[float]"]

@@ -79,11 +79,11 @@ class HistoryService:
         if since >= until:
             return ReadHistoryResponse(success=False, message="since must be before until")
         try:
-            found = await self._series(self.collector, request.device, request.query)
-            wanted = _fitting(found.series, request)
+            matches = await self._series(self.collector, request.device, request.query)
+            wanted = _fitting(matches.series, request)
             span = Span(round(since * 1000), round(until * 1000), request.points or _POINTS)
             series = await self._store.read(
-                self.collector, lambda reader: _read(reader, wanted[:_MAX_SERIES], found.names, span)
+                self.collector, lambda reader: _read(reader, wanted[:_MAX_SERIES], matches.names, span)
             )
         except (LinkError, ServiceError) as exc:
             return ReadHistoryResponse(success=False, message=str(exc))
@@ -102,13 +102,15 @@ class HistoryService:
         since, until = self._bounds(request.since, request.until, 6 * _DAY)
         span = Span(round(self._midnight(since) * 1000), round(until * 1000), 1)
         try:
-            found = await self._series(self.collector, request.device, request.query)
-            counters = [one for one in found.series if one.place[2] in COUNTERS]
+            matches = await self._series(self.collector, request.device, request.query)
+            counters = [counter for counter in matches.series if counter.place[2] in COUNTERS]
             if request.by != "device":
-                meters = {one.id for one in found.devices.values() if METER_OF_THE_HOUSE in map(fold, one.tags)}
-                counters = [one for one in counters if one.place[0] not in meters]
+                meters = {
+                    device.id for device in matches.devices.values() if METER_OF_THE_HOUSE in map(fold, device.tags)
+                }
+                counters = [counter for counter in counters if counter.place[0] not in meters]
             days = await self._store.read(
-                self.collector, lambda reader: _energy(reader, counters, found, span, self._zone, request)
+                self.collector, lambda reader: _energy(reader, counters, matches, span, self._zone, request)
             )
         except (LinkError, ServiceError) as exc:
             return ReadEnergyResponse(success=False, message=str(exc))
@@ -119,8 +121,8 @@ class HistoryService:
         if self.collector is None:
             return CorrectHistoryResponse(success=False, message=self._store.kept.problem or _NOT_YET)
         since, until = _milliseconds(request.since), _milliseconds(request.until)
-        series = [one for one in self.collector.series.values() if one.place[0] == request.device]
-        meant = [one for one in series if _is_meant(one.place, request)]
+        series = [candidate for candidate in self.collector.series.values() if candidate.place[0] == request.device]
+        meant = [candidate for candidate in series if _is_meant(candidate.place, request)]
         if problem := _problem(request, series, meant, is_span=since < until):
             return CorrectHistoryResponse(success=False, message=problem)
         value = None if request.drops else request.value
@@ -150,11 +152,14 @@ class HistoryService:
     async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _FoundSeries:
         """Return the series of the devices that fit, main values first unless others are named."""
         request = FindDevicesRequest(ids=(device,)) if device else FindDevicesRequest(query=query, is_checked=True)
-        devices = {one.id: one for one in (await self._find.call(request)).devices}
+        devices = {known.id: known for known in (await self._find.call(request)).devices}
         ids = {device} if device else devices.keys()
-        series = sorted((one for one in collector.series.values() if one.place[0] in ids), key=lambda one: one.place)
+        series = sorted(
+            (candidate for candidate in collector.series.values() if candidate.place[0] in ids),
+            key=lambda candidate: candidate.place,
+        )
         named = {term.name for term in query_terms(read_terms(query, parse_query))}
-        if asked := [one for one in series if one.place[2] in named]:
+        if asked := [candidate for candidate in series if candidate.place[2] in named]:
             series = asked
         names = {key: device.name for key, device in devices.items()}
         return _FoundSeries(_main_first(series, devices), names, devices)
@@ -175,14 +180,14 @@ def _problem(
     """Return why *request* is not carried out, in words; empty if it is."""
     if not is_span:
         return "the start must be before the end"
-    names = [one.place[2] for one in series]
+    names = [candidate.place[2] for candidate in series]
     if not names:
         return f"there is no history of {request.device!r}; `homebot devices` lists the ids"
     if not meant:
         hint = did_you_mean(request.capability, names, f"it has {', '.join(sorted(set(names)))}")
         return f"{request.device} has no history of {request.capability!r}; {hint}"
     if len(meant) > 1:
-        parts = ", ".join(repr(one.place[1]) for one in meant)
+        parts = ", ".join(repr(candidate.place[1]) for candidate in meant)
         return f"several parts of {request.device} have {request.capability}: {parts}; name one with --part"
     return ""
 
@@ -199,21 +204,25 @@ def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list
 
 
 def _fitting(series: Iterable[Series], request: ReadHistoryRequest) -> list[Series]:
-    return [one for one in series if request.part in {"", one.place[1]} and request.capability in {"", one.place[2]}]
+    return [
+        candidate
+        for candidate in series
+        if request.part in {"", candidate.place[1]} and request.capability in {"", candidate.place[2]}
+    ]
 
 
 def _read(reader: HistoryReader, wanted: Iterable[Series], names: Mapping[str, str], span: Span) -> list[HistorySeries]:
-    found = []
-    numbers = reader.numbers([one.number for one in wanted], span)
-    for one in wanted:
-        device, part, capability = one.place
+    histories = []
+    numbers = reader.numbers([series.number for series in wanted], span)
+    for series in wanted:
+        device, part, capability = series.place
         empty = HistorySeries(device=device, name=names.get(device, device), part=part, capability=capability)
-        if one.number in numbers:
-            found.append(_with_numbers(empty, one.unit, numbers[one.number]))
-        states = reader.states(one.number, span)
+        if series.number in numbers:
+            histories.append(_with_numbers(empty, series.unit, numbers[series.number]))
+        states = reader.states(series.number, span)
         if states.rows:
-            found.append(_with_states(empty, states, span))
-    return found
+            histories.append(_with_states(empty, states, span))
+    return histories
 
 
 def _with_numbers(empty: HistorySeries, unit: str, numbers: Numbers) -> HistorySeries:
@@ -224,9 +233,9 @@ def _with_numbers(empty: HistorySeries, unit: str, numbers: Numbers) -> HistoryS
             "unit": unit,
             "width": numbers.width / 1000,
             "times": tuple(at / 1000 for at in numbers.times),
-            "values": tuple(_rounded(one.mean) if is_summary else one.mean for one in buckets),
-            "lows": tuple(one.low for one in buckets) if is_summary else (),
-            "highs": tuple(one.high for one in buckets) if is_summary else (),
+            "values": tuple(_rounded(bucket.mean) if is_summary else bucket.mean for bucket in buckets),
+            "lows": tuple(bucket.low for bucket in buckets) if is_summary else (),
+            "highs": tuple(bucket.high for bucket in buckets) if is_summary else (),
         }
     )
 
@@ -251,8 +260,8 @@ def _energy(
     zone: tzinfo | None,
     request: ReadEnergyRequest,
 ) -> list[EnergyOfDay]:
-    found: dict[tuple[str, str, str], dict[str, float]] = {}
-    places = {one.number: one.place for one in counters}
+    by_day: dict[tuple[str, str, str], dict[str, float]] = {}
+    places = {counter.number: counter.place for counter in counters}
     for number, at, rise in reader.rises(places, span, zone):
         device, part, capability = places[number]
         local = datetime.fromtimestamp(at / 1000, zone)
@@ -265,7 +274,7 @@ def _energy(
         else:  # the room stands in the place of the part
             known = found_series.devices.get(device)
             key = time, "", known.area if request.by == "room" and known is not None else ""
-        sums = found.setdefault(key, {})
+        sums = by_day.setdefault(key, {})
         sums[capability] = sums.get(capability, 0.0) + rise
     return [
         EnergyOfDay(
@@ -276,7 +285,7 @@ def _energy(
             used=_rounded(sums.get("energy", 0.0)),
             returned=_rounded(sums.get("energy_returned", 0.0)),
         )
-        for (day, device, part), sums in sorted(found.items())
+        for (day, device, part), sums in sorted(by_day.items())
     ]
 
 

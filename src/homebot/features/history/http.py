@@ -61,11 +61,11 @@ async def history(home: HomeCalls, asked: HistoryQuestion) -> HistoryAnswer:
         raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, problem)
     device, _ = await meant_device(home, asked.device)
     request = {"device": device.id, "capability": asked.capability, "since": since, "points": asked.points}
-    found = cast("ReadHistoryResponse", await call_or_fail(home, READ_HISTORY.name, request))
-    if not found.series and (name := asked.capability) and name not in CAPABILITIES:
+    response = cast("ReadHistoryResponse", await call_or_fail(home, READ_HISTORY.name, request))
+    if not response.series and (name := asked.capability) and name not in CAPABILITIES:
         hint = did_you_mean(name, CAPABILITIES, "the answer without one names those of the device")
         raise ProblemError(HTTPStatus.BAD_REQUEST, f"capability: nothing has a value {name!r}; {hint}")
-    return HistoryAnswer(id=device.id, series=tuple(map(_series, found.series)), more=found.left_out)
+    return HistoryAnswer(id=device.id, series=tuple(map(_series, response.series)), more=response.left_out)
 
 
 def _series(one: HistorySeries) -> ValueSeries:

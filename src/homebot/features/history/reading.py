@@ -69,19 +69,19 @@ class HistoryReader:
     def numbers(self, wanted: Collection[int], span: Span) -> dict[int, Numbers]:
         """Return the numbers of the series *wanted*, in the finest stored resolution that fits the points of *span*."""
         unsealed = self._unsealed(wanted)
-        found = {}
+        by_series = {}
         for series in wanted:
             numbers = self._numbers(series, span, unsealed.get(series))
             if numbers.times:
-                found[series] = numbers
-        return found
+                by_series[series] = numbers
+        return by_series
 
     def _numbers(self, series: int, span: Span, unsealed: Points | None) -> Numbers:
         step = max((span.until - span.since) // span.points, 1)
         if span.since >= self.now - self.keep.values * 1000 and step < FIVE_MINUTES:
             times, values = self._values(series, span, unsealed)
             if len(times) <= span.points:
-                return Numbers(0, times, [Bucket(one, one, one, one, 0.0, 0.0) for one in values])
+                return Numbers(0, times, [Bucket(value, value, value, value, 0.0, 0.0) for value in values])
             width = -(-step // 1000) * 1000
             until = min(self.now, span.until)
             return _of(buckets_of(times, values, width, until, is_counter=series in self.counters), width, span)
@@ -103,29 +103,29 @@ class HistoryReader:
         return [at for at, _ in pairs], [value for _, value in pairs]
 
     def _fives(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
-        found: dict[int, Bucket] = {}
+        fives: dict[int, Bucket] = {}
         for hour in self._kept("five", HOUR, span):
             if data := read_blob(self.connection, "five", key_of(hour, series)):
-                found.update(decode_buckets(hour * FIVES, data))
+                fives.update(decode_buckets(hour * FIVES, data))
         if unsealed is not None:
             for number, bucket in self._buckets(series, unsealed).items():
-                found[number] = combined(found.get(number), bucket)
-        return dict(sorted(found.items()))
+                fives[number] = combined(fives.get(number), bucket)
+        return dict(sorted(fives.items()))
 
     def _hours(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
         """Return the hourly buckets, oldest first; those of unfinished days are combined from smaller ones."""
-        found: dict[int, Bucket] = {}
+        hours: dict[int, Bucket] = {}
         recent = {hour // HOURS for hour in self._kept("five", HOUR, span)}
         for day in sorted(recent.union(self._kept("day", _DAY, span))):
             if data := read_blob(self.connection, "day", key_of(day, series)):
-                found.update(decode_buckets(day * HOURS, data))
+                hours.update(decode_buckets(day * HOURS, data))
             elif (day + 1) * _DAY > self.now - self.keep.five_minutes * 1000:
                 whole = Span(day * _DAY, (day + 1) * _DAY - 1, 1)
-                found.update(wider(self._fives(series, whole, None), FIVES))
+                hours.update(wider(self._fives(series, whole, None), FIVES))
         if unsealed is not None:
             for number, bucket in wider(self._buckets(series, unsealed), FIVES).items():
-                found[number] = combined(found.get(number), bucket)
-        return dict(sorted(found.items()))
+                hours[number] = combined(hours.get(number), bucket)
+        return dict(sorted(hours.items()))
 
     def _kept(self, table: str, width: int, span: Span) -> range:
         """Return the numbers in *span* that rows of *table* may have, each of which is of *width* milliseconds."""
@@ -157,13 +157,13 @@ class HistoryReader:
         limit = min(span.points, _MAX_STATES)
         rows = self.connection.execute(query, (MASK, series, since, until, limit + 1)).fetchall()
         rows += self.connection.execute(query, (MASK, series, 0, since, 1)).fetchall()
-        found = {key >> BITS: StateRow(ends, value) for key, ends, value in rows}
+        states = {key >> BITS: StateRow(ends, value) for key, ends, value in rows}
         for (at, number), row in self.waiting.states.items():
             if number == series:
-                found[at] = row
+                states[at] = row
         fitting = [
             (at, row)
-            for at, row in sorted(found.items())
+            for at, row in sorted(states.items())
             if at <= span.until
             and (row.until is None or row.until > max(span.since, at) or span.since <= at == row.until)
         ]
@@ -180,8 +180,8 @@ class HistoryReader:
 
 def _of(buckets: Mapping[int, Bucket], width: int, span: Span) -> Numbers:
     fitting = {
-        number * width: one
-        for number, one in buckets.items()
+        number * width: bucket
+        for number, bucket in buckets.items()
         if (number + 1) * width > span.since and number * width <= span.until
     }
     return Numbers(width, [*fitting], [*fitting.values()])

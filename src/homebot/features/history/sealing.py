@@ -29,17 +29,17 @@ def key_of(number: int, series: int) -> int:
 
 def points_of(columns: Iterable[_Columns], wanted: Collection[int] | None = None) -> dict[int, Points]:
     """Return the values in *columns* by series, only of those *wanted* if given."""
-    found: dict[int, Points] = {}
+    by_series: dict[int, Points] = {}
     for all_series, times, values in columns:
         for series, at, value in zip(all_series, times, values, strict=True):
             if wanted is not None and series not in wanted:
                 continue
-            points = found.get(series)
+            points = by_series.get(series)
             if points is None:
-                points = found[series] = array("q"), array("d")
+                points = by_series[series] = array("q"), array("d")
             points[0].append(at)
             points[1].append(value)
-    return found
+    return by_series
 
 
 def read_recent(connection: sqlite3.Connection) -> Iterator[_Columns]:
@@ -69,7 +69,7 @@ def _seal_hour(connection: sqlite3.Connection, series: int, hour: int, points: P
         before_times, before_values = decode_values(start, raw)
         times, values = before_times + times, before_values + values
         before = decode_buckets(hour * FIVES, read_blob(connection, "five", key) or b"")
-        buckets = before | {number: combined(before.get(number), one) for number, one in buckets.items()}
+        buckets = before | {number: combined(before.get(number), bucket) for number, bucket in buckets.items()}
     if any(after < at for at, after in pairwise(times)):
         pairs = sorted(zip(times, values, strict=True), key=lambda pair: pair[0])
         times, values = array("q", (at for at, _ in pairs)), array("d", (value for _, value in pairs))
@@ -80,12 +80,12 @@ def _seal_hour(connection: sqlite3.Connection, series: int, hour: int, points: P
 
 def seal_day(connection: sqlite3.Connection, day: int) -> None:
     """Write the rows of *day* from its hours; hours without five-minute buckets are left unchanged."""
-    found: dict[int, dict[int, Bucket]] = {}
+    by_series: dict[int, dict[int, Bucket]] = {}
     bounds = key_of(day * HOURS, 0), key_of((day + 1) * HOURS, 0)
     for key, data in connection.execute("SELECT k, d FROM five WHERE k >= ? AND k < ?", bounds):
         hour = wider(decode_buckets((key >> BITS) * FIVES, data), FIVES)
-        found.setdefault(key & MASK, {}).update(hour)
-    for series, hours in found.items():
+        by_series.setdefault(key & MASK, {}).update(hour)
+    for series, hours in by_series.items():
         key = key_of(day, series)
         known = read_blob(connection, "day", key)
         if known:

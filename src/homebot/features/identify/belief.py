@@ -106,8 +106,8 @@ class Belief:
             effects.append(effect)
             effect *= 2
         self._families = [
-            _Family(first, one, share * one, least, fade)
-            for one in effects
+            _Family(first, effect, share * effect, least, fade)
+            for effect in effects
             for share in _REFLECTIONS
             for fade in _FADES
         ]
@@ -118,8 +118,8 @@ class Belief:
         before = self._looks[0.0][-1]
         for fade, looks in self._looks.items():
             looks.append(seen.faded(fade, before, looks[-1]))
-        for one in self._families:
-            one.add(self._looks[one.fade][-1])
+        for family in self._families:
+            family.add(self._looks[family.fade][-1])
         self._weigh()
 
     @property
@@ -197,27 +197,29 @@ class Belief:
         """
         track = self._best.tracks[0]
         row = _times(track.covariance, (*levels, 1.0))
-        variance = sum(level * one for level, one in zip((*levels, 1.0), row, strict=True)) + self._best.usual
-        shares = [(float(p**0.3), one) for p, one in zip(self.each, row, strict=False)]
+        variance = (
+            sum(level * covariance for level, covariance in zip((*levels, 1.0), row, strict=True)) + self._best.usual
+        )
+        shares = [(float(p**0.3), covariance) for p, covariance in zip(self.each, row, strict=False)]
         shares += [(1.0, row[rivals[0]] - _CLEARLY[0] * row[other]) for other in rivals[1:]]
-        return sum(share * one * one for share, one in shares) / variance
+        return sum(share * covariance * covariance for share, covariance in shares) / variance
 
     def _weigh(self) -> None:
         """Compute the probability of none and of each candidate."""
-        each = [[*family.hypotheses()] for family in self._families]
-        sums = [_log_sum(one) for one in each]
+        by_family = [[*family.hypotheses()] for family in self._families]
+        sums = [_log_sum(weights) for weights in by_family]
         self._best = self._families[sums.index(max(sums))]
         whole = _log_sum(sums)
         self._fades = dict.fromkeys(_FADES, 0.0)
-        for one, weight in zip(self._families, sums, strict=True):
-            self._fades[one.fade] += exp(weight - whole)
+        for family, weight in zip(self._families, sums, strict=True):
+            self._fades[family.fade] += exp(weight - whole)
         self._families = [
-            one for one, weight in zip(self._families, sums, strict=True) if weight > max(sums) - _UNLIKELY
+            family for family, weight in zip(self._families, sums, strict=True) if weight > max(sums) - _UNLIKELY
         ]
-        self.none, *rest = (exp(_log_sum(column) - whole) for column in zip(*each, strict=True))
-        each_left = [0.0 if number in self._dropped else one for number, one in enumerate(rest)]
+        self.none, *rest = (exp(_log_sum(column) - whole) for column in zip(*by_family, strict=True))
+        each_left = [0.0 if number in self._dropped else probability for number, probability in enumerate(rest)]
         total = self.none + sum(each_left)
-        self.none, self.each = self.none / total, tuple(one / total for one in each_left)
+        self.none, self.each = self.none / total, tuple(probability / total for probability in each_left)
 
 
 @dataclass(slots=True)
@@ -256,7 +258,7 @@ class _Family:
         for place, row in enumerate(covariance):
             row[place] = self._variance
         base = first.value - self._mean * sum(first.levels)
-        spread = self._variance * sum(one * one for one in first.levels) + first.variance
+        spread = self._variance * sum(level * level for level in first.levels) + first.variance
         covariance.append([row[-1] for row in covariance] + [spread])
         track = _Track(log(_FADES[fade]), [self._mean] * count + [base], covariance, [])
         self.tracks = [self._weighed(track)]
@@ -304,9 +306,9 @@ class _Family:
 
     def hypotheses(self) -> Iterator[float]:
         """Yield the logarithm of the likelihood of none and of each candidate."""
-        none, *each = zip(*(one.hypotheses for one in self.tracks), strict=True)
+        none, *columns = zip(*(track.hypotheses for track in self.tracks), strict=True)
         yield _log_sum(none)
-        yield from map(_log_sum, each)
+        yield from map(_log_sum, columns)
 
     def _weighed(self, track: _Track) -> _Track:
         means, variances = track.mean[:-1], [row[place] for place, row in enumerate(track.covariance[:-1])]
@@ -316,10 +318,10 @@ class _Family:
             for limit, supposed in self._limits
         )
         reflected = track.weight + sum(others)
-        each = [
+        weights = [
             reflected - other + ratio for other, ratio in zip(others, map(self._ratio, means, variances), strict=True)
         ]
-        track.hypotheses = [track.weight + sum(none), *each]
+        track.hypotheses = [track.weight + sum(none), *weights]
         return track
 
     def _ratio(self, mean: float, variance: float) -> float:
@@ -357,9 +359,9 @@ def _follow(
     for moved, chance, jumps in alternatives:
         gains = [*lamps, base + moved]
         variance = sum(map(mul, weights, gains)) + noise
-        mean = [one + gain * error / variance for one, gain in zip(track.mean, gains, strict=True)]
+        mean = [estimate + gain * error / variance for estimate, gain in zip(track.mean, gains, strict=True)]
         covariance = [
-            [one - gain * other / variance for one, other in zip(row, gains, strict=True)]
+            [covariance - gain * other / variance for covariance, other in zip(row, gains, strict=True)]
             for row, gain in zip(track.covariance, gains, strict=True)
         ]
         covariance[-1][-1] += moved
@@ -387,4 +389,4 @@ def _density(value: float, mean: float, variance: float) -> float:
 
 def _log_sum(values: Sequence[float]) -> float:
     most = max(values)
-    return most + log(sum(exp(one - most) for one in values))
+    return most + log(sum(exp(value - most) for value in values))

@@ -107,9 +107,9 @@ async def check_beds(lookup: DeviceLookup, candidates: Iterable[CandidatePart]) 
         RefusedError: A bed in the room of one is occupied.
     """
     asleep = await _rooms_asleep(lookup)
-    for one in candidates:
-        if fold(one.device.area) in asleep:
-            raise RefusedError("the rest of the identification", f"somebody sleeps in {one.device.area} now")
+    for candidate in candidates:
+        if fold(candidate.device.area) in asleep:
+            raise RefusedError("the rest of the identification", f"somebody sleeps in {candidate.device.area} now")
 
 
 async def find_candidates(
@@ -126,7 +126,7 @@ async def find_candidates(
     except NoTargetError as exc:
         raise UsageError(str(exc)) from exc
     asleep = await _rooms_asleep(lookup)
-    found, left_out = list[CandidatePart](), list[KeyValue]()
+    candidates, left_out = list[CandidatePart](), list[KeyValue]()
     for device, parts in targets:
         for part, _ in settings_by_part(request, device, parts):
             candidate = _candidate(device, part)
@@ -135,34 +135,34 @@ async def find_candidates(
             else:
                 problem = _why_left_out(candidate, goal, asleep, preview)
             if candidate is not None and not problem:
-                found.append(candidate)
+                candidates.append(candidate)
             else:
                 left_out.append(KeyValue(key=part_name(device, part), value=problem))
-    _check_count(len(found), left_out, goal)
-    return found, tuple(left_out)
+    _check_count(len(candidates), left_out, goal)
+    return candidates, tuple(left_out)
 
 
 def _check_count(count: int, left_out: list[KeyValue], goal: IdentifyDeviceGoal) -> None:
     if count == 0:
-        reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MAX_NAMED])
+        reasons = "; ".join(f"{item.key}: {item.value}" for item in left_out[:_MAX_NAMED])
         raise UsageError(f"nothing of {goal.candidates!r} can be identified; {reasons}")
     if count > MAX_CANDIDATES:
         raise UsageError(f"{count} parts fit {goal.candidates!r}; at most {MAX_CANDIDATES} can be told apart")
 
 
 async def _rooms_asleep(lookup: DeviceLookup) -> set[str]:
-    return {fold(one.area) for one in await lookup.devices(parse_query(_IN_BED)) if one.area}
+    return {fold(device.area) for device in await lookup.devices(parse_query(_IN_BED)) if device.area}
 
 
 def _candidate(device: Device, part: DevicePart) -> CandidatePart | None:
-    settable = {one.name: one for one in part.part.capabilities if one.settable}
-    values = {one.capability: one.value.plain() for one in device.states if one.part == part.id}
+    settable = {capability.name: capability for capability in part.part.capabilities if capability.settable}
+    values = {state.capability: state.value.plain() for state in device.states if state.part == part.id}
     if isinstance(before := values.get("on_off"), bool) and "on_off" in settable:
         return CandidatePart(device, part, "on_off", dark=False, bright=True, before=before, wanted=before)
     for name, least in _MIN_VALUES.items():
-        if isinstance(before := values.get(name), float) and (one := settable.get(name)) is not None:
-            low, high = one.bounds or (0.0, 100.0)
-            dark = one.nearest(max(low, least))
+        if isinstance(before := values.get(name), float) and (capability := settable.get(name)) is not None:
+            low, high = capability.bounds or (0.0, 100.0)
+            dark = capability.nearest(max(low, least))
             return CandidatePart(device, part, name, dark=dark, bright=high, before=before, wanted=before)
     return None
 

@@ -116,7 +116,7 @@ def _identify(options: argparse.Namespace, *, is_check: bool) -> int:
 def _print_look(values: Mapping[str, object]) -> None:
     feedback = cast("IdentifyDeviceFeedback", JsonMessage(values))
     likely = sorted(feedback.candidates, key=lambda candidate: candidate.probability, reverse=True)[:_MAX_SHOWN]
-    texts = [f"{printable(one.name, _MAX_NAME)} {one.probability:.0%}" for one in likely]
+    texts = [f"{printable(candidate.name, _MAX_NAME)} {candidate.probability:.0%}" for candidate in likely]
     look = feedback.look
     print(f"{look.at:5.1f} s  {look.value:8.4g}  {', '.join(texts)}, none {feedback.none:.0%}", flush=True)
 
@@ -126,10 +126,10 @@ def _print_result(result: IdentifyDeviceResult) -> None:
         raise PeerError(result.message)
     width = max(len("seen"), *(len(printable(candidate.name, _MAX_NAME)) for candidate in result.candidates))
     print(f"\n{'seen':{width}}  {_sparkline([look.value for look in result.looks])}")
-    for place, one in enumerate(result.candidates):
+    for place, candidate in enumerate(result.candidates):
         code = "".join("█" if look.levels[place] > _HALF else "·" for look in result.looks)
-        effect = f"{one.effect:+.3g} ± {one.deviation:.2g}"
-        print(f"{printable(one.name, _MAX_NAME):{width}}  {code}  {one.probability:6.1%}  {effect}")
+        effect = f"{candidate.effect:+.3g} ± {candidate.deviation:.2g}"
+        print(f"{printable(candidate.name, _MAX_NAME):{width}}  {code}  {candidate.probability:6.1%}  {effect}")
     for left in result.left_out:
         print(f"left out: {printable(left.key)}: {printable(left.value, _WIDEST)}")
     sure = f" ({result.probability:.1%})" if result.success else ""

@@ -134,8 +134,8 @@ class Identification:
         self._began, inquiry = self._clock.monotonic(), self._inquiry
         for code in inquiry.codes():
             seen = await (self._look() if code is None else self._look_at(code))
-            for number, one in enumerate(self._candidates):
-                if one.problem:
+            for number, candidate in enumerate(self._candidates):
+                if candidate.problem:
                     inquiry.drop(number)
             inquiry.add(seen, self._sight.trouble)
             self.looks.append(
@@ -146,8 +146,8 @@ class Identification:
             self._publish()
             if self._clock.monotonic() >= self._began + self._goal.seconds:
                 break
-        is_sure, found = inquiry.is_sure, inquiry.found
-        return is_sure, None if not is_sure or found is None else self._candidates[found]
+        is_sure, index = inquiry.is_sure, inquiry.found
+        return is_sure, None if not is_sure or index is None else self._candidates[index]
 
     def close(self) -> None:
         """Leave the graph."""
@@ -156,16 +156,16 @@ class Identification:
 
     async def end(self) -> None:
         """Release all leases, and put everything back."""
-        for one in self._candidates:
-            await self._release_lease(one)
+        for candidate in self._candidates:
+            await self._release_lease(candidate)
         await self._kept.end(self._run_id)
 
     async def _look_at(self, code: Sequence[bool]) -> Seen:
         """Return what is seen once each candidate that still takes part is as *code* says, and has settled."""
         await self._check_all()
         async with anyio.create_task_group() as tasks:
-            for one, is_bright in zip(self._candidates, code, strict=True):
-                tasks.start_soon(self._set, one, one.bright if is_bright else one.dark)
+            for candidate, is_bright in zip(self._candidates, code, strict=True):
+                tasks.start_soon(self._set, candidate, candidate.bright if is_bright else candidate.dark)
         await self._settle()
         return await self._look()
 
@@ -174,15 +174,15 @@ class Identification:
             began = self._clock.monotonic()
             (value, variance), before = await self._sight.look(), self._taking_part()
             at = (began + self._clock.monotonic()) / 2
-            for one in before:
-                if one.lease:
-                    await self._check(one)
+            for candidate in before:
+                if candidate.lease:
+                    await self._check(candidate)
             if self._taking_part() == before:
                 return await self._seen(value, variance, at)
 
     async def _settle(self) -> None:
         """Wait until no candidate has reported a change for as long as one of its kind goes on changing."""
-        parts = {one.place: one.settles + self._inquiry.fades_on for one in self._taking_part()}
+        parts = {candidate.place: candidate.settles + self._inquiry.fades_on for candidate in self._taking_part()}
         wait = max(parts.values())
         with anyio.move_on_after(_FADES + self._inquiry.fades_on):
             while wait > 0:
@@ -196,16 +196,18 @@ class Identification:
                 wait = max(ends, default=now) - now
 
     def _taking_part(self) -> list[CandidatePart]:
-        found = [one for one in self._candidates if not one.problem]
-        if not found:
-            reasons = "; ".join(f"{one.name}: {one.problem}" for one in self._candidates)
+        candidates = [candidate for candidate in self._candidates if not candidate.problem]
+        if not candidates:
+            reasons = "; ".join(f"{candidate.name}: {candidate.problem}" for candidate in self._candidates)
             raise UsageError(f"no candidate takes part any more: {reasons}")
-        return found
+        return candidates
 
     async def _seen(self, value: float, variance: float, at: float) -> Seen:
         states = plain_states(await self._lookup.devices())
-        known = [(one, states.get((*one.place, one.capability))) for one in self._candidates]
-        levels = tuple(one.level_of(one.wanted if state is None else state.value.plain()) for one, state in known)
+        known = [(candidate, states.get((*candidate.place, candidate.capability))) for candidate in self._candidates]
+        levels = tuple(
+            candidate.level_of(candidate.wanted if state is None else state.value.plain()) for candidate, state in known
+        )
         middle = self._clock.now() - (self._clock.monotonic() - at)
         ages = tuple(inf if state is None else max(middle - state.since.to_seconds(), 0.0) for _, state in known)
         seconds, self._last_at = at - self._last_at, at
@@ -274,7 +276,9 @@ class Identification:
 
     async def _on_entry(self, entry: JournalEntry) -> None:
         """Leave a candidate as a person commands it, now, as homebot may be killed before the next look."""
-        if entry.kind == "requested" and (entry.device, entry.part) in [one.place for one in self._candidates]:
+        if entry.kind == "requested" and (entry.device, entry.part) in [
+            candidate.place for candidate in self._candidates
+        ]:
             self._commands[entry.command] = (entry.device, entry.part)
         elif entry.kind == "outcome":
             self._commands.pop(entry.command, None)

@@ -103,7 +103,7 @@ class IdentifyServer:
             await check_beds(self._lookup, candidates)
 
         by = f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
-        rooms = {fold(one.device.area) for one in candidates if one.device.area}
+        rooms = {fold(candidate.device.area) for candidate in candidates if candidate.device.area}
         with await open_sight(self._node, self._lookup, request.topic, request.region, rooms) as sight:
             identification = Identification(
                 self._node,
@@ -123,17 +123,17 @@ class IdentifyServer:
                 await self._announce(by, request, candidates)
                 await self._kept.keep(run, by, request.issuer, request.scope, candidates)
                 try:
-                    is_sure, found = await identification.run()
+                    is_sure, candidate = await identification.run()
                 finally:
                     with anyio.move_on_after(_PUTTING_BACK, shield=True):
                         await identification.end()
         at, problem = "", ""
-        if found is not None and request.robot and request.distance:
-            at, problem = await save_seen_place(self._node, request, found.device.id)
-        return _result(identification, found, left_out, is_sure=is_sure, at=at, problem=problem)
+        if candidate is not None and request.robot and request.distance:
+            at, problem = await save_seen_place(self._node, request, candidate.device.id)
+        return _result(identification, candidate, left_out, is_sure=is_sure, at=at, problem=problem)
 
     async def _announce(self, by: str, request: IdentifyDeviceGoal, candidates: list[CandidatePart]) -> None:
-        names = [one.name for one in candidates]
+        names = [candidate.name for candidate in candidates]
         more = f" and {len(names) - _MAX_NAMED} more" if len(names) > _MAX_NAMED else ""
         text = f"{by}: {', '.join(names[:_MAX_NAMED])}{more} change for up to {request.seconds:g} s, and are put back"
         with anyio.move_on_after(_TELLING):
@@ -155,7 +155,7 @@ def _result(
     problem: str,
 ) -> IdentifyDeviceResult:
     states, none = identification.states(), identification.none
-    best = max(states, key=lambda one: one.probability)
+    best = max(states, key=lambda state: state.probability)
     if found is not None:
         message = f"{found.name} is in view{problem and f'; its position is not kept: {problem}'}"
     elif is_sure:
@@ -167,7 +167,9 @@ def _result(
         excluded = f"; none changes what is seen by {identification.largest:.3g}" if none > best.probability else ""
         advice = f"{likeliest}, by {percent:.0f} %{excluded}; look longer, come nearer, or give fewer candidates"
         message = f"not sure: {identification.trouble or advice}"
-    if problems := "; ".join(f"{one.name} took no part to the end: {one.problem}" for one in states if one.problem):
+    if problems := "; ".join(
+        f"{state.name} took no part to the end: {state.problem}" for state in states if state.problem
+    ):
         message = f"{message}; {problems}"
     device, part = found.place if found is not None else ("", "")
     return IdentifyDeviceResult(

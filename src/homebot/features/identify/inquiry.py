@@ -95,11 +95,15 @@ class Inquiry:
         """The two or three candidates of which one is in view, but which are not told apart; else empty."""
         if self.belief is None or self.found is None:
             return []
-        each, others = self.belief.each, self.belief.alike(self.found) | self.belief.tied(self.found)
-        if each[self.found] < _LIKELY:
-            others = {other for other in others if each[other] > 1 - _LIKELY}
+        probabilities, others = self.belief.each, self.belief.alike(self.found) | self.belief.tied(self.found)
+        if probabilities[self.found] < _LIKELY:
+            others = {other for other in others if probabilities[other] > 1 - _LIKELY}
         rivals = sorted({self.found, *others})
-        return rivals if 1 < len(rivals) <= _MAX_RIVALS and sum(each[one] for one in rivals) >= _LIKELY else []
+        return (
+            rivals
+            if 1 < len(rivals) <= _MAX_RIVALS and sum(probabilities[rival] for rival in rivals) >= _LIKELY
+            else []
+        )
 
     @property
     def fades_on(self) -> float:
@@ -131,19 +135,19 @@ class Inquiry:
         return belief
 
     def _conclude(self, belief: Belief, trouble: str) -> None:
-        hypotheses = (belief.none, None), *((one, number) for number, one in enumerate(belief.each))
-        probability, found = max(hypotheses, key=itemgetter(0))
+        hypotheses = (belief.none, None), *((chance, number) for number, chance in enumerate(belief.each))
+        probability, candidate = max(hypotheses, key=itemgetter(0))
         jumps = max(len(belief.jumps), sum(starmap(self._has_jumped, pairwise(self._looks))))
         due = _LOOKS + log2(self._count) + _LOOKS_OF_A_JUMP * jumps
-        if found is None:
+        if candidate is None:
             is_clear = belief.largest() <= self._excluded
         else:
-            is_in_view = belief.least(found) >= self._least_in_view
-            is_clear = is_in_view and not belief.alike(found) and not belief.tied(found)
+            is_in_view = belief.least(candidate) >= self._least_in_view
+            is_clear = is_in_view and not belief.alike(candidate) and not belief.tied(candidate)
         is_likely = probability >= self._sure and is_clear and not trouble
-        self._row = (self._row if found == self.found else 0) + 1 if is_likely else 0
-        self.found = found
-        is_surer = found is not None and self._row and 1 - probability <= _SURER * (1 - self._sure)
+        self._row = (self._row if candidate == self.found else 0) + 1 if is_likely else 0
+        self.found = candidate
+        is_surer = candidate is not None and self._row and 1 - probability <= _SURER * (1 - self._sure)
         self._waits = bool(is_surer or self._row >= _IN_A_ROW)
         self.is_sure = self._waits and len(self._looks) > due
         self.follows = len(self._looks) > _LOOKS_OF_A_JUMP * jumps

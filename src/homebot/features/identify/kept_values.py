@@ -80,14 +80,14 @@ class KeptValues:
         """
         at, values = self._clock.now(), dict[str, list[Any]]()
         states = await known_states(self._node, await self._lookup.devices())
-        for one in candidates:
-            target = target_of(*one.place)
-            if (known := states.get((*one.place, one.capability))) is not None:
-                one.before = one.wanted = known.state.value.plain()
-            values[target] = kept = [one.capability, one.before, one.wanted, one.set_at]
-            for left in (each["values"] for each in self._store.values()):
-                if target in left and left[target][_CAPABILITY] == one.capability:
-                    one.before = kept[_BEFORE] = left.pop(target)[_BEFORE]
+        for candidate in candidates:
+            target = target_of(*candidate.place)
+            if (known := states.get((*candidate.place, candidate.capability))) is not None:
+                candidate.before = candidate.wanted = known.state.value.plain()
+            values[target] = kept = [candidate.capability, candidate.before, candidate.wanted, candidate.set_at]
+            for left in (saved["values"] for saved in self._store.values()):
+                if target in left and left[target][_CAPABILITY] == candidate.capability:
+                    candidate.before = kept[_BEFORE] = left.pop(target)[_BEFORE]
         self._store[run] = {"by": by, "issuer": issuer, "scope": [*scope], "at": at, "values": values}
         self._running.add(run)
         if problem := await self._flush():
@@ -146,7 +146,7 @@ class KeptValues:
         while True:
             await self._has_left.wait()
             self._has_left, pause = anyio.Event(), _AGAIN
-            while left := [one for one in self._store if one not in self._running]:
+            while left := [run_id for run_id in self._store if run_id not in self._running]:
                 for run in left:
                     with suppress(ServiceError):
                         await self._put_back(run)

@@ -22,8 +22,8 @@ async def check_robot(node: Node, robot: str) -> None:
         UsageError: Other robots have said where they are, but there is none of that name.
     """
     with closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where:
-        if where.service_is_ready() and (found := await where.call(WhereIsRobotRequest(robot=robot))).is_mistake:
-            raise UsageError(found.message)
+        if where.service_is_ready() and (answer := await where.call(WhereIsRobotRequest(robot=robot))).is_mistake:
+            raise UsageError(answer.message)
 
 
 async def save_seen_place(node: Node, goal: IdentifyDeviceGoal, device: str) -> tuple[str, str]:

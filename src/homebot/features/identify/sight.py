@@ -85,7 +85,9 @@ class Noise:
         step = min((after - before for before, after in pairwise(values)), default=math.inf)
         is_coarse = bool(values) and step > _COARSE * values[-1]
         if is_coarse and len(values) <= _FEW_VALUES <= len(self._looks) and counts.total() > len(self._looks):
-            return f"what is seen has only the values {', '.join(f'{one:g}' for one in values)}: too coarse for this"
+            return (
+                f"what is seen has only the values {', '.join(f'{value:g}' for value in values)}: too coarse for this"
+            )
         top, *others = reversed(values)
         if (
             others
@@ -146,16 +148,18 @@ async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Regio
     Raises:
         UsageError: There is no such topic or device, or it has no value that can be read.
     """
-    seeing = [one for one in await lookup.devices() if any(each.capability == "illuminance" for each in one.states)]
-    devices = await lookup.called(topic) if topic else [one for one in seeing if fold(one.area) in rooms]
-    if len(devices) == 1 and devices[0].id in {one.id for one in seeing}:
+    seeing = [
+        device for device in await lookup.devices() if any(state.capability == "illuminance" for state in device.states)
+    ]
+    devices = await lookup.called(topic) if topic else [device for device in seeing if fold(device.area) in rooms]
+    if len(devices) == 1 and devices[0].id in {device.id for device in seeing}:
         return _DeviceSight(node, lookup, devices[0].id)
-    topics = [one for one, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
-    known = [*(one.name for one in seeing), *topics]
+    topics = [name for name, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
+    known = [*(device.name for device in seeing), *topics]
     some = f"there are {', '.join(known[:_MAX_NAMED])}" if known else "a robot has to publish it first"
     if not topic:
-        found = f"{len(devices)} light sensors are in its room" if rooms else "it is in no room"
-        raise UsageError(f"say what looks, with `topic` (`--with`), as {found}; {some}")
+        reason = f"{len(devices)} light sensors are in its room" if rooms else "it is in no room"
+        raise UsageError(f"say what looks, with `topic` (`--with`), as {reason}; {some}")
     try:
         name = node.resolve_name(topic)
     except InvalidNameError:
@@ -229,23 +233,27 @@ class _DeviceSight(Sight):
         self._silent_looks = 0
 
     async def values(self) -> Sequence[float]:
-        began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _MAX_SILENCE_S
-        while passed < _LOOK or (not found and passed < longest):
+        began, passed, known, by_time, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _MAX_SILENCE_S
+        while passed < _LOOK or (not by_time and passed < longest):
             await anyio.sleep(_AGAIN)
             device, passed = await self._lookup.device(self._device), self._clock.now() - began
             states = () if device is None else device.states
-            told = [one for one in states if one.capability == "illuminance" and isinstance(one.value.plain(), float)]
-            if not told:
+            readings = [
+                state
+                for state in states
+                if state.capability == "illuminance" and isinstance(state.value.plain(), float)
+            ]
+            if not readings:
                 raise UsageError(f"{self._device} is gone, or its illuminance is unknown")
-            known, at = told[0].value.number, told[0].told_at.to_seconds()
-            found |= {at: known} if at > began else {}
+            known, at = readings[0].value.number, readings[0].told_at.to_seconds()
+            by_time |= {at: known} if at > began else {}
             longest = _MAX_SILENCE_S if at < self._last_at else _PROMPT
-        is_silent = not found and longest == _MAX_SILENCE_S
+        is_silent = not by_time and longest == _MAX_SILENCE_S
         self._last_at, self._silent_looks = self._clock.now(), self._silent_looks + 1 if is_silent else -_MAX_VALUES
         if self._silent_looks >= _SILENT:  # the first, one with all dark, and one with all bright
             raise UsageError(f"{self._device} reported nothing while all changed: it sees none of them, or is too slow")
         self.slack = _UNREPORTED if is_silent else 0.0
-        return [*found.values()] or [known]
+        return [*by_time.values()] or [known]
 
 
 def _number_of(message_type: type[Message]) -> Callable[[Any], float]:
@@ -255,15 +263,19 @@ def _number_of(message_type: type[Message]) -> Callable[[Any], float]:
         UsageError: It has none, or several.
     """
     fields = fields_of(message_type)
-    found = [one.name for one in fields if one.ros_type in _NUMBERS and not one.is_array and one.name not in _NO_VALUES]
-    if len(found) != 1:
+    numbers = [
+        field.name
+        for field in fields
+        if field.ros_type in _NUMBERS and not field.is_array and field.name not in _NO_VALUES
+    ]
+    if len(numbers) != 1:
         raise UsageError(
-            f"{message_type.ros_type} has {len(found) or 'no'} numbers; take a topic with one, such as "
+            f"{message_type.ros_type} has {len(numbers) or 'no'} numbers; take a topic with one, such as "
             "sensor_msgs/Illuminance or std_msgs/Float64, or with pictures"
         )
 
     def number(message: object) -> float:
-        value = float(getattr(message, found[0]))
+        value = float(getattr(message, numbers[0]))
         if not abs(value) <= _LARGEST:
             raise UsageError(f"{value:g} is no value of a sensor")
         return value

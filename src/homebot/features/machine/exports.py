@@ -65,7 +65,7 @@ async def serve_gateways(
     exports = {gateway: _GatewayExport(node, wire.session.id, gateway) for gateway in gateways}
 
     def health(_: HealthRequest) -> HealthResponse:
-        alone = [] if wire.session.is_alone else [name for name, one in exports.items() if not one.is_followed]
+        alone = [] if wire.session.is_alone else [name for name, export in exports.items() if not export.is_followed]
         troubles = [
             f"no homebot of {home} follows {name}; does it have {machine} as a gateway, and run?" for name in alone
         ]

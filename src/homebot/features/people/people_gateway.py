@@ -69,9 +69,9 @@ class PeopleGateway(Gateway):
         view = self._view = HouseView.of(self.node)
         view.add(self._trackers)
         async with anyio.create_task_group() as tasks:
-            for key, (_, one) in self._people.items():
-                if one.ping:
-                    tasks.start_soon(self._ask, key, one.ping)
+            for key, (_, person) in self._people.items():
+                if person.ping:
+                    tasks.start_soon(self._ask, key, person.ping)
             while True:
                 self._trackers.changed = anyio.Event()
                 self._publish_devices()
@@ -82,7 +82,7 @@ class PeopleGateway(Gateway):
 
     def _publish_devices(self) -> None:
         """Publish the people of the settings and of other systems, and their household."""
-        people = {f"person/{fold(name)}": (name, one) for name, one in self._settings.people.items()}
+        people = {f"person/{fold(name)}": (name, person) for name, person in self._settings.people.items()}
         for device_id, name in self._trackers.persons(self._settings.people).items():
             people[f"person#{device_id}"] = name, PersonSettings.model_construct(trackers=(device_id,))
         for key in self._told.keys() - people.keys() - ({HOUSEHOLD} if people else set()):
@@ -103,15 +103,15 @@ class PeopleGateway(Gateway):
             now + (_ASKED_EVERY if lags else _SEEN_EVERY),
             *(at + _HEARD for at in self._heard_at.values() if at + _HEARD > now),
         ]
-        found: list[bool | None] = []
-        for key, (_, one) in self._people.items():
-            where = where_is([*self._signs(view, key, one, now)], now, one.away_after)
+        at_home: list[bool | None] = []
+        for key, (_, person) in self._people.items():
+            where = where_is([*self._signs(view, key, person, now)], now, person.away_after)
             due.append(where.due)
-            found.append(where.is_home)
+            at_home.append(where.is_home)
             await self._report(key, {AT_HOME: where.is_home})
-        is_any = True if True in found else None if None in found else False
-        are_all = False if False in found else None if None in found else True
-        if found:
+        is_any = True if True in at_home else None if None in at_home else False
+        are_all = False if False in at_home else None if None in at_home else True
+        if at_home:
             await self._report(HOUSEHOLD, {AT_HOME: is_any, ALL_AT_HOME: are_all})
         return min(due) - now
 
@@ -122,8 +122,8 @@ class PeopleGateway(Gateway):
 
     def _signs(self, view: HouseView, key: str, person: PersonSettings, now: float) -> Iterator[tuple[Sign, float]]:
         for text in person.trackers:
-            for place, told in self._trackers.signs(view, text).items():
-                yield self._timed(f"{key} {place}", told, now)
+            for place, reported in self._trackers.signs(view, text).items():
+                yield self._timed(f"{key} {place}", reported, now)
         if person.ping:
             heard_at = self._heard_at.get(key)
             is_home = heard_at is not None and now - heard_at < _HEARD
@@ -152,8 +152,8 @@ class PeopleGateway(Gateway):
         """Yield the problem of each tracker that no device is."""
         if (view := self._view) is None:
             return
-        for name, one in self._settings.people.items():
-            for text in one.trackers:
+        for name, person in self._settings.people.items():
+            for text in person.trackers:
                 if not self._trackers.signs(view, text):
                     hint = did_you_mean(text, self._trackers.names, "`homebot find trackers` shows them")
                     yield f"people.{name}: no device with a place is called {text!r}; {hint}"

@@ -31,8 +31,8 @@ async def answers(address: str) -> bool | None:
     except socket.gaierror:
         return None
     except OSError as exc:
-        found = {one.errno for one in _errors(exc)}
-        return True if found & _REFUSED else None if found & _NO_NETWORK else False
+        errnos = {error.errno for error in _errors(exc)}
+        return True if errnos & _REFUSED else None if errnos & _NO_NETWORK else False
     with suppress(OSError):
         await stream.aclose()
     return True
@@ -42,4 +42,4 @@ def _errors(exc: BaseException) -> list[OSError]:
     """Return the errors of all addresses of a name, which anyio gathers in the cause."""
     inner = exc.__cause__
     group = inner.exceptions if isinstance(inner, BaseExceptionGroup) else (inner,)
-    return [one for one in (exc, *group) if isinstance(one, OSError)]
+    return [error for error in (exc, *group) if isinstance(error, OSError)]

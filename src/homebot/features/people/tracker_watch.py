@@ -46,7 +46,7 @@ class TrackerWatch(HouseWatcher):
     @property
     def names(self) -> list[str]:
         """The names of all."""
-        return [one.name for one in self._devices.values()]
+        return [device.name for device in self._devices.values()]
 
     async def catch_up(self, view: HouseView) -> bool:
         """Read the devices again that have reported, but whose places are kept ones: an equal place is no change.
@@ -62,9 +62,9 @@ class TrackerWatch(HouseWatcher):
         )
         if lags:
             with suppress(ServiceError):
-                found = await view.find(TypeIs("tracker", frozenset({"x_tracker"}), by_word=False))
-                for one in found.devices:
-                    view.store(one, found.sequence)
+                trackers = await view.find(TypeIs("tracker", frozenset({"x_tracker"}), by_word=False))
+                for tracker in trackers.devices:
+                    view.store(tracker, trackers.sequence)
         return lags
 
     def persons(self, people: Mapping[str, PersonSettings]) -> dict[str, str]:
@@ -74,15 +74,17 @@ class TrackerWatch(HouseWatcher):
         """
         names = {*map(fold, people)}
         known = self._devices.values()
-        taken = [tracker for one in people.values() for text in one.trackers for tracker in devices_called(text, known)]
+        taken = [
+            tracker for person in people.values() for text in person.trackers for tracker in devices_called(text, known)
+        ]
         return {
-            one.id: one.name
-            for one in self._devices.values()
-            if one.freshness != "stale" or one.reachable.state == "no"  # else its system has it no more
-            for part in one.parts
+            device.id: device.name
+            for device in self._devices.values()
+            if device.freshness != "stale" or device.reachable.state == "no"  # else its system has it no more
+            for part in device.parts
             if part.part.members and part.part.service_type == "x_tracker"  # no announcement over MQTT can have both
-            if names.isdisjoint(map(fold, names_of(one)))
-            if not any(_is_of(tracker, one, part) for tracker in taken)
+            if names.isdisjoint(map(fold, names_of(device)))
+            if not any(_is_of(tracker, device, part) for tracker in taken)
         }
 
     def signs(self, view: HouseView, name: str) -> dict[str, Sign]:
@@ -97,15 +99,15 @@ class TrackerWatch(HouseWatcher):
 
 def _is_of(tracker: Device, person: Device, part: DevicePart) -> bool:
     """Return whether *tracker* is the person, or a tracker of the person."""
-    gateways = {one.gateway for one in part.routes}
-    known = (name for one in tracker.parts for name in references(tracker, one, gateways))
+    gateways = {route.gateway for route in part.routes}
+    known = (name for own_part in tracker.parts for name in references(tracker, own_part, gateways))
     return tracker.id == person.id or not {*known}.isdisjoint(part.part.members)
 
 
 def _places(device: Device) -> list[tuple[str, str]]:
     """Return the ids and kinds of the parts with a place."""
     return [
-        (one.id, one.part.tag)
-        for one in device.parts
-        if any(can.name == PLACE and can.readable for can in one.part.capabilities)
+        (part.id, part.part.tag)
+        for part in device.parts
+        if any(can.name == PLACE and can.readable for can in part.part.capabilities)
     ]

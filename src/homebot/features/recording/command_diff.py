@@ -46,16 +46,18 @@ def command_diff(
         ends_at: The end of the recording, in seconds since its start. An unmatched command in its last second is not a
             difference: its counterpart may have come too late.
     """
-    before = [one for one in recorded if one.command.issuer in issuers]
-    now = [one for one in replayed if one.command.issuer in issuers]
+    before = [command for command in recorded if command.command.issuer in issuers]
+    now = [command for command in replayed if command.command.issuer in issuers]
     sent_before, repeated_before = _split_repeats(filter(is_carried_out, before))
     sent_now, repeated_now = _split_repeats(filter(is_carried_out, now))
     matcher = CommandMatcher(sent_before)
-    added = [one for one in sent_now if matcher.pop(one) is None]
+    added = [command for command in sent_now if matcher.pop(command) is None]
     gone = matcher.left
-    different = [DifferentCommand("added", one, _refusal(one, before)) for one in _missing(added, repeated_before)]
-    different += [DifferentCommand("gone", one, _refusal(one, now)) for one in _missing(gone, repeated_now)]
-    kept = sorted((one for one in different if one.given.at <= ends_at - TOLERANCE), key=_order)
+    different = [
+        DifferentCommand("added", command, _refusal(command, before)) for command in _missing(added, repeated_before)
+    ]
+    different += [DifferentCommand("gone", command, _refusal(command, now)) for command in _missing(gone, repeated_now)]
+    kept = sorted((difference for difference in different if difference.given.at <= ends_at - TOLERANCE), key=_order)
     return CommandDiff(tuple(kept), len(sent_before) - len(gone))
 
 
@@ -67,17 +69,17 @@ def _order(one: DifferentCommand) -> tuple[float, str, str, str]:
 def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
     """Return why the same command among *others* was refused; empty if there is none."""
     wanted = command_key(given.command)
-    for one in others:
-        is_same = abs(one.at - given.at) <= TOLERANCE and command_key(one.command) == wanted
-        if is_same and one.result is not None and not is_carried_out(one):
-            return f"{one.result.policy}: {one.result.reason}"
+    for other in others:
+        is_same = abs(other.at - given.at) <= TOLERANCE and command_key(other.command) == wanted
+        if is_same and other.result is not None and not is_carried_out(other):
+            return f"{other.result.policy}: {other.result.reason}"
     return ""
 
 
 def _missing(commands: Iterable[TimedCommand], repeats: Iterable[TimedCommand]) -> list[TimedCommand]:
     """Return the *commands* that are not among the other's *repeats* either: 0.99 s there may be 1.01 s here."""
     matcher = CommandMatcher(repeats)
-    return [one for one in commands if matcher.pop(one) is None]
+    return [command for command in commands if matcher.pop(command) is None]
 
 
 def _split_repeats(commands: Iterable[TimedCommand]) -> tuple[list[TimedCommand], list[TimedCommand]]:
@@ -89,15 +91,15 @@ def _split_repeats(commands: Iterable[TimedCommand]) -> tuple[list[TimedCommand]
     kept: list[TimedCommand] = []
     repeats: list[TimedCommand] = []
     latest: dict[tuple[str, str, str], TimedCommand] = {}
-    for one in commands:
-        command = one.command
+    for timed in commands:
+        command = timed.command
         place = command.issuer, command.device, command.part
         before = latest.get(place)
-        is_repeatable = not command.text and not any(each.capability in MOMENTARY for each in command.settings)
+        is_repeatable = not command.text and not any(setting.capability in MOMENTARY for setting in command.settings)
         is_same = before is not None and command_key(before.command) == command_key(command)
-        if before is not None and is_same and is_repeatable and one.at <= before.at + TOLERANCE + ROUNDED:
-            repeats.append(one)
+        if before is not None and is_same and is_repeatable and timed.at <= before.at + TOLERANCE + ROUNDED:
+            repeats.append(timed)
             continue
-        latest[place] = one
-        kept.append(one)
+        latest[place] = timed
+        kept.append(timed)
     return kept, repeats

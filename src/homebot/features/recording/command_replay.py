@@ -114,14 +114,18 @@ def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
 
 
 def _print_diff(diff: CommandDiff, start: float, names: Mapping[str, str], *, as_json: bool) -> None:
-    for one in diff.different:
-        print(json.dumps(_difference_json(one, start, names)) if as_json else difference_text(one, start, names))
+    for difference in diff.different:
+        print(
+            json.dumps(_difference_json(difference, start, names))
+            if as_json
+            else difference_text(difference, start, names)
+        )
     if not as_json:
         print(_summary_text(diff))
 
 
 def _summary_text(diff: CommandDiff) -> str:
-    added = sum(one.kind == "added" for one in diff.different)
+    added = sum(difference.kind == "added" for difference in diff.different)
     gone = len(diff.different) - added
     if not diff.different:
         return f"no difference: {'1 command is' if diff.same == 1 else f'{diff.same:,} commands are'} the same"

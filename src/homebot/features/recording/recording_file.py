@@ -52,14 +52,14 @@ class RecordingFile:
             OSError: The disk is full or missing.
         """
         fitting = list(lines) if not self._is_full else []
-        size = sum(len(one) + 1 for one in fitting)
+        size = sum(len(line) + 1 for line in fitting)
         while fitting and size > self._left:
             size -= len(fitting.pop()) + 1
             self._is_full = True
         self.dropped += len(lines) - len(fitting)
         self._left -= size
         self.lines += len(fitting)
-        self._file.write("".join(f"{one}\n" for one in fitting).encode())
+        self._file.write("".join(f"{line}\n" for line in fitting).encode())
         self._file.flush()
 
     def close(self) -> None:

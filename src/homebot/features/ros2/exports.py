@@ -127,10 +127,10 @@ class Exports:
         message_type = node.graph.get_message_type(name)
         assert message_type is not None, "a topic with a publisher has a type"  # noqa: S101 - for mypy
         offered = [publisher.qos for publisher in publishers if publisher.qos is not None]
-        is_latched = all(one.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in offered)
+        is_latched = all(profile.durability is DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
         durability = DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE
-        reliability = max(one.reliability for one in offered)
-        qos = QoSProfile(max(one.depth for one in offered), reliability=reliability, durability=durability)
+        reliability = max(profile.reliability for profile in offered)
+        qos = QoSProfile(max(profile.depth for profile in offered), reliability=reliability, durability=durability)
         info = EndpointInfo(EntityKind.PUBLISHER, node.full_name, name, message_type.ros_type, qos)
         entity = self._own.declare(info, type_hash(message_type))
         writer = self._own.session.publish(entity.token.key, qos)

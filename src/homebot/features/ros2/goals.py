@@ -95,7 +95,7 @@ async def _cancel(client: _Client, request: CancelGoalRequest) -> Message:
     is_one = wanted.uuid != _NO_ID and not at
     latest = -math.inf if is_one else at or math.inf
     chosen = [goal for goal in client.goals if goal.goal_id == wanted or goal.stamp.to_seconds() <= latest]
-    answers = [await one.cancel() for one in chosen]
+    answers = [await goal.cancel() for goal in chosen]
     unknown = CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID if is_one else CancelGoalResponse.ERROR_NONE
     return CancelGoalResponse(
         return_code=min((answer.return_code for answer in answers), default=unknown),

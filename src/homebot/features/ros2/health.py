@@ -36,10 +36,10 @@ class LinkHealth:
         """Offer the service, with the counts of *lost* messages and the present *problems*."""
 
         def answer(_request: HealthRequest) -> HealthResponse:
-            found = sorted(problems())
-            more = [f"{len(found) - _MAX_SHOWN} more do not pass"] if len(found) > _MAX_SHOWN else []
+            troubles = sorted(problems())
+            more = [f"{len(troubles) - _MAX_SHOWN} more do not pass"] if len(troubles) > _MAX_SHOWN else []
             refused = {event.removeprefix("ros2."): count for event, count in self._refused.items()}
             counts = (*Count.each(refused, Severity.FAULT), *Count.each({"lost": lost()}, Severity.LOSS))
-            return HealthResponse(counts=counts, troubles=(*found[:_MAX_SHOWN], *more))
+            return HealthResponse(counts=counts, troubles=(*troubles[:_MAX_SHOWN], *more))
 
         self._node.create_service(GetHealth, "~/health", answer)

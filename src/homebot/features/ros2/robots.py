@@ -55,14 +55,14 @@ class RobotsOnWire:
         Raises:
             UsageError: A robot has no token.
         """
-        found, ends = {}, {}
+        accesses, ends = {}, {}
         for robot in imports:
             name = token_of(robot, door)
             if name is None:
                 raise UsageError(f"[ros] import: no token has the right 'robot: {robot}'; {_make_one(robot)}")
             token = door.tokens[name]
-            found[robot], ends[robot] = ClientAccess(name, read_scope(token.scope), owners), token.until
-        return cls(imports, found, ends, now, revoked)
+            accesses[robot], ends[robot] = ClientAccess(name, read_scope(token.scope), owners), token.until
+        return cls(imports, accesses, ends, now, revoked)
 
     def source_of(self, name: str) -> ClientAccess | None:
         """Return the access of the robot from which the topic or service *name* comes.

@@ -87,9 +87,12 @@ def _scenes(door: DoorClient, name: str = "") -> tuple[SceneInfo, ...]:
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
     scenes = _scenes(door)
     if options.json:
-        print(list_text([json_text(fields_of(one)) for one in scenes]))
+        print(list_text([json_text(fields_of(scene)) for scene in scenes]))
     elif scenes:
-        rows = [(printable(one.name), printable(one.area), _kind(one), str(len(one.parts) or "?")) for one in scenes]
+        rows = [
+            (printable(scene.name), printable(scene.area), _kind(scene), str(len(scene.parts) or "?"))
+            for scene in scenes
+        ]
         print_table(("SCENE", "ROOM", "KEPT BY", "PARTS"), rows, if_any=("ROOM",))
     else:
         print("there is no scene; `homebot scene save NAME QUERY` makes one of the present values")
@@ -111,8 +114,8 @@ def show(door: DoorClient, options: argparse.Namespace) -> int:
     print_line(f"{printable(scene.name)}, kept by {printable(scene.id) if scene.is_native else _kind(scene)}")
     for part in scene.parts:
         print_line(f"  {_part_text(part)}")
-    for one in scene.problems:
-        print_line(f"  {printable(one.key)}: {printable(one.value, 300)}")
+    for item in scene.problems:
+        print_line(f"  {printable(item.key)}: {printable(item.value, 300)}")
     if scene.applied_at.sec:
         undone = "" if scene.can_undo else ", and undone since"
         print_line(f"  applied {ago(scene.applied_at, house_time(door))}{undone}")
@@ -126,7 +129,7 @@ def _part_text(part: ScenePart) -> str:
 
 
 def _apply(door: DoorClient, options: argparse.Namespace, *, undo: bool) -> int:
-    asking = [] if undo else [one for one in _scenes(door, options.name)[0].parts if one.asks]
+    asking = [] if undo else [part for part in _scenes(door, options.name)[0].parts if part.asks]
     agreed = options.yes or _agrees(asking)
     request = {"name": options.name, "transition": options.transition, "undo": undo, "agreed": agreed}
     return command_house(door, options, APPLY_SCENE, request)
@@ -136,8 +139,8 @@ def _agrees(asking: list[ScenePart]) -> bool:
     """Return whether the person agrees to *asking*; without a terminal, homebot asks people in the house."""
     if not asking or not sys.stdin.isatty():
         return False
-    for one in asking:
-        print(_part_text(one))
+    for part in asking:
+        print(_part_text(part))
     if input("Do that? [y/N] ").strip().casefold() not in {"y", "yes"}:
         raise UsageError("nothing was sent")
     return True
@@ -145,14 +148,14 @@ def _agrees(asking: list[ScenePart]) -> bool:
 
 def _save(door: DoorClient, options: argparse.Namespace) -> int:
     name = fold(options.name.strip())
-    if any(one.is_configured and fold(one.name) == name for one in _scenes(door)):
+    if any(scene.is_configured and fold(scene.name) == name for scene in _scenes(door)):
         raise UsageError(
             f"the configuration has a scene {options.name!r}, which this would hide; change it there, and "
             "`homebot reload`, or choose another name"
         )
     answer = _changed(door, options, "save")
-    for one in answer.left_out:
-        print(f"left out: {printable(one.key)}: {printable(one.value, 300)}", file=sys.stderr)
+    for item in answer.left_out:
+        print(f"left out: {printable(item.key)}: {printable(item.value, 300)}", file=sys.stderr)
     return 0
 
 
@@ -175,8 +178,8 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     scene = _scenes(door, options.name)[0]
     if scene.is_native or scene.is_configured:
         raise UsageError(f"{scene.name} is kept by {scene.id if scene.is_native else _kind(scene)}; change it there")
-    before = {target_of(one.device, one.part): one.text for one in scene.parts}
-    lines = (f"# {printable(one.name)}\n{target_of(one.device, one.part)}: {one.text}\n" for one in scene.parts)
+    before = {target_of(part.device, part.part): part.text for part in scene.parts}
+    lines = (f"# {printable(part.name)}\n{target_of(part.device, part.part)}: {part.text}\n" for part in scene.parts)
     text, path = edited(_TEXT + "".join(lines))
     try:
         _send(door, options, _differences(before, text))
@@ -201,7 +204,7 @@ def _differences(before: Mapping[str, str], text: str) -> dict[str, str]:
                 raise UsageError(f"{line[:100]!r}: write a device and its values, such as 'hall_lamp: on, 20 %'")
             after[target.strip()] = words.strip()
     changed = {target: words for target, words in after.items() if words != before.get(target)}
-    return {**{one: "" for one in before if one not in after}, **changed}
+    return {**{target: "" for target in before if target not in after}, **changed}
 
 
 def _rename(door: DoorClient, options: argparse.Namespace) -> int:

@@ -54,12 +54,12 @@ async def list_scenes(home: HomeCalls, _: NoQuestion) -> SceneList:
     answer = cast("ScenesResponse", await call_or_fail(home, LIST_SCENES.name, {}))
     lines = (
         SceneLine(
-            scene=one.name,
-            id=one.id if one.is_native else "",
-            room=one.area,
-            parts={printable(part.name, _WIDEST): part.text for part in one.parts},
+            scene=scene.name,
+            id=scene.id if scene.is_native else "",
+            room=scene.area,
+            parts={printable(part.name, _WIDEST): part.text for part in scene.parts},
         )
-        for one in answer.scenes
+        for scene in answer.scenes
     )
     return SceneList(scenes=tuple(lines))
 

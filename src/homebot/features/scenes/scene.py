@@ -68,25 +68,29 @@ class _MembersByName:
             if is_commanded(part.part) and not part.part.members:
                 names = dict.fromkeys(device.identifiers)
                 for route in part.routes:
-                    names |= dict.fromkeys(f"{one}#{route.part}" for one in device.identifiers)
+                    names |= dict.fromkeys(f"{identifier}#{route.part}" for identifier in device.identifiers)
                     names[f"{route.gateway} #{route.part}"] = None
                 for name in names:
                     self.named[name].append((device.id, part.id))
 
     def of(self, device: Device, part: DevicePart) -> dict[Place, dict[str, PlainValue]]:
         """Return the values of a scene, by part; a device that keeps a scene of its own sets its own main parts."""
-        found: dict[Place, dict[str, PlainValue]] = {}
-        for one in part.part.values:
-            for place in self._called(one.member, part):
-                found.setdefault(place, {})[one.capability] = one.value.plain()
-        if not found:
-            found = {place: {} for name in part.part.members for place in self._called(name, part)}
-        own = (one for one in device.parts if is_commanded(one.part) and one.part.service_type not in _BUTTONS)
-        return found or {(device.id, one.id): {} for one in own}
+        places: dict[Place, dict[str, PlainValue]] = {}
+        for member_value in part.part.values:
+            for place in self._called(member_value.member, part):
+                places.setdefault(place, {})[member_value.capability] = member_value.value.plain()
+        if not places:
+            places = {place: {} for name in part.part.members for place in self._called(name, part)}
+        own = (
+            own_part
+            for own_part in device.parts
+            if is_commanded(own_part.part) and own_part.part.service_type not in _BUTTONS
+        )
+        return places or {(device.id, own_part.id): {} for own_part in own}
 
     def _called(self, name: str, scene: DevicePart) -> Iterator[Place]:
-        for one in (name, *(f"{gateway} {name}" for gateway in {route.gateway for route in scene.routes})):
-            yield from self.named.get(one, ())
+        for full_name in (name, *(f"{gateway} {name}" for gateway in {route.gateway for route in scene.routes})):
+            yield from self.named.get(full_name, ())
 
 
 @final
@@ -98,7 +102,7 @@ class HouseScenes:
     """
 
     def __init__(self, devices: Sequence[Device], book: SceneBook) -> None:
-        self.devices = {one.id: one for one in devices}
+        self.devices = {device.id: device for device in devices}
         self.configured: dict[str, Scene] = {}
         self._book = book
 
@@ -115,14 +119,14 @@ class HouseScenes:
                 return Scene(own.name, own.name, {place_of(target): values for target, values in parts.items()})
             if (configured := self.configured.get(fold(text))) is not None:
                 return configured
-            found = [scene for scene in native if scene.id == text] or [
+            matches = [scene for scene in native if scene.id == text] or [
                 scene for scene in native if fold(text) in (fold(scene.name), fold(scene.full_name))
             ]
-            if len(found) > 1:
-                ids = " or ".join(repr(scene.full_name) for scene in found[:_MAX_NAMED])
-                raise UsageError(f"{len(found)} scenes are called {text!r}; name one: {ids}")
-            if found:
-                return found[0]
+            if len(matches) > 1:
+                ids = " or ".join(repr(scene.full_name) for scene in matches[:_MAX_NAMED])
+                raise UsageError(f"{len(matches)} scenes are called {text!r}; name one: {ids}")
+            if matches:
+                return matches[0]
         known = map(_NAME, (*self._book.scenes.values(), *self.configured.values(), *native))
         raise UsageError(no_such("scene", name, known, "`homebot scene list` shows them"))
 
@@ -130,24 +134,26 @@ class HouseScenes:
         """Raise UsageError if a scene of the owner called *name* would hide a configured or a native one."""
         if fold(name) in self.configured:
             raise UsageError(f"the configuration has a scene {name!r}, which this would hide; choose another name")
-        names = {fold(each): one for one in self.native() for each in (one.name, one.full_name)}
-        if (found := names.get(fold(name))) is not None:
-            raise UsageError(f"{found.id} keeps a scene {found.name!r}, which this would hide; choose another name")
+        names = {fold(known_name): scene for scene in self.native() for known_name in (scene.name, scene.full_name)}
+        if (hidden := names.get(fold(name))) is not None:
+            raise UsageError(f"{hidden.id} keeps a scene {hidden.name!r}, which this would hide; choose another name")
 
     def current(self, scene: SavedScene) -> SavedScene:
         """Return *scene* with the present ids and routes of its parts; those that are not there now keep theirs."""
         parts, routes = dict[str, Mapping[str, PlainValue]](), dict[str, tuple[str, ...]]()
         for target, values in scene.parts.items():
             known = scene.routes.get(target, ())
-            found = self.place(place_of(target)) or self._reached(known)
-            now = target if found is None else target_of(found[0].id, found[1].id)
-            parts[now], routes[now] = values, known if found is None else tuple(_routes(found[1]))
+            device_and_part = self.place(place_of(target)) or self._reached(known)
+            now = target if device_and_part is None else target_of(device_and_part[0].id, device_and_part[1].id)
+            parts[now], routes[now] = values, known if device_and_part is None else tuple(_routes(device_and_part[1]))
         return scene.model_copy(update={"parts": parts, "routes": routes})
 
     def _reached(self, routes: Sequence[str]) -> tuple[Device, DevicePart] | None:
         wanted = set(routes)
         parts = ((device, part) for device in self.devices.values() for part in device.parts) if wanted else ()
-        return next((one for one in parts if not wanted.isdisjoint(_routes(one[1]))), None)
+        return next(
+            (device_and_part for device_and_part in parts if not wanted.isdisjoint(_routes(device_and_part[1]))), None
+        )
 
     def all(self) -> Iterator[Scene]:
         """Yield all scenes: those of the owner, and then the native ones by room."""
@@ -189,34 +195,34 @@ class HouseScenes:
 
     def name(self, place: Place) -> str:
         """Return the name of a part for people; its id if it is not in the house."""
-        found = self.place(place)
-        return target_of(*place) if found is None else part_name(*found)
+        device_and_part = self.place(place)
+        return target_of(*place) if device_and_part is None else part_name(*device_and_part)
 
     def why_asked(self, place: Place, values: Mapping[str, PlainValue]) -> str:
         """Return why a person must agree to *values* of a part; empty if none must, or it is not in the house."""
-        found = self.place(place)
-        return "" if found is None else why_asked(*found, values)
+        device_and_part = self.place(place)
+        return "" if device_and_part is None else why_asked(*device_and_part, values)
 
     def _part(self, place: Place, values: Mapping[str, PlainValue]) -> ScenePart:
-        found, settings = self.place(place), tuple(map(Setting.of, values, values.values()))
+        device_and_part, settings = self.place(place), tuple(map(Setting.of, values, values.values()))
         return ScenePart(
             device=place[0],
             part=place[1],
             name=self.name(place),
-            area="" if found is None else found[0].area,
+            area="" if device_and_part is None else device_and_part[0].area,
             settings=settings,
             text=values_text(settings),
             asks=self.why_asked(place, values),
-            is_known=found is not None,
+            is_known=device_and_part is not None,
         )
 
 
 def _is_scene(part: DevicePart) -> bool:
-    return any(one.name == _RECALL and one.settable for one in part.part.capabilities)
+    return any(capability.name == _RECALL and capability.settable for capability in part.part.capabilities)
 
 
 def _routes(part: DevicePart) -> Iterator[str]:
-    return (f"{one.name}#{one.part}" for one in part.routes)
+    return (f"{route.name}#{route.part}" for route in part.routes)
 
 
 def place_of(target: str) -> Place:

@@ -69,7 +69,7 @@ class SceneApplying:
         if is_told:
             earlier.add(before, answer.results)
         elif answer.outcome != Refused.kind:
-            earlier.add_parts(before, scene.parts, [one.result.command_id for one in answer.results])
+            earlier.add_parts(before, scene.parts, [result.result.command_id for result in answer.results])
         return answer
 
     async def undo(
@@ -92,7 +92,10 @@ class SceneApplying:
             return CommandDevicesResponse(
                 success=True, message=f"nothing that {scene.name} changed is left to bring back"
             )
-        wanted = {place: {one.capability: one.value.plain() for one in settings} for place, settings in due.items()}
+        wanted = {
+            place: {setting.capability: setting.value.plain() for setting in settings}
+            for place, settings in due.items()
+        }
         reasons = {house.name(place): house.why_asked(place, values) for place, values in wanted.items()}
         if request.unless_asks and (asks := {name: why for name, why in reasons.items() if why}):
             applied.before.update(entries)
@@ -117,8 +120,8 @@ class SceneApplying:
         outcomes: dict[Place, Outcome] = {}
         requests: dict[Place, CommandRequest] = {}
         for place, values in values_of.items():
-            found = house.place(place)
-            if found is not None and (refused := _refusal(found[1], place, values)) is not None:
+            device_and_part = house.place(place)
+            if device_and_part is not None and (refused := _refusal(device_and_part[1], place, values)) is not None:
                 outcomes[place] = refused
                 continue
             agreed = request.agreed and request.issuer.startswith(CLIENT)
@@ -128,7 +131,7 @@ class SceneApplying:
             requests[place] = _request(request, scene, place, values, asks=asks)
         outcomes |= zip(requests, await perform_all(self._outcome, tuple(requests.values())), strict=True)
         lacking = () if request.undo else scene.problems.items()
-        commanded = [_commanded(*one, house.name(one), outcome) for one, outcome in outcomes.items()]
+        commanded = [_commanded(*place, house.name(place), outcome) for place, outcome in outcomes.items()]
         commanded += [_commanded("", "", name, Gone(problem)) for name, problem in lacking]
         if not commanded:
             return CommandDevicesResponse(success=False, message=f"{scene.name} has no part")

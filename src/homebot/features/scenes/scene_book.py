@@ -71,7 +71,7 @@ class SceneBook:
             read = _BookRecord.model_validate_json(record) if record else _BookRecord()
         except ValidationError as exc:
             raise WireError(f"no scenes: {exc.errors()[0]['msg']}", record[:100].encode(errors="replace")) from exc
-        self.scenes = {fold(one.name): one for one in read.scenes}
+        self.scenes = {fold(scene.name): scene for scene in read.scenes}
         self.applied = read.applied
 
     def record(self) -> str:
@@ -87,8 +87,8 @@ class SceneBook:
         """
         name = scene.name
         check_scene_name(name)
-        others = [one for key, one in self.scenes.items() if key != fold(name)]
-        if len(others) >= _MAX_SCENES or sum(len(one.parts) for one in (scene, *others)) > _MAX_PARTS:
+        others = [other for key, other in self.scenes.items() if key != fold(name)]
+        if len(others) >= _MAX_SCENES or sum(len(kept.parts) for kept in (scene, *others)) > _MAX_PARTS:
             limits = f"there may be {_MAX_SCENES} with {_MAX_PARTS:,} parts in all; remove one first"
             raise RefusedError(f"the scene {name!r}", limits)
         self.scenes[fold(name)] = scene

@@ -90,7 +90,7 @@ class SceneChanges:
             elif problem:
                 left_out.append(KeyValue(key=part_name(device, part), value=problem))
         if not (parts or request.values):
-            reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MAX_NAMED])
+            reasons = "; ".join(f"{item.key}: {item.value}" for item in left_out[:_MAX_NAMED])
             raise UsageError(f"there is nothing to save; {reasons or 'nothing of that has values to bring back'}")
         edited = await self._edited(parts, request.values, house)
         scene = house.current(SavedScene(name=name, parts=edited))
@@ -105,23 +105,23 @@ class SceneChanges:
             return await self._found(request.target)
         configured = house.configured.get(fold(name))
         places = [*map(place_of, known.parts)] if known is not None else configured.parts if configured else ()
-        found = [one for place in places if (one := house.place(place)) is not None]
-        if not (found or request.values):
+        devices_and_parts = [device_and_part for place in places if (device_and_part := house.place(place)) is not None]
+        if not (devices_and_parts or request.values):
             raise UsageError("say what the scene is of, such as 'lights in living'")
-        return found
+        return devices_and_parts
 
     async def _edited(
         self, parts: dict[str, Mapping[str, PlainValue]], values: Sequence[KeyValue], house: HouseScenes
     ) -> dict[str, Mapping[str, PlainValue]]:
         """Return *parts* with *values* in words."""
-        for one in values:
-            if one.key in parts and house.place(place_of(one.key)) is None:  # it is not in the house now
-                found: list[tuple[str, dict[str, PlainValue]]] = [(one.key, {})]
-                if one.value:
-                    raise UsageError(f"{one.key} is not in the house now; leave it as it is, or out")
+        for item in values:
+            if item.key in parts and house.place(place_of(item.key)) is None:  # it is not in the house now
+                valued: list[tuple[str, dict[str, PlainValue]]] = [(item.key, {})]
+                if item.value:
+                    raise UsageError(f"{item.key} is not in the house now; leave it as it is, or out")
             else:
-                found = await self._valued(one.key, one.value.strip())
-            for target, wanted in found:
+                valued = await self._valued(item.key, item.value.strip())
+            for target, wanted in valued:
                 if wanted:
                     parts[target] = wanted
                 else:
@@ -132,17 +132,17 @@ class SceneChanges:
 
     async def _valued(self, target: str, words: str) -> list[tuple[str, dict[str, PlainValue]]]:
         """Return the parts that *target* means and that take *words*, each with its values."""
-        found: list[tuple[str, dict[str, PlainValue]]] = []
+        settings: list[tuple[str, dict[str, PlainValue]]] = []
         problem: RefusedError | None = None
         for device, part in await self._found(target):
             try:
                 values = _values_of(words, device, part) if words else {}
-                found.append((target_of(device.id, part.id), values))
+                settings.append((target_of(device.id, part.id), values))
             except RefusedError as exc:
                 problem = problem or exc
-        if problem is not None and not found:
+        if problem is not None and not settings:
             raise problem
-        return found
+        return settings
 
     async def _found(self, target: str) -> list[tuple[Device, DevicePart]]:
         """Return the parts that *target* means, with the members of a group in its place, each once."""
@@ -150,18 +150,20 @@ class SceneChanges:
             targets = await self._targets.find(CommandDevicesRequest(target=target))
         except NoTargetError as exc:
             raise UsageError(str(exc)) from exc
-        found: dict[tuple[str, str], tuple[Device, DevicePart]] = {}
+        meant: dict[tuple[str, str], tuple[Device, DevicePart]] = {}
         for device, parts in targets:
             for part in parts:
                 members = await self._lookup.members(device, part) if part.part.is_group else [(device, part)]
-                found |= {(one.id, other.id): (one, other) for one, other in members if not other.part.is_group}
-        return list(found.values())
+                meant |= {
+                    (device.id, other.id): (device, other) for device, other in members if not other.part.is_group
+                }
+        return list(meant.values())
 
 
 def _no_scene(name: str, house: HouseScenes, book: SceneBook) -> UsageError:
-    if (one := house.configured.get(fold(name))) is not None:
-        return UsageError(f"the scene {one.name} is in the configuration; change it there, and `homebot reload`")
-    named = [one.name for one in book.scenes.values()]
+    if (configured := house.configured.get(fold(name))) is not None:
+        return UsageError(f"the scene {configured.name} is in the configuration; change it there, and `homebot reload`")
+    named = [scene.name for scene in book.scenes.values()]
     return UsageError(no_such("scene", name, named, "`homebot scene list` shows them; `save` makes one"))
 
 
@@ -183,7 +185,7 @@ def _why_left_out(device: Device, part: DevicePart, values: Mapping[str, PlainVa
         return "its values are unknown, as it cannot be reached"
     if values:
         return None
-    return "its values are unknown" if any(one.settable for one in part.part.capabilities) else ""
+    return "its values are unknown" if any(capability.settable for capability in part.part.capabilities) else ""
 
 
 def _is_away(device: Device) -> bool:

@@ -146,8 +146,8 @@ class SceneServices:
         devices = await self._lookup.devices()
         book = self._read = self._read or self._read_book()
         house = HouseScenes(devices, book)
-        for one in self._configured():
-            house.configured[fold(one.name)] = await self._changes.configured(one)
+        for scene in self._configured():
+            house.configured[fold(scene.name)] = await self._changes.configured(scene)
         return house, book
 
     def _read_book(self) -> SceneBook:

@@ -29,7 +29,7 @@ _OFF: Final = {"on_off": False, "thermostat_mode": "off"}
 
 def values_text(settings: Iterable[Setting]) -> str:
     """Return *settings* in words."""
-    return ", ".join(_words(one.capability, one.value.plain()) for one in settings)
+    return ", ".join(_words(setting.capability, setting.value.plain()) for setting in settings)
 
 
 def _words(capability: str, value: PlainValue) -> str:
@@ -46,21 +46,21 @@ def read_values(words: str, device: Device, part: DevicePart, name: str) -> dict
     Raises:
         RefusedError: It does not take them, or nothing lasting; or one is a code, which is never kept.
     """
-    found: dict[str, PlainValue] = {}
+    values: dict[str, PlainValue] = {}
     for word in split_commands(words):
         given = parse_command_words(word, (), part.part, name)
-        if any(found.get(one, value) != value for one, value in given.items()):
+        if any(values.get(capability, value) != value for capability, value in given.items()):
             raise RefusedError(f"{words} for {name}", "these contradict each other; give one of them")
-        found |= given
-    if deed := next((one for one in found if one in _DEEDS), ""):
+        values |= given
+    if deed := next((capability for capability in values if capability in _DEEDS), ""):
         raise RefusedError(f"{deed} of {name}", "a scene has values that last; use a routine for what is done once")
-    if len(found) > 1:  # together they may contradict each other
-        texts = [KeyValue(key=one, value=_value_words(value)) for one, value in found.items()]
+    if len(values) > 1:  # together they may contradict each other
+        texts = [KeyValue(key=capability, value=_value_words(value)) for capability, value in values.items()]
         parse_command_words(SET, texts, part.part, name)
-    settings = tuple(map(Setting.of, found, found.values()))
+    settings = tuple(map(Setting.of, values, values.values()))
     if without_codes(settings, device, part) != settings:
         raise RefusedError(f"a code for {name}", "no scene keeps one")
-    return found
+    return values
 
 
 def _value_words(value: PlainValue) -> str:
@@ -71,10 +71,10 @@ def _value_words(value: PlainValue) -> str:
 
 def present_values(device: Device, part: DevicePart) -> dict[str, PlainValue]:
     """Return the known values of *part* that a scene can bring back; empty if none is known."""
-    states = {one.capability: one for one in device.states if one.part == part.id}
-    known: list[str] = [one for one in _SAVED if one in states]
-    values = {one: states[one].value.plain() for one in known}
-    taken = {one: value for one, value in values.items() if _is_taken(part, one, value)}
+    states = {state.capability: state for state in device.states if state.part == part.id}
+    known: list[str] = [capability for capability in _SAVED if capability in states]
+    values = {capability: states[capability].value.plain() for capability in known}
+    taken = {capability: value for capability, value in values.items() if _is_taken(part, capability, value)}
     return _without_contradictions(taken, states)
 
 
@@ -94,6 +94,6 @@ def _without_contradictions(values: dict[str, PlainValue], states: Mapping[str, 
             return {capability: off}
     if "position" in values:
         values.pop("movement", None)
-    if all(one in values for one in _HUES):  # it shows the one that it took on last
-        values.pop(min(_HUES, key=lambda one: states[one].since.to_seconds()))
+    if all(capability in values for capability in _HUES):  # it shows the one that it took on last
+        values.pop(min(_HUES, key=lambda capability: states[capability].since.to_seconds()))
     return values

@@ -46,16 +46,16 @@ def read_scenes(config: Config) -> tuple[SceneSettings, ...]:
         ConfigError: A name or a value is missing, wrong or given twice; the message names the key.
     """
     source = config.source
-    found: dict[str, SceneSettings] = {}
+    scenes: dict[str, SceneSettings] = {}
     for number, table in enumerate(config.array_of("scenes")):
         if table is None:
             continue
-        one = parse_settings(SceneSettings, table, source, f"scenes.{number}")
+        scene = parse_settings(SceneSettings, table, source, f"scenes.{number}")
         try:
-            check_scene_name(one.name)
+            check_scene_name(scene.name)
         except UsageError as exc:
             raise ConfigError(source, f"scenes.{number}.name", str(exc)) from exc
-        if fold(one.name) in found:
-            raise ConfigError(source, f"scenes.{number}.name", f"there is a scene {one.name!r} already")
-        found[fold(one.name)] = one
-    return tuple(found.values())
+        if fold(scene.name) in scenes:
+            raise ConfigError(source, f"scenes.{number}.name", f"there is a scene {scene.name!r} already")
+        scenes[fold(scene.name)] = scene
+    return tuple(scenes.values())
