@@ -151,9 +151,9 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
 
 @lru_cache(maxsize=16)
 def _read_zone(name: str, computer: Path) -> tzinfo:
-    for one in (name,) if name else _names_of_computer(computer):
+    for zone in (name,) if name else _names_of_computer(computer):
         try:
-            return zoneinfo.ZoneInfo(one)
+            return zoneinfo.ZoneInfo(zone)
         except (zoneinfo.ZoneInfoNotFoundError, ValueError, OSError):  # OSError: the name is that of a folder of zones
             continue
     if name:

@@ -267,7 +267,7 @@ def _with_features(tables: Mapping[str, object], source: str) -> dict[str, objec
 
     If a feature of another package could not be loaded, unknown tables may be its own, and the plan leaves them out.
     """
-    found: dict[str, object] = {}
+    features: dict[str, object] = {}
     others: dict[str, object] = {}
     plugins: dict[str, FeatureTable] = {}
     for key, table in tables.items():
@@ -277,14 +277,14 @@ def _with_features(tables: Mapping[str, object], source: str) -> dict[str, objec
         elif row is None and (key in Config.model_fields or not find_features().problems):
             others[key] = table
         elif row is None or isinstance(table, list if row.is_array else Mapping):
-            found[key] = table
+            features[key] = table
         elif row.is_array:
-            found[key] = [table]
+            features[key] = [table]
         else:
             raise ConfigError(source, key, f"{_table_reason(key, is_element=False)}, got {_shortened(table)}")
     for key, row in plugins.items():
         _add_plugins(others, key, tables[key], row, source)
-    return {**others, "features": found} if found else others
+    return {**others, "features": features} if features else others
 
 
 def _add_plugins(tables: dict[str, object], key: str, table: object, row: FeatureTable, source: str) -> None:
@@ -296,7 +296,7 @@ def _add_plugins(tables: dict[str, object], key: str, table: object, row: Featur
     if taken := sorted(made.keys() & section.keys()):
         problem = f"is the name of the {row.section[:-1]} of [{key}]; choose another name"
         raise ConfigError(source, f"{row.section}.{taken[0]}", problem)
-    tables[row.section] = section | {name: {**one, "class": row.plugin} for name, one in made.items()}
+    tables[row.section] = section | {name: {**settings, "class": row.plugin} for name, settings in made.items()}
 
 
 def parse_settings(model: type[ModelT], table: object, source: str, key: str, folder: Path = _HERE) -> ModelT:
@@ -321,11 +321,13 @@ def parse_settings(model: type[ModelT], table: object, source: str, key: str, fo
             strict.model_validate_json(text, strict=True, context=in_folder(folder))
         return model.model_validate_json(text, strict=True, context=in_folder(folder))
     except ValidationError as exc:
-        found = exc.errors(include_url=False, include_context=False)[:_MAX_ERRORS]
-        wrong = [one["loc"][:-1] for one in found]  # what is left of an array with a wrong element may be too short
-        found = [one for one in found if one["type"] != "too_short" or one["loc"] not in wrong]
+        errors = exc.errors(include_url=False, include_context=False)[:_MAX_ERRORS]
+        wrong = [
+            error["loc"][:-1] for error in errors
+        ]  # what is left of an array with a wrong element may be too short
+        errors = [error for error in errors if error["type"] != "too_short" or error["loc"] not in wrong]
         # The cause is left out: it would show the value of a secret.
-        raise ConfigError.joined(_config_error(model, one, source, key) for one in found) from None
+        raise ConfigError.joined(_config_error(model, error, source, key) for error in errors) from None
     except PydanticSerializationError:
         raise ConfigError(source, key, "is nested too deep") from None
 
@@ -336,15 +338,15 @@ def read_all(readers: Iterable[Callable[[], T]]) -> list[T]:
     Raises:
         ConfigError: The first mistake, with the further ones of all readers in its ``others``.
     """
-    found, mistakes = list[T](), list[ConfigError]()
+    values, mistakes = list[T](), list[ConfigError]()
     for read in readers:
         try:
-            found.append(read())
+            values.append(read())
         except ConfigError as exc:
             mistakes += (exc, *exc.others)
     if mistakes:
         raise ConfigError.joined(mistakes) from None
-    return found
+    return values
 
 
 @contextmanager
@@ -422,7 +424,7 @@ def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
     """Return the problems of a table of *model*, as text."""
     if error["type"] == "extra_forbidden":
         fields = model.model_fields.items()
-        known = _known_tables() if model is Config else [one.alias or name for name, one in fields]
+        known = _known_tables() if model is Config else [field.alias or name for name, field in fields]
         return unknown_key(str(error["loc"][-1]), known)
     if error["type"] == "missing":
         return "is missing"

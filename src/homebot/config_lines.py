@@ -19,7 +19,7 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
             path[1:2] = [str(_apps_in(text, path[0]).index(app)) for app in path[1:2]]
     line = line_of(text, *path)
     config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
-    return ConfigError.joined((config_error, *(located(one, text) for one in error.others)))
+    return ConfigError.joined((config_error, *(located(other, text) for other in error.others)))
 
 
 @lru_cache(maxsize=1)  # the mistakes in a file follow each other

@@ -180,17 +180,17 @@ def find_features() -> FoundFeatures:
     Raises:
         PluginError: A feature of homebot itself is wrong.
     """
-    found: dict[str, Feature] = {}
+    features: dict[str, Feature] = {}
     taken: dict[str, str] = {}
     for name in sorted(file.parent.name for file in _FOLDER.glob("*/__init__.py")):
-        _add(load(f"homebot.features.{name}:FEATURE"), name, found, taken)
+        _add(load(f"homebot.features.{name}:FEATURE"), name, features, taken)
     problems: dict[str, str] = {}
     for point in entry_points_of_others(GROUP):
         try:
-            _add(load(point.value), point.name, found, taken)
+            _add(load(point.value), point.name, features, taken)
         except PluginError as exc:
             problems[point.name] = str(exc)
-    return FoundFeatures(found, problems)
+    return FoundFeatures(features, problems)
 
 
 def _add(feature: object, name: str, found: dict[str, Feature], taken: dict[str, str]) -> None:

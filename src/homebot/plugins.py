@@ -83,12 +83,12 @@ def load_plugin(group: str, name: str) -> type[Any]:
             others may write to.
     """
     if is_file(name):
-        found = _load_from_file(name)
+        plugin = _load_from_file(name)
     else:
-        found = _load_class(name) if ":" in name else _load_entry_point(group, name)
-    if not isinstance(found, type):
-        raise PluginError(name, f"is {found!r}, not a class")
-    return found
+        plugin = _load_class(name) if ":" in name else _load_entry_point(group, name)
+    if not isinstance(plugin, type):
+        raise PluginError(name, f"is {plugin!r}, not a class")
+    return plugin
 
 
 def plugin_path(group: str, name: str) -> str:
@@ -230,11 +230,11 @@ def _entry_points(path: tuple[str, ...]) -> _Groups:
 
 
 def _groups(points: Iterable[EntryPoint]) -> _Groups:
-    found: dict[str, tuple[EntryPoint, ...]] = {}
+    groups: dict[str, tuple[EntryPoint, ...]] = {}
     for point in points:
         if point.group.startswith("homebot."):
-            found[point.group] = (*found.get(point.group, ()), point)
-    return found
+            groups[point.group] = (*groups.get(point.group, ()), point)
+    return groups
 
 
 def _hint(name: str, known: tuple[str, ...]) -> str:
@@ -342,7 +342,7 @@ def run_file(name: str, file: Path) -> ModuleType:
 
 def _missing_class(problem: str, name: str, module: ModuleType) -> str:
     """Return the error for a missing class *name* in *module*, with suggestions."""
-    own = [one for one, kind in vars(module).items() if _is_own(kind, object, module)]
+    own = [class_name for class_name, kind in vars(module).items() if _is_own(kind, object, module)]
     similar = did_you_mean(name, own, "")
     return f"cannot be loaded: {problem}{'; ' if similar else ''}{similar}"
 

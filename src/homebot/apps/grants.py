@@ -43,7 +43,7 @@ def scope_of(key: str, table: Table, source: str) -> tuple[str, ...] | None:
 
 def queries_of(scope: tuple[str, ...]) -> tuple[str, ...]:
     """Return the value of the key for *scope*."""
-    return tuple(one.removeprefix("act: ") for one in scope if one != "read")
+    return tuple(line.removeprefix("act: ") for line in scope if line != "read")
 
 
 def without_act(table: Table) -> Table:

@@ -37,7 +37,9 @@ class LightsOut(App[LightsOutSettings]):
         await anyio.sleep(wait)
         wait = max(wait, SHORTEST)
         while lamps := in_room(await self.devices.find(Light, on=True), room):
-            if await self._is_quiet(room) and all(one.succeeded for one in await self.each(Light.turn_off, lamps)):
+            if await self._is_quiet(room) and all(
+                result.succeeded for result in await self.each(Light.turn_off, lamps)
+            ):
                 return
             wait = min(2 * wait, max(wait, LONGEST))  # each attempt is an entry in the journal
             await anyio.sleep(wait)
@@ -45,4 +47,4 @@ class LightsOut(App[LightsOutSettings]):
     async def _is_quiet(self, room: str) -> bool:
         sensors = in_room(await self.devices.find(OccupancySensor), room)
         quiet = in_room(await self.devices.find(OccupancySensor, occupied=False, fresh=True), room)
-        return bool(sensors) and len(quiet) == len(sensors) and all(one.reachable is not False for one in quiet)
+        return bool(sensors) and len(quiet) == len(sensors) and all(sensor.reachable is not False for sensor in quiet)

@@ -72,7 +72,12 @@ class NotifySettings(BaseModel):
 
     def urls_for(self, urgency: Urgency, kind: str) -> tuple[tuple[str, SecretStr], ...]:
         """Return the addresses for notifications of an alert's *kind*, if any, and of *urgency*, by their keys."""
-        rows = ((f"urls_by.{key}", urls) for one in (kind, urgency) for key, urls in self.urls_by.items() if key == one)
+        rows = (
+            (f"urls_by.{key}", urls)
+            for wanted in (kind, urgency)
+            for key, urls in self.urls_by.items()
+            if key == wanted
+        )
         name, urls = next(rows, ("urls", self.urls))
         return tuple((f"notify.{name}[{number}]", url) for number, url in enumerate(urls))
 
@@ -209,7 +214,7 @@ def _push(urls: Sequence[tuple[str, SecretStr]], message: str, title: str, urgen
 def _priority(arguments: Mapping[str, Mapping[str, object]], urgency: Urgency) -> str:
     """Return the priority for *urgency* of a service with these *arguments*; empty if it has none."""
     known = arguments.get("priority", {}).get("values")
-    if isinstance(known, tuple) and known and all(isinstance(one, int) for one in known):
+    if isinstance(known, tuple) and known and all(isinstance(item, int) for item in known):
         return {"high": str(max(known)), "low": str(min(known)), "normal": ""}[urgency]
     words = known.values() if isinstance(known, Mapping) else known if isinstance(known, tuple) else ()
     return next((word for word in _PRIORITIES[urgency] if word in words), "")

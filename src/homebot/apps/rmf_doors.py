@@ -161,8 +161,8 @@ class RmfDoors(App[RmfDoorsSettings]):
 
 
 def _is_door(part: _Part) -> bool:
-    found = part.device.part(part.part_id)
-    return isinstance(part, DoorLock) or (found is not None and found.part.tag in _TAGS)
+    device_part = part.device.part(part.part_id)
+    return isinstance(part, DoorLock) or (device_part is not None and device_part.part.tag in _TAGS)
 
 
 def _mode(part: _Part | None) -> int:

@@ -37,7 +37,7 @@ def check_handler(handler: object, *arguments: object) -> None:
     try:
         signature(handler).bind(*arguments)
     except TypeError as exc:
-        takes = ", ".join(f"{one!s:.60}" for one in arguments) or "no argument"
+        takes = ", ".join(f"{argument!s:.60}" for argument in arguments) or "no argument"
         raise UsageError(f"handler: {getattr(handler, '__name__', handler)} is called with {takes}: {exc}") from exc
     except ValueError:  # a C function without a signature
         return

@@ -234,7 +234,7 @@ class Schedule:
         if name is None:
             function = handler.func if isinstance(handler, partial) else handler
             base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()
-            return next(one for one in _numbered(base) if one not in self._jobs)
+            return next(candidate for candidate in _numbered(base) if candidate not in self._jobs)
         if type(name) is not str or not name:
             raise UsageError(f"name: {name!r:.60} is not a text of one character or more")
         other = self._jobs.get(name)
@@ -265,7 +265,7 @@ class Schedule:
                 for job in self.jobs:
                     if (due := job.look()) is not None:
                         self._call(job, due)
-                nap = min((one.nap() for one in self._jobs.values()), default=math.inf)
+                nap = min((job.nap() for job in self._jobs.values()), default=math.inf)
                 with anyio.move_on_after(0 if not self._jobs else nap):
                     await self._changed.wait()
         finally:
@@ -291,7 +291,7 @@ class Schedule:
         kept = self._kept(key)
         if value is None and name not in kept:
             return
-        self._app.store[key] = {one: kept[one] for one in kept if one != name} | (
+        self._app.store[key] = {kept_name: kept[kept_name] for kept_name in kept if kept_name != name} | (
             {} if value is None else {name: value}
         )
 

@@ -52,13 +52,13 @@ _Dict = _storing(dict, "__setitem__", "__delitem__", "__ior__", "update", "setde
 def _stored(value: Any, save: Callable[[], None]) -> Any:
     """Return a copy of a JSON value that calls *save* after each change of a list or dict in it."""
     if isinstance(value, list | tuple):
-        found = _List(_stored(one, save) for one in value)
+        container = _List(_stored(item, save) for item in value)
     elif isinstance(value, dict):
-        found = _Dict({key: _stored(one, save) for key, one in value.items()})
+        container = _Dict({key: _stored(item, save) for key, item in value.items()})
     else:
         return value
-    found.save = save
-    return found
+    container.save = save
+    return container
 
 
 @final

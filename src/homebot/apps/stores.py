@@ -162,11 +162,11 @@ class StoreFile(SqliteFile):
         """
         with self._used("read") as connection:
             rows = connection.execute("SELECT app, key, value FROM store").fetchall()
-        found: dict[str, dict[str, str]] = {}
+        by_app: dict[str, dict[str, str]] = {}
         for app, key, value in rows:
             if isinstance(app, str) and isinstance(key, str) and _is_json(value):
-                found.setdefault(app, {})[key] = value
-        return found
+                by_app.setdefault(app, {})[key] = value
+        return by_app
 
     def write(self, changes: Changes) -> None:
         """Write *changes* in one transaction.

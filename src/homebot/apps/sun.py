@@ -35,12 +35,12 @@ class SunTime:
 
     def on(self, day: date, zone: tzinfo) -> float | None:
         """Return the moment on *day*, in seconds since the Unix epoch; None if there is no such event."""
-        found = self._find(day, zone)
-        if found is None and (before := self._find(day - _DAY, zone)) and (after := self._find(day + _DAY, zone)):
+        moment = self._find(day, zone)
+        if moment is None and (before := self._find(day - _DAY, zone)) and (after := self._find(day + _DAY, zone)):
             # astral finds none on one day of the year if the event moves over midnight UTC, as sunrise in India does.
             # In the far north, an event that moves over local midnight really leaves out a day.
-            found = (before + after) / 2 if after - before > _TWO_DAYS else None
-        return None if found is None else found + self.offset
+            moment = (before + after) / 2 if after - before > _TWO_DAYS else None
+        return None if moment is None else moment + self.offset
 
     def _find(self, day: date, zone: tzinfo) -> float | None:
         try:

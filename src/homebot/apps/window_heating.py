@@ -45,17 +45,23 @@ class WindowHeating(App[WindowHeatingSettings]):
         await (self._lower(room) if await self._is_open(room) else self._restore(room))
 
     async def _lower(self, room: str) -> None:
-        low, found = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), room)
+        low, thermostats = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), room)
         new = {
-            one: now
-            for one in found
-            if (now := one.heating_setpoint or 0.0) > low and one.id not in self._setpoints and not _is_off(one)
+            thermostat: now
+            for thermostat in thermostats
+            if (now := thermostat.heating_setpoint or 0.0) > low
+            and thermostat.id not in self._setpoints
+            and not _is_off(thermostat)
         }
-        self._setpoints |= {one.id: now for one, now in new.items()}
-        await self.each(lambda one: one.heat_to(low), new)
+        self._setpoints |= {thermostat.id: now for thermostat, now in new.items()}
+        await self.each(lambda thermostat: thermostat.heat_to(low), new)
 
     async def _restore_all(self) -> None:
-        for room in {fold(one.area) for one in await self.devices.find(Thermostat) if one.id in self._setpoints}:
+        for room in {
+            fold(thermostat.area)
+            for thermostat in await self.devices.find(Thermostat)
+            if thermostat.id in self._setpoints
+        }:
             await self._restore(room)
 
     async def _is_open(self, room: str) -> bool:
@@ -67,9 +73,9 @@ class WindowHeating(App[WindowHeatingSettings]):
 
     async def _restore(self, room: str) -> None:
         if not await self._is_open(room):
-            for one in in_room(await self.devices.find(Thermostat), room):
-                if (before := self._setpoints.get(one.id)) is not None and not _is_off(one):
-                    self.start_task(partial(self._restore_one, one, before))
+            for thermostat in in_room(await self.devices.find(Thermostat), room):
+                if (before := self._setpoints.get(thermostat.id)) is not None and not _is_off(thermostat):
+                    self.start_task(partial(self._restore_one, thermostat, before))
 
     async def _restore_one(self, thermostat: Thermostat, before: float) -> None:
         is_changed = thermostat.heating_setpoint not in {None, self.settings.lowered_to, before}

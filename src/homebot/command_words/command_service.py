@@ -87,11 +87,17 @@ class CommandService:
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[tuple[CommandedPart, Outcome]] = []
-        parsed = [(device, *one) for device, parts in targets for one in settings_by_part(request, device, parts)]
-        readable = [(device, part, one) for device, part, one in parsed if not isinstance(one, RefusedError)]
-        requests = [_part_request(request, *one) for one in readable]
+        parsed = [
+            (device, *part_and_settings)
+            for device, parts in targets
+            for part_and_settings in settings_by_part(request, device, parts)
+        ]
+        readable = [
+            (device, part, settings) for device, part, settings in parsed if not isinstance(settings, RefusedError)
+        ]
+        requests = [_part_request(request, *target) for target in readable]
         if request.unless_asks and (asks := await self._asks(readable, requests)):
-            texts = ", ".join(f"{one.key} ({one.value})" for one in asks)
+            texts = ", ".join(f"{item.key} ({item.value})" for item in asks)
             return CommandDevicesResponse(success=False, message=f"a person must agree: {texts}", asks=asks)
         batch = iter(as_batch(requests))
 
@@ -141,8 +147,8 @@ class CommandService:
             return await self._targets.find(request), request
         request = request.model_copy(update={"command": "on"})
         targets = await self._targets.find(request)
-        parts = ((device, one) for device, own in targets for one, _ in settings_by_part(request, device, own))
-        states = {certain_values(*one).get("on_off") for one in parts}
+        parts = ((device, part) for device, own in targets for part, _ in settings_by_part(request, device, own))
+        states = {certain_values(*device_and_part).get("on_off") for device_and_part in parts}
         if states <= {None}:
             raise NoTargetError(f"whether {request.target} is on is unknown; say on or off")
         return targets, request.model_copy(update={"command": "off"}) if True in states else request

@@ -89,24 +89,24 @@ class CommandTargets:
             UsageError: The target is not a query.
             ServiceError: The directory does not answer.
         """
-        found = _without_groups(await self._find(request, request.target.strip()))
+        targets = _without_groups(await self._find(request, request.target.strip()))
         taken = {
             (device.id, part.id): parsed != {"push": True}
-            for device, parts in found
+            for device, parts in targets
             for part, parsed in settings_by_part(request, device, parts)
             if not isinstance(parsed, RefusedError)
         }
         if len(set(taken.values())) <= 1 and not (taken and EVERYTHING.match(request.target)):
-            return found
-        kept = [(device, tuple(one for one in parts if taken.get((device.id, one.id)))) for device, parts in found]
-        return [one for one in kept if one[1]]
+            return targets
+        kept = [(device, tuple(part for part in parts if taken.get((device.id, part.id)))) for device, parts in targets]
+        return [target for target in kept if target[1]]
 
     async def _find(self, request: CommandDevicesRequest, target: str) -> list[Target]:
         if not target:
             raise NoTargetError("give the id or the name of a device, or a query such as 'light in hall'")
         named = await self._called(_TargetPhrase(request, target, And(()), is_alternative=False))
-        if found := _clear(named) or await self._read(request, target):
-            return found
+        if targets := _clear(named) or await self._read(request, target):
+            return targets
         names = {name for device in await self._lookup.devices() for name in names_of(device)}
         joined = "join devices with 'or'" if len(split_at(target, "and", ",")) > 1 else "`homebot find` shows what does"
         raise NoTargetError(f"no device fits {target!r}; {close_names(target, names, joined)}")
@@ -115,15 +115,15 @@ class CommandTargets:
         """Return the targets according to the query *target*; an ambiguous one is an error."""
         readings = readings_of(target)
         texts = readings.alternatives if len(readings.alternatives) > 1 else (target,)
-        found, unnamed = await self._any_of(request, texts, readings.words)
+        targets, unnamed = await self._any_of(request, texts, readings.words)
         others, _ = await self._any_of(request, readings.distributed)
-        return _clear(_Matches(found, _question(target, readings, found, others, unnamed)))
+        return _clear(_Matches(targets, _question(target, readings, targets, others, unnamed)))
 
     async def _any_of(
         self, request: CommandDevicesRequest, texts: Collection[str], words: Collection[str] = ()
     ) -> tuple[list[Target], list[str]]:
         """Return the targets that fit any of *texts*, and those of *texts* that are no name or fit no device."""
-        found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
+        by_id: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
         for text in texts:
             query = parse_query(text)
@@ -131,17 +131,17 @@ class CommandTargets:
             if not (is_named if text in words else targets or text.startswith("(") or not _texts(query)):
                 unnamed.append(text)
             for device, parts in targets:
-                found.setdefault(device.id, (device, {}))[1].update({one.id: one for one in parts})
-        return [(device, tuple(parts.values())) for device, parts in found.values()], unnamed
+                by_id.setdefault(device.id, (device, {}))[1].update({part.id: part for part in parts})
+        return [(device, tuple(parts.values())) for device, parts in by_id.values()], unnamed
 
     async def _search(self, phrase: _TargetPhrase) -> tuple[list[Target], bool]:
         """Return what the first search finds that is meant, and whether it is meant whatever the command."""
         best = _Matches([])
         for search, is_sure in self._searches if phrase.is_alternative else self._searches[1:]:  # it is no name
-            found = await search(phrase)
-            if found.targets and (is_sure or any(takes(phrase.request, one) for one in found.targets)):
-                return _clear(found), is_sure
-            best = best if best.targets else found
+            matches = await search(phrase)
+            if matches.targets and (is_sure or any(takes(phrase.request, target) for target in matches.targets)):
+                return _clear(matches), is_sure
+            best = best if best.targets else matches
         return _clear(best), False
 
     async def _called(self, phrase: _TargetPhrase) -> _Matches:
@@ -166,12 +166,12 @@ class CommandTargets:
 
     async def _of_native_group(self, request: CommandDevicesRequest, device: Device) -> _Matches | None:
         """Find the members of a group that a gateway knows as the device; None for any other, or if none takes it."""
-        found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
+        by_id: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         for part in device.parts:
             for member, its_part in await self._lookup.members(device, part) if part.part.is_group else ():
-                found.setdefault(member.id, (member, {}))[1][its_part.id] = its_part
-        members = [(one, tuple(parts.values())) for one, parts in found.values()]
-        return _Matches(members) if any(takes(request, one) for one in members) else None
+                by_id.setdefault(member.id, (member, {}))[1][its_part.id] = its_part
+        members = [(member, tuple(parts.values())) for member, parts in by_id.values()]
+        return _Matches(members) if any(takes(request, target) for target in members) else None
 
     async def _part_worded(self, phrase: _TargetPhrase) -> _Matches:
         """Find a part by its name, unless that is only a type or a condition."""
@@ -181,11 +181,16 @@ class CommandTargets:
         """Find the parts of a device that are called so, such as one of four relays; if possible, one that takes it."""
         words, name = words_of(phrase.text), fold(phrase.text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
-        called = [(one, tuple(part for part in controls(one.parts) if _is_called(one, part, name))) for one in devices]
-        found = [one for one in called if takes(phrase.request, one)] or [one for one in called if one[1]]
-        ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
-        question = f"{len(found)} devices have a part called {phrase.text}; give the id of one: {ids}"
-        return _Matches(found, question if len(found) > 1 else "")
+        called = [
+            (device, tuple(part for part in controls(device.parts) if _is_called(device, part, name)))
+            for device in devices
+        ]
+        matching = [target for target in called if takes(phrase.request, target)] or [
+            target for target in called if target[1]
+        ]
+        ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in matching[:10])
+        question = f"{len(matching)} devices have a part called {phrase.text}; give the id of one: {ids}"
+        return _Matches(matching, question if len(matching) > 1 else "")
 
     async def _nearest(self, phrase: _TargetPhrase) -> _Matches:
         """Find the nearest target that may be commanded; if none may, the error names the nearest and the reasons."""
@@ -194,8 +199,8 @@ class CommandTargets:
             return _Matches([])
         answer = await self._ask(phrase.text, _MAX_NEAR)
         rest = split_near(read_terms(answer.query))[1]
-        refused = [f"{one.key}: {one.value}" for one in answer.left_out]
-        for device in [one.device for one in answer.results if fits(rest, facets_of(one.device))]:
+        refused = [f"{item.key}: {item.value}" for item in answer.left_out]
+        for device in [result.device for result in answer.results if fits(rest, facets_of(result.device))]:
             target = device, _parts(device, rest)
             if not (problem := self._refusal(phrase.request, target)):
                 return _Matches([target])
@@ -243,7 +248,7 @@ def _names_one(query: Query) -> bool:
 
 def _without_groups(found: list[Target]) -> list[Target]:
     """Return *found* without the groups of gateways, unless there is nothing else: their members are found too."""
-    return [one for one in found if not any(part.part.is_group for part in one[1])] or found
+    return [target for target in found if not any(part.part.is_group for part in target[1])] or found
 
 
 def _clear(found: _Matches) -> list[Target]:
@@ -301,14 +306,16 @@ def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> 
     The name of a device and of one part among others that take the command is ambiguous.
     """
     parts, question = _main_parts(device), ""
-    named = [one for one in parts if fold(one.part.name) == fold(name)]
+    named = [part for part in parts if fold(part.part.name) == fold(name)]
     if len(named) == 1 < len(parts) and not (request.target == device.id != device.name):
         names = set(map(fold, device.names))
-        able = [one for one, parsed in settings_by_part(request, device, parts) if not isinstance(parsed, RefusedError)]
-        if fold(name) != fold(device.name) or names.issuperset(fold(one.part.name) for one in able):
+        able = [
+            part for part, parsed in settings_by_part(request, device, parts) if not isinstance(parsed, RefusedError)
+        ]
+        if fold(name) != fold(device.name) or names.issuperset(fold(part.part.name) for part in able):
             parts = tuple(named)
         elif named[0] in able and len(able) > 1:
-            ids = ", ".join(f"{device.id}#{one.id}" for one in able[:_MAX_NAMES])
+            ids = ", ".join(f"{device.id}#{part.id}" for part in able[:_MAX_NAMES])
             question = f"{name!r} could be {_names([(device, tuple(able))])}; give the id of one: {ids}"
     return _Matches([(device, parts)], question)
 
@@ -322,8 +329,8 @@ def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
     meant = [part for part in main if fits(query, PartFacets(device, part))] or list(main)
     called = _called(device).union(*map(words_of, (device.area, *device.tags)))
     for word in _texts(query):
-        if not any(one.startswith(word) for one in called):
-            named = [one for one in meant if any(own.startswith(word) for own in words_of(one.part.name))]
+        if not any(name.startswith(word) for name in called):
+            named = [part for part in meant if any(own.startswith(word) for own in words_of(part.part.name))]
             meant = named or meant
     return tuple(meant)
 
@@ -331,4 +338,4 @@ def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
 def _texts(query: Query) -> tuple[str, ...]:
     """Return the words that a device must have."""
     terms = query.terms if isinstance(query, And) else (query,)
-    return tuple(one.text for one in terms if isinstance(one, HasText))
+    return tuple(term.text for term in terms if isinstance(term, HasText))

@@ -42,7 +42,7 @@ KnownStates: TypeAlias = "Mapping[tuple[str, str, str], KnownValue]"
 
 def plain_states(devices: Iterable[Device]) -> Mapping[tuple[str, str, str], State]:
     """Return the known values of *devices*."""
-    return {(device.id, one.part, one.capability): one for device in devices for one in device.states}
+    return {(device.id, state.part, state.capability): state for device in devices for state in device.states}
 
 
 async def known_states(node: Node, devices: Iterable[Device], *, from_journal: bool = False) -> KnownStates:
@@ -80,11 +80,11 @@ class UndoRecord:
 
     def add(self, states: KnownStates, commanded: Iterable[CommandedPart]) -> None:
         """Add the *states* before commands, or those before earlier ones that brought these about."""
-        for one in commanded:
-            if one.result.outcome not in _WITHOUT_EFFECT:
-                told = {each.capability: each.value.plain() for each in one.result.reported}
-                commands = [] if one.result.outcome == _NOT_SENT else [one.result.command_id]
-                self._add(states, (one.device, one.part), commands, told)
+        for part in commanded:
+            if part.result.outcome not in _WITHOUT_EFFECT:
+                reported = {setting.capability: setting.value.plain() for setting in part.result.reported}
+                commands = [] if part.result.outcome == _NOT_SENT else [part.result.command_id]
+                self._add(states, (part.device, part.part), commands, reported)
 
     def add_parts(
         self,
@@ -114,19 +114,19 @@ class UndoRecord:
 
     def due(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
         """Return the settings by part that bring back the values that nothing else has changed since; forget all."""
-        found: dict[tuple[str, str], dict[str, PlainValue]] = {}
+        by_part: dict[tuple[str, str], dict[str, PlainValue]] = {}
         for key, entry in self.entries.items():
             target, _, capability = key.rpartition(" ")
             device, _, part = target.partition("#")
             now, was = states.get((device, part, capability)), _plain(entry[0])
             is_known = was is not None and was not in CAPABILITIES[capability].only_reported
             if now is not None and is_known and now.state.value.plain() != was and _is_own(now, entry):
-                found.setdefault((device, part), {})[capability] = was
+                by_part.setdefault((device, part), {})[capability] = was
         self.entries.clear()
-        for place, values in found.items():
+        for place, values in by_part.items():
             power = states.get((*place, "on_off"))
             _stay_off(values, None if power is None else power.state)
-        return {place: _settings(values) for place, values in found.items() if values}
+        return {place: _settings(values) for place, values in by_part.items() if values}
 
 
 def _stay_off(values: dict[str, PlainValue], power: State | None) -> None:
@@ -138,8 +138,8 @@ def _stay_off(values: dict[str, PlainValue], power: State | None) -> None:
 
 def _is_own(known: KnownValue, entry: list[Any]) -> bool:
     """Return whether the commands of *entry* brought about the value."""
-    commands, told = entry[1], _plain(entry[2])
-    is_as_told = told is not None and fits(known.state.capability, told, known.state.value.plain())
+    commands, reported = entry[1], _plain(entry[2])
+    is_as_told = reported is not None and fits(known.state.capability, reported, known.state.value.plain())
     if known.cause is None:  # since a restart nobody knows how old it is
         return known.state.is_first and is_as_told
     is_told = known.cause.command in commands if commands else is_as_told  # it ended before the outcomes were known

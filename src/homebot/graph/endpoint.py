@@ -134,10 +134,10 @@ class EndpointIndex:
     def find(self, kind: EntityKind | None, name: str | None, node: str | None) -> tuple[EndpointInfo, ...]:
         """Return the entities of one *kind*, *name* and *node*; None means any."""
         terms: tuple[_Term, ...] = ((self._by_kind, kind), (self._by_name, name), (self._by_node, node))
-        found = [index.get(term, {}) for index, term in terms if term is not None]
+        indexes = [index.get(term, {}) for index, term in terms if term is not None]
         return tuple(
             info
-            for info in min(found, key=len, default=self._all).values()
+            for info in min(indexes, key=len, default=self._all).values()
             if (kind is None or info.kind is kind)
             and (name is None or info.name == name)
             and (node is None or info.node == node)

@@ -82,9 +82,9 @@ class Graph:
 
     def get_service_names_and_types(self) -> dict[str, str]:
         """Return the ROS type of every service that has a server, by its full name, sorted by name."""
-        found = {name: slot.service_type.ros_type for name, slot in self._services.items() if slot.server}
-        offered = (one.info for one in self._offered.values() if one.info.kind is EntityKind.SERVICE)
-        return dict(sorted((found | {info.name: info.ros_type for info in offered}).items()))
+        types = {name: slot.service_type.ros_type for name, slot in self._services.items() if slot.server}
+        offered = (entity.info for entity in self._offered.values() if entity.info.kind is EntityKind.SERVICE)
+        return dict(sorted((types | {info.name: info.ros_type for info in offered}).items()))
 
     def actions(self) -> tuple[ActionInfo, ...]:
         """Return all actions that have a server or a client, sorted by name."""
@@ -111,8 +111,8 @@ class Graph:
 
     def get_message_type(self, topic: str) -> type[Message] | None:
         """Return the message type of *topic*, or None if it is unused."""
-        found = self._topics.get(topic)
-        return found.message_type if found else None
+        known = self._topics.get(topic)
+        return known.message_type if known else None
 
     def get_service_type(self, service: str) -> ServiceType[Any, Any] | None:  # any message types
         """Return the type of *service*, or None if it is unused."""
@@ -133,13 +133,15 @@ class Graph:
     def get_message_types(self) -> tuple[type[Message], ...]:
         """Return the message types of all topics, each once. Cost: O(types)."""
         firsts = map(self._endpoints.first_of_each_type, (EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION))
-        topics = (self._topics.get(one.name) for one in chain.from_iterable(firsts))
+        topics = (self._topics.get(endpoint.name) for endpoint in chain.from_iterable(firsts))
         return tuple(dict.fromkeys(topic.message_type for topic in topics if topic is not None))
 
     def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
         """Return the types of all served services, each once. Cost: O(types)."""
-        found = [self.get_service_type(one.name) for one in self._endpoints.first_of_each_type(EntityKind.SERVICE)]
-        return tuple(one for one in found if one is not None)
+        types = [
+            self.get_service_type(endpoint.name) for endpoint in self._endpoints.first_of_each_type(EntityKind.SERVICE)
+        ]
+        return tuple(service_type for service_type in types if service_type is not None)
 
     def get_topics_of_type(self, ros_type: str) -> tuple[str, ...]:
         """Return the full names of the topics that carry the type with the full name *ros_type*, sorted."""

@@ -52,7 +52,7 @@ def set_parameters(parameters: ParameterSet, given: Iterable[Any]) -> Message:
     """Set all parameters in the messages *given*, or none; return the ``SetParametersResult``."""
     result: Any = find_message("rcl_interfaces/msg/SetParametersResult")
     try:
-        parameters.set_atomically({one.name: value_of(one.value) for one in given})
+        parameters.set_atomically({parameter.name: value_of(parameter.value) for parameter in given})
     except ParameterError as exc:
         return result(successful=False, reason=str(exc))  # type: ignore[no-any-return]
     return result(successful=True, reason="")  # type: ignore[no-any-return]

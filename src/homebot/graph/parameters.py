@@ -143,7 +143,9 @@ class ParameterSet:
     def set_atomically(self, values: Mapping[str, Value]) -> tuple[Parameter, ...]:
         """Set all of *values*, or none of them; otherwise as :meth:`set`."""
         parameters = tuple(self._settable(name, value) for name, value in self.prepare(values).items())
-        if changed := [one for one in parameters if one.value != self._declared[one.name].value]:
+        if changed := [
+            parameter for parameter in parameters if parameter.value != self._declared[parameter.name].value
+        ]:
             for parameter in changed:
                 self._declared[parameter.name].value = parameter.value
             self.on_event("changed", changed)

@@ -189,10 +189,10 @@ class Publisher(GraphEntity, Generic[MessageT]):
         before, self._subscriptions = self._subscriptions, subscriptions
         self._mailboxes = tuple([subscription.mailbox for subscription in subscriptions])
         self.subscription_count = len(subscriptions)
-        if self.watchers or [one for one in (*before, *subscriptions) if one.watchers]:
-            for one in before:
-                if one not in subscriptions:
-                    self._report_match(one, -1)
+        if self.watchers or [subscription for subscription in (*before, *subscriptions) if subscription.watchers]:
+            for subscription in before:
+                if subscription not in subscriptions:
+                    self._report_match(subscription, -1)
             for subscription in subscriptions:
                 if subscription not in before:
                     self._report_match(subscription, 1)

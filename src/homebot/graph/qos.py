@@ -80,7 +80,9 @@ class QoSProfile:
     def to_plain(self) -> dict[str, str | int | float]:
         """Return its fields by name, policies as texts such as ``keep_last``, and the real bound as depth."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
-        plain = {name: one.name.lower() if isinstance(one, IntEnum) else float(one) for name, one in values.items()}
+        plain = {
+            name: value.name.lower() if isinstance(value, IntEnum) else float(value) for name, value in values.items()
+        }
         return plain | {"depth": self.queue_depth}
 
 

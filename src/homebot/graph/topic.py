@@ -44,7 +44,7 @@ class Topic:
         for subscription in self.subscriptions:
             if _is_wanted(publisher, subscription):
                 self._report_mismatch(publisher, subscription)
-        publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
+        publisher.connect(tuple(subscription for subscription in self.subscriptions if _fit(publisher, subscription)))
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every matching publisher and replay their history."""

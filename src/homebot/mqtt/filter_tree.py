@@ -83,7 +83,7 @@ class FilterTree(Generic[Key, Value]):
 
     def matching(self, topic: Sequence[str]) -> list[dict[Key, Value]]:
         """Return the values of all filters that match the topic."""
-        found: list[dict[Key, Value]] = []
+        matches: list[dict[Key, Value]] = []
         nodes = [self._root]
         wild = not topic[0].startswith("$")
         for level in topic:
@@ -98,17 +98,17 @@ class FilterTree(Generic[Key, Value]):
                     if "+" in children:
                         following.append(children["+"])
                     if "#" in children and (values := children["#"].values) is not None:
-                        found.append(values)
+                        matches.append(values)
             nodes = following
             if not nodes:
-                return found
+                return matches
             wild = True
         for node in nodes:
             if node.values is not None:
-                found.append(node.values)
+                matches.append(node.values)
             if node.children is not None and "#" in node.children and (values := node.children["#"].values) is not None:
-                found.append(values)
-        return found
+                matches.append(values)
+        return matches
 
 
 def has_wildcard(topic_filter: str) -> bool:
@@ -163,7 +163,7 @@ class FilterIndex(Generic[Key]):
             return tuple(exact)
         if not exact and len(wild) == 1:
             return tuple(wild[0])
-        found = dict.fromkeys(exact)
+        keys = dict.fromkeys(exact)
         for items in wild:
-            found.update(items)
-        return tuple(found)
+            keys.update(items)
+        return tuple(keys)

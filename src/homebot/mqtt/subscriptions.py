@@ -91,12 +91,12 @@ class SubscriptionSet:
                     refused[batch[0].filter] = error
                     self._refused[batch[0].filter] = error.reason
                 else:  # a refusal concerns one filter
-                    for one in batch:
-                        refused |= await self.make([one.filter])
+                    for subscription in batch:
+                        refused |= await self.make([subscription.filter])
             else:
-                for one in batch:
-                    self._made.add(one.filter)
-                    self._refused.pop(one.filter, None)
+                for subscription in batch:
+                    self._made.add(subscription.filter)
+                    self._refused.pop(subscription.filter, None)
         return refused
 
     async def unsubscribe_from(self, filters: tuple[str, ...]) -> None:
@@ -137,14 +137,14 @@ def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> lis
     If *is_paced*, a filter with a wildcard, or of QoS 1 or 2, has its own request, because a broker sends all retained
     messages for it at once. The others have at most one retained message each.
     """
-    found: list[list[MqttSubscription]] = []
+    groups: list[list[MqttSubscription]] = []
     room = characters = 0
     for subscription in subscriptions:
         is_single = is_paced and (subscription.qos > 0 or "+" in subscription.filter or "#" in subscription.filter)
         if not room or is_single or len(subscription.filter) > characters:
-            found.append([])
+            groups.append([])
             room, characters = MAX_SUBSCRIPTIONS, MAX_CHARACTERS
-        found[-1].append(subscription)
+        groups[-1].append(subscription)
         room = 0 if is_single else room - 1
         characters -= len(subscription.filter)
-    return list(map(tuple, found))
+    return list(map(tuple, groups))

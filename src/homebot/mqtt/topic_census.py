@@ -80,6 +80,6 @@ class TopicCensus:
 
     async def _count(self) -> None:
         while self.counts.total() < self._most_messages:
-            for topic in [one.topic for one in await self._client.receive()]:
+            for topic in [message.topic for message in await self._client.receive()]:
                 if topic in self.counts or len(self.counts) < self._most_topics:
                     self.counts[topic] += 1

@@ -97,6 +97,9 @@ def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Po
         position = Position(float(x), float(y), floor.strip(), float(stated.removesuffix("m") or error), source)
     except ValueError:
         raise UsageError(f"{text!r} is not a position; write X,Y or X,Y,FLOOR in metres, such as 3.2,1.0") from None
-    if not all(abs(one) <= _FARTHEST for one in (position.x, position.y)) or not 0 <= position.error <= _FARTHEST:
+    if (
+        not all(abs(coordinate) <= _FARTHEST for coordinate in (position.x, position.y))
+        or not 0 <= position.error <= _FARTHEST
+    ):
         raise UsageError(f"the position {position.text!r} is not within {_FARTHEST:,.0f} m")
     return position

@@ -61,7 +61,7 @@ class FloorPlan:
         self.plan = plan
         self._polygons = {room.name: _polygons(room, plan.source) for room in plan.rooms if room.polygons}
         self._floors = {room.name: room.floor for room in plan.rooms if room.polygons}
-        self._levels = {fold(one): one for one in self._floors.values()}
+        self._levels = {fold(floor): floor for floor in self._floors.values()}
         areas = (_Area(area.area, room, self._floors[room], area) for room in self._polygons for area in self._of(room))
         self._areas = sorted(areas, key=lambda area: area[:2])
         self._by_column: dict[tuple[str, int], list[_Area]] = {}
@@ -85,10 +85,10 @@ class FloorPlan:
             last: The previous room, which counts as left only after more than 0.2 m; empty for none.
         """
         near = self._near(x, y, floor)
-        holding = next((one for one in near if one.polygon.contains(x, y)), None)
+        holding = next((area for area in near if area.polygon.contains(x, y)), None)
         if holding is not None and last in {"", holding.room}:
             return RoomAt(holding.room)
-        distances = {one.room: self.distance(one.room, x, y) for one in near}
+        distances = {area.room: self.distance(area.room, x, y) for area in near}
         away = distances.get(last, math.inf)
         if (away or holding is None or holding.polygon.border_distance(x, y)) <= _HYSTERESIS:
             return RoomAt(last, is_nearest=away > 0)
@@ -125,13 +125,15 @@ class FloorPlan:
         if room:
             name, _ = self.plan.locate(room)
             return Spot(name, point if self.distance(name, *point) <= position.error + _HYSTERESIS else None)
-        found = self.room_at(*point, position.floor)
-        return None if found is None else Spot(found.room, point)
+        at = self.room_at(*point, position.floor)
+        return None if at is None else Spot(at.room, point)
 
     def rooms_beside(self, x: float, y: float, floor: str = "") -> list[str]:
         """Return the rooms that a door at a point may connect, nearest first."""
-        distances = {one.room: self.distance(one.room, x, y) for one in self._near(x, y, floor)}
-        return sorted((room for room in distances if distances[room] <= _REACH), key=lambda one: (distances[one], one))
+        distances = {area.room: self.distance(area.room, x, y) for area in self._near(x, y, floor)}
+        return sorted(
+            (room for room in distances if distances[room] <= _REACH), key=lambda room: (distances[room], room)
+        )
 
     def path_finder(self) -> Generator[None, None, PathFinder]:
         """Return a new path finder without targets; yields after each step, so that others have their turn."""
@@ -160,15 +162,15 @@ class FloorPlan:
     @cached_property
     def overlaps(self) -> tuple[tuple[str, str, float], ...]:
         """The pairs of rooms that overlap by more than 0.1 m², neither inside the other, with the shared area."""
-        found = []
+        overlaps = []
         areas = sorted(self._areas, key=lambda area: area.polygon.box.left)
-        for index, one in enumerate(areas):
+        for index, area in enumerate(areas):
             for other in areas[index + 1 :]:
-                if other.polygon.box.left >= one.polygon.box.right:
+                if other.polygon.box.left >= area.polygon.box.right:
                     break
-                if one.floor == other.floor and one.room != other.room:
-                    found.append((one.room, other.room, one.polygon.overlap(other.polygon)))
-        return tuple(one for one in found if one[2] > _MIN_OVERLAP)
+                if area.floor == other.floor and area.room != other.room:
+                    overlaps.append((area.room, other.room, area.polygon.overlap(other.polygon)))
+        return tuple(overlap for overlap in overlaps if overlap[2] > _MIN_OVERLAP)
 
     def _of(self, room: str) -> tuple[Polygon, ...]:
         return self._polygons.get(room, ())
@@ -181,7 +183,7 @@ class FloorPlan:
     def doorway(self, door: HouseDoor) -> Doorway:
         """Return the ways through a door."""
         first, second = map(self._of, door.rooms)
-        sides = [(_nearest(first, one), _nearest(second, other)) for one, other in self._crossings(door)]
+        sides = [(_nearest(first, point), _nearest(second, other)) for point, other in self._crossings(door)]
         return Doorway(door.name, door.rooms, tuple(sides))
 
     def _crossings(self, door: HouseDoor) -> list[tuple[Point, Point]]:

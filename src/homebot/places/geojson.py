@@ -47,7 +47,7 @@ class _File:
     def __init__(self, features: list[_Table], source: str, settings: _Table, known: Iterable[HouseRoom]) -> None:
         self._source = source
         self._known = tuple(known)
-        self._features = [(f"features.{index}", one) for index, one in enumerate(features)]
+        self._features = [(f"features.{index}", feature) for index, feature in enumerate(features)]
         self._origin: Point | None = None
         self._bearing = 0.0
         self._plan = HousePlan(source, self._known, source)
@@ -76,7 +76,7 @@ class _File:
         for key, given, kind, coordinates in self._of("Polygon", "MultiPolygon"):
             name = self._name(key, given)
             several = coordinates if kind == "MultiPolygon" else [coordinates]
-            areas = [[self._points(ring, key) for ring in _list(one)] for one in _list(several)]
+            areas = [[self._points(ring, key) for ring in _list(polygon)] for polygon in _list(several)]
             room = tables.setdefault(name, {"floor": _floor(given), "polygon": []})
             if room["floor"] != _floor(given):
                 problem = f"is on floor {room['floor']!r} already; give one of the two rooms another name"
@@ -105,7 +105,7 @@ class _File:
                 raise ConfigError(self._source, f"{key}.geometry", f"a door has two ends, this line has {len(ends)}")
             middle = (ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2
             rooms = given.get("rooms") or self._rooms_at(middle, _floor(given), key)
-            more = {one: given[one] for one in ("name", "contact", "lock", "cost") if given.get(one) is not None}
+            more = {key: given[key] for key in ("name", "contact", "lock", "cost") if given.get(key) is not None}
             yield {"rooms": rooms, "position": ends, **more}
 
     def devices(self) -> Iterator[tuple[str, _Table]]:
@@ -115,7 +115,7 @@ class _File:
                 if not isinstance(error, int | float):
                     raise ConfigError(self._source, f"{key}.properties.error", f"must be metres, got {error!r}")
                 at = Position(*self._point(coordinates, key), _floor(given), error)
-                yield device, {"at": at.text} | {one: given[one] for one in ("room",) if one in given}
+                yield device, {"at": at.text} | {key: given[key] for key in ("room",) if key in given}
 
     def _of(self, *kinds: str) -> Iterator[tuple[str, _Table, str, object]]:
         """Yield key, properties, kind and coordinates of the features of *kinds*."""
@@ -125,7 +125,7 @@ class _File:
                 yield key, _object(feature, "properties"), kind, geometry.get("coordinates")
 
     def _points(self, value: object, key: str) -> list[Point]:
-        points = [self._point(one, key) for one in _list(value)]
+        points = [self._point(item, key) for item in _list(value)]
         return points[:-1] if len(points) > 2 and points[0] == points[-1] else points
 
     def _rooms_at(self, middle: Point, floor: str, key: str) -> list[str]:
@@ -137,7 +137,11 @@ class _File:
         return rooms
 
     def _point(self, value: object, key: str) -> Point:
-        if not isinstance(value, list) or len(value) < 2 or not all(isinstance(one, int | float) for one in value):
+        if (
+            not isinstance(value, list)
+            or len(value) < 2
+            or not all(isinstance(number, int | float) for number in value)
+        ):
             raise ConfigError(self._source, key, f"{str(value)[:40]} is not a position [x, y]")
         x, y = float(value[0]), float(value[1])
         if self._origin is None:
@@ -159,4 +163,4 @@ def _list(value: object) -> list[object]:
 
 def _floor(properties: _Table) -> str:
     stated = (properties.get(key) for key in ("floor", "level"))
-    return next((str(one) for one in stated if one is not None), "")
+    return next((str(floor) for floor in stated if floor is not None), "")

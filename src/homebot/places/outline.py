@@ -84,9 +84,9 @@ def _thinned(line: Sequence[Point], tolerance: float) -> list[Point]:
     while spans:
         first, last = spans.pop()
         edge = line[first], line[last]
-        distances = [(math.dist(line[one], foot(*line[one], edge)), one) for one in range(first + 1, last)]
+        distances = [(math.dist(line[index], foot(*line[index], edge)), index) for index in range(first + 1, last)]
         farthest, index = max(distances, default=(0.0, 0))
         if farthest > tolerance:
             kept.add(index)
             spans += [(first, index), (index, last)]
-    return [line[one] for one in sorted(kept)]
+    return [line[index] for index in sorted(kept)]

@@ -133,16 +133,16 @@ class PathFinder:
         """Return the targets that cannot be reached from *room*, except through *locked* doors."""
         known, though_locked = self._reachable
         if room not in known or locked != though_locked:
-            found, waiting = {room}, [room]
+            reached, waiting = {room}, [room]
             while waiting:
                 for node in self._nodes.get(waiting.pop(), ()):
                     other = self._spots[self._others[node]].room
-                    if other not in found and self._doors[node] not in locked:
-                        found.add(other)
+                    if other not in reached and self._doors[node] not in locked:
+                        reached.add(other)
                         waiting.append(other)
-            known = found
-            self._reachable = found, locked
-        return set[str]().union(*(self._in_room[one] for one in self._in_room.keys() - known))
+            known = reached
+            self._reachable = reached, locked
+        return set[str]().union(*(self._in_room[away] for away in self._in_room.keys() - known))
 
     def nearest(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Way]:
         """Yield each reachable target, nearest first, by the length of its way plus the cost of the doors on it.
@@ -172,15 +172,15 @@ class PathFinder:
 
     def within(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str], most: float) -> set[str]:
         """Return the *wanted* targets whose way, with its doors, costs at most *most* metres."""
-        found: set[str] = set()
+        targets: set[str] = set()
         begin = self._inside(start)
         for _, at, node in self._entered(begin, crossing, (), most, {}, {}):
             spot = self._spot(node, begin)
-            for target in (self._in_room.get(spot.room, _NOTHING) & wanted) - found:
+            for target in (self._in_room.get(spot.room, _NOTHING) & wanted) - targets:
                 place = self._targets[target]
                 if at + _metres(spot, place, HALF_HOP) <= most and self._sees(spot, place):
-                    found.add(target)
-        return found
+                    targets.add(target)
+        return targets
 
     def _spot(self, node: int, begin: Spot) -> Spot:
         return begin if node == _START else self._spots[node]
@@ -215,11 +215,11 @@ class PathFinder:
             yield bound, at, before
             first = before == _START
             ways = self._seen(start, self._nodes.get(start.room, ()), HALF_HOP) if first else self._ways_from(before)
-            for metres, one in ways:
-                if (reached := at + metres) < best.get(one, limit):
-                    best[one], came[one] = reached, before
-                    if (bound := reached + _least_ahead(one, goal)) < limit:
-                        heappush(nodes, (bound, reached, one))
+            for metres, next_node in ways:
+                if (reached := at + metres) < best.get(next_node, limit):
+                    best[next_node], came[next_node] = reached, before
+                    if (bound := reached + _least_ahead(next_node, goal)) < limit:
+                        heappush(nodes, (bound, reached, next_node))
             while nodes:
                 bound, at, node = heappop(nodes)
                 before = self._others[node]
@@ -259,7 +259,7 @@ class PathFinder:
         """Return the nodes in its room that are visible from a node, each with its distance."""
         if (ways := self._ways[node]) is None:
             spot = self._spots[node]
-            others = (one for one in self._nodes[spot.room] if one != node)
+            others = (other for other in self._nodes[spot.room] if other != node)
             ways = self._ways[node] = [*self._seen(spot, others, 2 * HALF_HOP)]
         return ways
 

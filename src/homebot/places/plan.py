@@ -164,8 +164,8 @@ class HousePlan:
         for way, key in self._ways(stated):
             rooms = self._spelled(way.rooms, key), self._spelled(way.rooms[::-1], key)
             door = way._replace(name=way.name or door_name(rooms), rooms=rooms)
-            for one, other in (rooms, rooms[::-1]):
-                joined.get(fold(one), {}).setdefault(fold(other), other)
+            for here, other in (rooms, rooms[::-1]):
+                joined.get(fold(here), {}).setdefault(fold(other), other)
             if door.is_plain:
                 plain.setdefault(frozenset(rooms), door)
             else:
@@ -192,7 +192,7 @@ class HousePlan:
         if (room := self._rooms.get(fold(name))) is not None:
             return room.name
         if fold(name) != OUTSIDE:
-            known = [one.name for one in self._rooms.values()]
+            known = [room.name for room in self._rooms.values()]
             from homebot.support.names import no_such  # noqa: PLC0415 - only after a mistake
 
             raise ConfigError(self.source, key, no_such("room", name, known))

@@ -86,7 +86,9 @@ class Polygon:
         right, top = min(self.box.right, other.box.right), min(self.box.top, other.box.top)
         if left >= right or bottom >= top:
             return 0.0
-        if any(all(one.holds(*corner) for corner in inner.rings[0]) for one, inner in ((self, other), (other, self))):
+        if any(
+            all(outer.holds(*corner) for corner in inner.rings[0]) for outer, inner in ((self, other), (other, self))
+        ):
             return 0.0
         width, height = (right - left) / _STEPS, (top - bottom) / _STEPS
         points = ((left + (i + 0.5) * width, bottom + (j + 0.5) * height) for i in range(_STEPS) for j in range(_STEPS))
@@ -126,7 +128,7 @@ class Polygon:
         active: list[Edge] = []
         for edge in edges:
             left = min(edge[0][0], edge[1][0])
-            active = [one for one in active if max(one[0][0], one[1][0]) >= left]
+            active = [edge for edge in active if max(edge[0][0], edge[1][0]) >= left]
             for other in active:
                 if _cross(edge, other):
                     raise UsageError(f"has edges that cross, near {edge[0][0]:g}, {edge[0][1]:g}")

@@ -96,7 +96,7 @@ class Rigid(NamedTuple):
             first, last = math.sin(first * angle), math.sin(last * angle)
         turned = [a * first + b * last * sign for a, b in zip(self.rotation, later.rotation, strict=True)]
         norm = math.hypot(*turned)
-        qx, qy, qz, qw = (one / norm for one in turned)
+        qx, qy, qz, qw = (component / norm for component in turned)
         return Rigid((x, y, z), (qx, qy, qz, qw))
 
 

@@ -60,13 +60,13 @@ class RoomSight:
 
     def _joint_corners(self) -> list[Point]:
         """Return the corners of several areas, and the points where their edges cross; none if they are disjoint."""
-        found: dict[Point, list[Polygon]] = {}
+        areas_by_corner: dict[Point, list[Polygon]] = {}
         for start, end in self._edges:
             for share in (0.0, *self._meetings(start, end)):
                 x, y = (a + share * (b - a) for a, b in zip(start, end, strict=True))
-                found[x, y] = [area for area in self.areas if area.holds(x, y)]
-        shared = [areas for areas in found.values() if len(areas) > 1]
-        return [*found] if all(any(area in areas for areas in shared) for area in self.areas) else []
+                areas_by_corner[x, y] = [area for area in self.areas if area.holds(x, y)]
+        shared = [areas for areas in areas_by_corner.values() if len(areas) > 1]
+        return [*areas_by_corner] if all(any(area in areas for areas in shared) for area in self.areas) else []
 
 
 def _inward_corners(polygon: Polygon) -> Iterator[Point]:

@@ -187,10 +187,10 @@ def read_places(
         if not name.strip():
             raise ConfigError(source, key, "is not a device: the id is empty")
         known_by = device.identifiers or (name,)
-        for one in known_by:
-            first = names.setdefault(one, name)
+        for known_name in known_by:
+            first = names.setdefault(known_name, name)
             if first != name:
-                raise ConfigError(source, key, f"{one!r} is the device {first!r} already")
+                raise ConfigError(source, key, f"{known_name!r} is the device {first!r} already")
         stated = _stated(device, plan, source, key)
         devices[known_by] = tuple(OwnerFact(kind, value, stated_by, now) for kind, value in stated)
     return Places(rooms, devices, house_doors, settings.closed_door)
@@ -223,7 +223,7 @@ def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
     """Return the room called *name*; if rooms are configured, it must be one of them or outside."""
     room, _ = plan.locate(name)
     if room and plan.rooms and plan.room(room) is None and fold(room) != OUTSIDE:
-        known = [one.name for one in plan.rooms]
+        known = [room.name for room in plan.rooms]
         raise ConfigError(source, key, no_such("room", room, known))
     return room
 
@@ -261,7 +261,7 @@ def _doors(tables: Iterable[HouseDoorSettings], source: str) -> tuple[HouseDoor,
 
 def _distinct(values: Iterable[str]) -> tuple[str, ...]:
     """Return *values* without those that only differ in case and accents."""
-    found: dict[str, str] = {}
+    spellings: dict[str, str] = {}
     for value in values:
-        found.setdefault(fold(value), value)
-    return tuple(found.values())
+        spellings.setdefault(fold(value), value)
+    return tuple(spellings.values())

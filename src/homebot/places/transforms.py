@@ -164,7 +164,7 @@ class TransformBuffer:
             return "has the same frame at both ends"
         if not all(map(math.isfinite, (*rigid.translation, *rigid.rotation))):
             return "has a number that is not finite"
-        if abs(sum(one * one for one in rigid.rotation) - 1) >= NORM_TOLERANCE:
+        if abs(sum(component * component for component in rigid.rotation) - 1) >= NORM_TOLERANCE:
             return f"has a quaternion that is not of length 1: {rigid.rotation}"
         if child in (above := self._above(parent)):
             return "would make the frame its own ancestor"
@@ -188,7 +188,7 @@ class TransformBuffer:
         if above_target.isdisjoint(above_source):
             raise _unconnected(target, source)
         between = {source} if target == source else above_target ^ above_source
-        stamps = [self._moving[one][-1].stamp for one in between if one in self._moving]
+        stamps = [self._moving[frame][-1].stamp for frame in between if frame in self._moving]
         return min(filter(None, stamps), default=0)
 
     def _between(self, target: str, source: str, time: int) -> Rigid:

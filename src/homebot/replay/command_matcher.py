@@ -31,9 +31,9 @@ class CommandMatcher:
 
     def __init__(self, commands: Iterable[TimedCommand]) -> None:
         self._left: defaultdict[CommandKey, list[TimedCommand]] = defaultdict(list)
-        for one in commands:
-            if is_carried_out(one):
-                self._left[command_key(one.command)].append(one)
+        for command in commands:
+            if is_carried_out(command):
+                self._left[command_key(command.command)].append(command)
 
     def pop(self, wanted: TimedCommand) -> TimedCommand | None:
         """Remove and return the same command as *wanted*; None if there is none."""
@@ -46,10 +46,10 @@ class CommandMatcher:
     @property
     def left(self) -> list[TimedCommand]:
         """The commands that were not found."""
-        return [one for same in self._left.values() for one in same]
+        return [command for same in self._left.values() for command in same]
 
 
 def command_key(command: RecordedCommand) -> CommandKey:
     """Return the key of a command: equal for the same command of two runs."""
-    settings = tuple((one.capability, one.value.plain()) for one in command.settings)
+    settings = tuple((setting.capability, setting.value.plain()) for setting in command.settings)
     return command.issuer, command.device, command.part, command.text, settings

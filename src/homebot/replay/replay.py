@@ -139,17 +139,17 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
             people.start_soon(doings.run)
             await feed.play(doings.ask_directory)
             hints = {
-                name: found
-                for _, keeper in runtime.app_host.keepers()
-                for name, found in (await keeper.hints()).items()
+                name: hint for _, keeper in runtime.app_host.keepers() for name, hint in (await keeper.hints()).items()
             }
             people.cancel_scope.cancel()
             devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)
-    crashes = {name: one.last for name, one in runtime.supervisor.crashes.items()}
-    told = tuple(runtime.app_host.notifier.recent)
+    crashes = {name: crash.last for name, crash in runtime.supervisor.crashes.items()}
+    notified = tuple(runtime.app_host.notifier.recent)
     acts = tuple(runtime.app_host.rehearsed)
-    return Replayed(journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes), told, hints, acts)
+    return Replayed(
+        journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes), notified, hints, acts
+    )
 
 
 @final
@@ -172,16 +172,18 @@ class _ReplayJournal:
 
     def commands_of(self, issuers: Collection[str]) -> tuple[TimedCommand, ...]:
         """Return the commands of *issuers* in order of time."""
-        given = sorted((one for one in self._given if one.command.issuer in issuers), key=lambda one: one.at)
-        return tuple(replace(one, result=self._results.get(one.command.id)) for one in given)
+        given = sorted(
+            (command for command in self._given if command.command.issuer in issuers), key=lambda command: command.at
+        )
+        return tuple(replace(command, result=self._results.get(command.command.id)) for command in given)
 
 
 def _places(text: str) -> Table:
     try:
-        found = tomllib.loads(text).get("places", {})
+        table = tomllib.loads(text).get("places", {})
     except (ValueError, RecursionError) as exc:
         raise UsageError(f"the table [places] in the recording is not TOML: {exc}") from exc
-    return as_table(found, "table [places]")
+    return as_table(table, "table [places]")
 
 
 @final
@@ -202,12 +204,12 @@ class _RecordedOutcomes:
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
         """See :class:`homebot.control.sending.SimulatedExecution`."""
-        found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
-        if found is None:
+        recorded = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
+        if recorded is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
-        if found.result is None:
+        if recorded.result is None:
             return None
-        outcome = replace(found.result.to_outcome(), command_id=command.id)
+        outcome = replace(recorded.result.to_outcome(), command_id=command.id)
         return None if outcome.was_sent else outcome
 
 
@@ -244,7 +246,11 @@ def ids_to_come(recording: Recording) -> tuple[IndexRow, ...]:
     taken: set[tuple[str, str]] = set()
     rows: list[IndexRow] = []
     for device in recording.devices.values():
-        keys = tuple((one.gateway, one.key) for one in device.endpoints if (one.gateway, one.key) not in taken)
+        keys = tuple(
+            (endpoint.gateway, endpoint.key)
+            for endpoint in device.endpoints
+            if (endpoint.gateway, endpoint.key) not in taken
+        )
         taken.update(keys)
         if keys and device.id not in known:
             gone = Tombstone(device.id, keys, (), retained_only=False, at=recording.header.started_at.to_seconds())

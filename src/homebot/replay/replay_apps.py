@@ -31,12 +31,12 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
         UsageError: An app cannot be found, or the recording is damaged.
     """
     moved = {row.was: row.plugin for row in feature_tables().values() if row.was}
-    known = tuple([one.model_copy(update={"kind": moved.get(one.kind, one.kind)}) for one in recorded])
+    known = tuple([app.model_copy(update={"kind": moved.get(app.kind, app.kind)}) for app in recorded])
     if wanted:
         tables = _tables_of(wanted, known)
     else:
         _check_installed(known)
-        tables = {one.name: _settings(one) | {"class": one.kind} for one in known}
+        tables = {app.name: _settings(app) | {"class": app.kind} for app in known}
     return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
 
 
@@ -44,19 +44,19 @@ def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str,
     classes: list[type[object]] = [
         load_plugin(_APPS, name_in_file(text, App) if is_file(text) else text) for text in wanted
     ]
-    kinds = {_kind_of(one) for one in classes}
+    kinds = {_kind_of(app_class) for app_class in classes}
     tables: dict[str, Table] = {}
-    for one in classes:
-        same = [app for app in known if app.kind == _kind_of(one)]
-        tables |= _in_place(one, same or [app for app in known if app.kind not in kinds])
+    for app_class in classes:
+        same = [app for app in known if app.kind == _kind_of(app_class)]
+        tables |= _in_place(app_class, same or [app for app in known if app.kind not in kinds])
     return tables
 
 
 def _check_installed(recorded: Iterable[RecordedApp]) -> None:
     own = plugin_tables()
-    others = [one for one in recorded if one.kind not in own and installed_plugin(_APPS, one.kind) is None]
+    others = [app for app in recorded if app.kind not in own and installed_plugin(_APPS, app.kind) is None]
     if others:
-        named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MAX_SHOWN])
+        named = ", ".join(f"{app.name} ({app.kind[:_SHOWN]})" for app in others[:_MAX_SHOWN])
         raise UsageError(
             f"the recording names apps that are not installed, and a replay runs no code that only a recording names: "
             f"{named}; name each app to run, such as --app FILE.py"
@@ -69,12 +69,12 @@ def _kind_of(app: type[object]) -> str:
 
 def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
     """Return the tables of *app* in place of *recorded* ones with its class name; if there are none, its own."""
-    same = [one for one in recorded if one.kind.rpartition(":")[2] == app.__qualname__]
-    if len(kinds := sorted({one.kind for one in same})) > 1:
+    same = [recorded_app for recorded_app in recorded if recorded_app.kind.rpartition(":")[2] == app.__qualname__]
+    if len(kinds := sorted({recorded_app.kind for recorded_app in same})) > 1:
         named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MAX_SHOWN])
         raise UsageError(f"{_kind_of(app)} may replace {named}: give its file the name of the one that it replaces")
     if same:
-        return {one.name: _settings(one) | {"class": _kind_of(app)} for one in same}
+        return {recorded_app.name: _settings(recorded_app) | {"class": _kind_of(app)} for recorded_app in same}
     return {snake_case(app.__name__): {"class": _kind_of(app)}}
 
 

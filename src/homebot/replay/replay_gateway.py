@@ -76,7 +76,7 @@ class ReplayGateway(Gateway):
             case Report():
                 heard_at = self._heard_at(message.received_at.to_seconds())
                 self.reports.publish(message.model_copy(update={"heard_at": heard_at}))
-                if any(one.capability in EVENTS for one in message.readings):
+                if any(reading.capability in EVENTS for reading in message.readings):
                     self.reports.dispose(message.stream)  # events happen once
             case RawMessage():
                 texts = self._texts.setdefault(message.address, PartTexts())
@@ -150,7 +150,7 @@ class ReplayFeed:
 
     async def play(self, ask_directory: Callable[[OwnerRequest], Awaitable[None]]) -> None:
         """Publish all events, and call *ask_directory* with the owner's requests; return at the end."""
-        given = sorted(one.line for one in self._recording.commands)
+        given = sorted(command.line for command in self._recording.commands)
         before, moment = 0, -math.inf
         for event in self._recording.events:
             is_effect = bisect(given, before) != bisect(given, event.line)

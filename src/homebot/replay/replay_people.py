@@ -97,8 +97,8 @@ class ReplayPeople:
             known = ", ".join(OWNER_SERVICES)
             raise UsageError(f"the recording is damaged: {request.service!r} is not one of {known}")
         try:
-            found = parse_strict(request.request)
-            wanted = message_from_json(service.Request, found if isinstance(found, dict) else {})
+            parsed = parse_strict(request.request)
+            wanted = message_from_json(service.Request, parsed if isinstance(parsed, dict) else {})
         except (ValueError, RecursionError, TypeMismatchError) as exc:
             raise UsageError(f"the recording is damaged: a request to {request.service}: {exc}") from exc
         client = self._node.create_client(service, request.service)
@@ -108,7 +108,7 @@ class ReplayPeople:
             client.close()
 
     def _wishes(self) -> list[tuple[float, RecordedCommand | LeaseNews]]:
-        commands = [(one.at, one.command) for one in self._recording.commands if _is_given_again(one)]
+        commands = [(command.at, command.command) for command in self._recording.commands if _is_given_again(command)]
         return [*commands, *(step for step in self._recording.leases if is_client(step[1].issuer))]
 
     async def _do(self, wish: RecordedCommand | LeaseNews) -> None:
@@ -160,7 +160,7 @@ class ReplayPeople:
         """Renew all leases forever: the lease of a dead holder ends when it expired in the recording."""
         while True:
             await anyio.sleep(_RENEWED_AFTER)
-            for holder in [one for held in self._held.values() for one in held]:
+            for holder in [holder for held in self._held.values() for holder in held]:
                 await self._renew.call(holder)
 
 

@@ -71,11 +71,11 @@ async def _robot_called(node: Node, robot: str) -> tuple[str, bool]:
     with closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where:
         if not where.service_is_ready():
             return robot, robot == "robot"
-        found = await where.call(WhereIsRobotRequest(robot=robot))
-        if found.is_mistake:
-            raise UsageError(found.message)
+        answer = await where.call(WhereIsRobotRequest(robot=robot))
+        if answer.is_mistake:
+            raise UsageError(answer.message)
         is_sole = not (await where.call(WhereIsRobotRequest())).is_mistake
-        return found.pose[0].robot if found.pose else robot, is_sole
+        return answer.pose[0].robot if answer.pose else robot, is_sole
 
 
 async def _action_of(node: Node, robot: str, action: str) -> str:
@@ -85,11 +85,11 @@ async def _action_of(node: Node, robot: str, action: str) -> str:
         UsageError: There is no such robot, or it has no such action now.
     """
     name, is_sole = await _robot_called(node, robot)
-    offered = {one.name for one in node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)}
+    offered = {endpoint.name for endpoint in node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)}
     names = [f"/{name}/{action}"] + ([f"/{action}"] if is_sole else [])
-    for one in names:
-        if one in offered:
-            return one
+    for candidate in names:
+        if candidate in offered:
+            return candidate
     raise UsageError(
         f"no robot offers the action {' or '.join(names)}; `homebot service call /rosapi/action_servers` lists all"
     )
@@ -103,7 +103,7 @@ async def _pose_in(node: Node, room: str) -> PoseStamped:
     """
     with closing(node.create_client(GetPlaces, GET_PLACES)) as places:
         rooms = (await places.call(GetPlaces.Request())).rooms
-    by_name = {one.name: one for one in rooms}
+    by_name = {info.name: info for info in rooms}
     if (area := _area_of(by_name[resolve_name("room", room, by_name)])) is None:
         raise UsageError(f"where {room} lies is unknown; import a floor plan: homebot places import FILE")
     x, y = area.nearest_inside(*area.centroid())
@@ -114,5 +114,5 @@ async def _pose_in(node: Node, room: str) -> PoseStamped:
 
 def _area_of(room: RoomInfo) -> Polygon | None:
     """Return the largest area of *room*."""
-    rings = [tuple(zip(one.x, one.y, strict=True)) for one in room.areas if not one.is_hole]
-    return max(map(Polygon, rings), key=lambda one: one.area, default=None)
+    rings = [tuple(zip(area.x, area.y, strict=True)) for area in room.areas if not area.is_hole]
+    return max(map(Polygon, rings), key=lambda polygon: polygon.area, default=None)

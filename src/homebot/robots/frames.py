@@ -36,7 +36,7 @@ class RobotFrames:
 
     def add(self, transform: TransformStamped, robot: str, now: float, *, is_static: bool) -> str:
         """Insert *transform* from the namespace of *robot*, empty for all robots; return its owner."""
-        child, parent = (self.name_of(one, robot) for one in (transform.child_frame_id, transform.header.frame_id))
+        child, parent = (self.name_of(frame, robot) for frame in (transform.child_frame_id, transform.header.frame_id))
         owner = robot or self._owners.of_frame(child)
         named = self._named.setdefault(owner, {MAP})
         if len(named) + len({parent, child} - named) > self._most:
@@ -56,11 +56,11 @@ class RobotFrames:
         """Return the pose of *robot* in ``map``, and when its oldest component was received; None without one."""
         own = (frame for frame in robot.settings.frames if frame.endswith(_BASES))
         plain = _BASES if robot.name == self._owners.sole else ()
-        for base in (*(f"{robot.name}/{one}" for one in _BASES), *own, *plain):
+        for base in (*(f"{robot.name}/{suffix}" for suffix in _BASES), *own, *plain):
             with suppress(TransformException):
-                found = self._buffer.lookup_transform(MAP, base)
-                at = _in_plane(rigid_of(found.transform))
-                received = found.header.stamp.to_seconds()  # zero if all frames are static
+                transform = self._buffer.lookup_transform(MAP, base)
+                at = _in_plane(rigid_of(transform.transform))
+                received = transform.header.stamp.to_seconds()  # zero if all frames are static
                 if received and _is_on_map(at):
                     return at, received
         return None
@@ -73,16 +73,16 @@ class RobotFrames:
         """
         point, turn = pose.position, pose.orientation
         rotation = (turn.x, turn.y, turn.z, turn.w)
-        if not abs(sum(one * one for one in rotation) - 1) < NORM_TOLERANCE:  # true for NaN too
+        if not abs(sum(component * component for component in rotation) - 1) < NORM_TOLERANCE:  # true for NaN too
             rotation = (0.0, 0.0, 0.0, 1.0)
         unknown = LookupException(f"no static transform connects its frame {frame[:100]!r} to map")
         try:
-            found = self._buffer.lookup_transform(MAP, frame or MAP)
+            transform = self._buffer.lookup_transform(MAP, frame or MAP)
         except TransformException as exc:
             raise unknown from exc
-        if found.header.stamp.to_seconds():
+        if transform.header.stamp.to_seconds():
             raise unknown
-        at = _in_plane(rigid_of(found.transform).then(Rigid((point.x, point.y, point.z), rotation)))
+        at = _in_plane(rigid_of(transform.transform).then(Rigid((point.x, point.y, point.z), rotation)))
         if not _is_on_map(at):
             raise InvalidArgumentException(
                 f"its position ({at.x:g}, {at.y:g}) is not within {_FARTHEST:g} m of the map"
@@ -95,4 +95,4 @@ def _in_plane(rigid: Rigid) -> MapPose:
 
 
 def _is_on_map(at: MapPose) -> bool:
-    return all(abs(one) <= _FARTHEST for one in (at.x, at.y))  # false for NaN
+    return all(abs(coordinate) <= _FARTHEST for coordinate in (at.x, at.y))  # false for NaN

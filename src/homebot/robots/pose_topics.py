@@ -101,7 +101,7 @@ class PoseTopics:
 
     def refusal(self, robot: str, since: float = -math.inf) -> str:
         """Return the last refusal of a message of *robot*, or on a topic of all robots; empty for none *since*."""
-        at, text = max((self._refused[one] for one in (robot, "") if one in self._refused), default=(since, ""))
+        at, text = max((self._refused[name] for name in (robot, "") if name in self._refused), default=(since, ""))
         return text if at > since else ""
 
     def _subscribe(self, kind: type[Message], topic: str, handle: Callable[[Sequence[Any]], None]) -> None:
@@ -136,7 +136,7 @@ class PoseTopics:
             if foreign := self._owners.foreign(topic, message, (robot,) if robot else self._owners.names):
                 self._refuse(topic, f"{foreign} may not be stated there")
             else:
-                last.update({one.child_frame_id: one for one in message.transforms})
+                last.update({transform.child_frame_id: transform for transform in message.transforms})
         for transform in last.values():
             if self._is_ahead(topic, transform.header):
                 continue

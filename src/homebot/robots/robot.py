@@ -98,7 +98,7 @@ class TrackedRobot:
             self._on_change()
 
     def _is_apart_from_amcl(self, pose: RobotPose) -> bool:
-        return any(one.source.endswith(_AMCL) and _is_apart(one, pose) for one in self._poses.values())
+        return any(other.source.endswith(_AMCL) and _is_apart(other, pose) for other in self._poses.values())
 
     def add_life(self, age: float = 0.0) -> None:
         """Record a sign of life of the robot *age* seconds ago."""

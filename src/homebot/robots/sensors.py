@@ -61,17 +61,17 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
         if message.retained:  # its age is not known
             return
         try:
-            told = JsonPose.model_validate_json(message.payload[:_MAX_POSE])
+            reported = JsonPose.model_validate_json(message.payload[:_MAX_POSE])
         except ValidationError as exc:
             if log.allows(NOT_READ) is not None:
                 problem = validation_problem(exc)
                 node.log.warning(NOT_READ, message=f"a pose on {message.address} is not read: {problem}")
             return
-        limit = settings.limit if told.limit is None else told.limit
-        place: dict[str, object] = {"room": clean_text(told.room), "floor": clean_text(told.floor)}
-        at = None if told.x is None or told.y is None else MapPose(told.x, told.y, told.yaw)
+        limit = settings.limit if reported.limit is None else reported.limit
+        place: dict[str, object] = {"room": clean_text(reported.room), "floor": clean_text(reported.floor)}
+        at = None if reported.x is None or reported.y is None else MapPose(reported.x, reported.y, reported.yaw)
         if at is not None:
-            place["error"] = told.error
+            place["error"] = reported.error
         robot.place(settings.topic, limit, at, age=0.0, by_robot=True, **place)
 
     await listen(node, devices, settings.gateway, settings.topic, on_pose)

@@ -77,24 +77,24 @@ class Vacuum:
             await self._arrived.wait()
             self._arrived = anyio.Event()
             try:
-                found = await to_thread.run_sync(self._reader.read, self._waiting)
-                if self._map is None or self._map.segments != found.segments:
-                    self._shapes, self._joined = await to_thread.run_sync(_rooms_of, found)
+                new_map = await to_thread.run_sync(self._reader.read, self._waiting)
+                if self._map is None or self._map.segments != new_map.segments:
+                    self._shapes, self._joined = await to_thread.run_sync(_rooms_of, new_map)
             except WireError as exc:
                 if self._log.allows(MAP_REFUSED) is not None:
                     self._node.log.warning(MAP_REFUSED, message=f"a map of {self._robot.name} is not read: {exc}")
                 continue
-            self._first_id = found.vendor_id if self._first_id is None else self._first_id
-            if self._map is not None and self._map.vendor_id != found.vendor_id:
+            self._first_id = new_map.vendor_id if self._first_id is None else self._first_id
+            if self._map is not None and self._map.vendor_id != new_map.vendor_id:
                 table = f"[robots.{self._robot.name}]"
                 text = (
                     f"{self._robot.name} uses another map now; map_transform and segments of {table} do not apply to it"
                 )
                 self._node.log.warning(MAP_CHANGED, message=text, robot=self._robot.name)
-            self._map, self._received_at = found, self._robot.now()
-            self._lies_at = self._place_of_map(found)
+            self._map, self._received_at = new_map, self._robot.now()
+            self._lies_at = self._place_of_map(new_map)
             if self._lies_at is not None:
-                await self._rooms.renew(self._house_rooms(found, self._lies_at))
+                await self._rooms.renew(self._house_rooms(new_map, self._lies_at))
             self._update()
 
     def _on_map(self, message: RawMessage) -> None:
@@ -142,16 +142,16 @@ class Vacuum:
 
     def _update(self) -> None:
         """Update the robot's pose from the last map while the vacuum is reachable."""
-        found, robot = self._map, self._robot
-        at = None if found is None else found.robot
-        if found is None or at is None or self._state != "ready":
+        vacuum_map, robot = self._map, self._robot
+        at = None if vacuum_map is None else vacuum_map.robot
+        if vacuum_map is None or at is None or self._state != "ready":
             robot.drop(self._source)
             return
         position: MapPose | None = None
         place: dict[str, object] = {}
         if self._lies_at is not None:
             position, place["error"] = self._lies_at.then(at), _ERROR
-        if (here := found.segment_at(at.x, at.y)) is not None:
+        if (here := vacuum_map.segment_at(at.x, at.y)) is not None:
             room = self._name_of(here[0]) or f"{robot.name} room {here[0].id}"
             place.update(room=room, is_nearest_room=here[1] > 0)
         if not place:
@@ -178,7 +178,7 @@ class _ImportedRooms:
 
     async def renew(self, rooms: Iterable[HouseRoom]) -> None:
         """Import *rooms* in place of those of the previous map."""
-        plan, wanted = self._house(), {fold(one.name): one for one in rooms}
+        plan, wanted = self._house(), {fold(room.name): room for room in rooms}
         if wanted == self._before:
             return
         self._before = wanted
@@ -186,7 +186,7 @@ class _ImportedRooms:
             for room in plan.rooms:
                 if room.source == self._robot and fold(room.name) not in wanted:
                     self._report((await self._change.call(ChangeRoomRequest(room=room.name))).message)
-            if new := [one for one in wanted.values() if self._may_replace(plan.room(one.name), one)]:
+            if new := [room for room in wanted.values() if self._may_replace(plan.room(room.name), room)]:
                 request = ImportPlacesRequest(text=_text(plan.home, new), source=self._robot)
                 self._report((await self._import.call(request)).message)
         except (ConfigError, ServiceError) as exc:

@@ -211,8 +211,8 @@ class AppHost:
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job and handler that was given up."""
         apps = self.running.values()
-        runs = ((app, one) for app in apps for one in (*(job.runs for job in app.jobs), *app.given_up))
-        return {(app.node.full_name, one.title) for app, one in runs if one.trouble}
+        runs = ((app, run) for app in apps for run in (*(job.runs for job in app.jobs), *app.given_up))
+        return {(app.node.full_name, run.title) for app, run in runs if run.trouble}
 
     def _rehearse(self, app: str, text: str) -> None:
         self.rehearsed.append(RehearsedAct(self._clock.now(), app, text))

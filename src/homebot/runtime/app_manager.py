@@ -124,7 +124,7 @@ class AppManager:
     @property
     def apps(self) -> tuple[PlannedApp, ...]:
         """The apps, in the order of their start."""
-        return tuple(one.planned for one in self._apps.values())
+        return tuple(app.planned for app in self._apps.values())
 
     @asynccontextmanager
     async def running(self, planned: Iterable[PlannedApp], is_cut: Callable[[], bool]) -> AsyncIterator[None]:
@@ -139,9 +139,9 @@ class AppManager:
         async with anyio.create_task_group() as tasks:
             self._tasks = tasks
             try:
-                for one in planned:
+                for planned_app in planned:
                     if not is_cut():
-                        await self._start(one)
+                        await self._start(planned_app)
                 if not is_cut():
                     await self._start_kept()
                 for problem in self._host.problems():
@@ -183,7 +183,7 @@ class AppManager:
                     await self._remove(planned.name)
                     code.restore()
                 raise
-            texts = [self._report(LOADED, f"loaded the app {one.name}", one.name) for one, _ in loaded]
+            texts = [self._report(LOADED, f"loaded the app {app.name}", app.name) for app, _ in loaded]
             return "; ".join(texts)
 
     async def unload(self, name: str) -> str:
@@ -219,7 +219,7 @@ class AppManager:
                 await self._stop(self._apps[name])
                 code.restore()
                 await self._try(old)
-            self._apps = {one: self._apps[one] for one in position}
+            self._apps = {app_name: self._apps[app_name] for app_name in position}
             if problem:
                 raise self._failure(name, problem)
             return self._report(RELOADED, f"reloaded the app {name}", name)
@@ -235,7 +235,7 @@ class AppManager:
         if not names:
             installed = ", ".join(plugin_names(APPS)) or "none"
             return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
-        down = {name for name, one in self._supervisor.crashes.items() if one.state != "running again"}
+        down = {name for name, crash in self._supervisor.crashes.items() if crash.state != "running again"}
         crashed = [name for name in names if name in down]
         running = [name for name in names if name not in crashed]
         if not running:
@@ -258,7 +258,7 @@ class AppManager:
 
     def _place(self, _: HomePlaceRequest) -> HomePlaceResponse:
         place = self._host.context.latitude, self._host.context.longitude
-        return HomePlaceResponse(place=tuple(round(one, 1) for one in place if one is not None))
+        return HomePlaceResponse(place=tuple(round(coordinate, 1) for coordinate in place if coordinate is not None))
 
     async def _start_kept(self) -> None:
         """Start the apps that features keep; a wrong one stays out."""
@@ -276,8 +276,8 @@ class AppManager:
         return await to_thread.run_sync(partial(self._planner.plan, name, is_new=is_new))
 
     def _find(self, name: str) -> _RunningApp:
-        if (found := self._apps.get(name)) is not None:
-            return found
+        if (app := self._apps.get(name)) is not None:
+            return app
         if name in self._host.wrong_apps():
             raise UsageError(f"{name} does not run; once it is mended: homebot app load {name}")
         hint = did_you_mean(name, self._apps, f"running are {', '.join(self._apps) or 'none'}")
@@ -299,11 +299,11 @@ class AppManager:
 
     async def _first_crash(self, names: Sequence[str]) -> tuple[str, str]:
         """Wait until all have proved to run; return the first that has not, with its crash, both empty for none."""
-        is_code = any(not table_of(self._apps[one].planned.kind) for one in names)
+        is_code = any(not table_of(self._apps[name].planned.kind) for name in names)
         with anyio.move_on_after(self.trial if is_code else _DATA_TRIAL):
             for name in names:
                 await self._apps[name].has_crashed.wait()
-        return next(((one, self._apps[one].crash) for one in names if self._apps[one].crash), ("", ""))
+        return next(((name, self._apps[name].crash) for name in names if self._apps[name].crash), ("", ""))
 
     async def _start(self, planned: PlannedApp) -> _RunningApp:
         if self._tasks is None:
@@ -385,8 +385,8 @@ def _ended(planned: PlannedApp) -> _RunningApp:
 def _info(name: str, app: App | None, crashes: ComponentCrashes | None) -> AppInfo:
     jobs: tuple[AppJob, ...] = ()
     if app is not None:
-        given_up = (AppJob(name=one.title, text="", note=one.trouble) for one in islice(app.given_up, _MAX_LISTED))
-        waits = (_wait(app.clock.now(), *one) for one in islice(app.waits, _MAX_LISTED))
+        given_up = (AppJob(name=run.title, text="", note=run.trouble) for run in islice(app.given_up, _MAX_LISTED))
+        waits = (_wait(app.clock.now(), *wait) for wait in islice(app.waits, _MAX_LISTED))
         jobs = (*given_up, *map(_job, app.jobs), *waits)
     if crashes is None:
         return AppInfo(name=name, state="running" if app is not None else "ended", jobs=jobs)

@@ -59,13 +59,13 @@ def _has(source: Path, path: Path) -> bool:
 
 
 def _sources(apps: Iterable[PlannedApp]) -> dict[str, Path]:
-    found = {app.name: source_of(app.kind) for app in apps}
-    return {name: path for name, path in found.items() if path is not None}
+    sources = {app.name: source_of(app.kind) for app in apps}
+    return {name: path for name, path in sources.items() if path is not None}
 
 
 def _folders(sources: Iterable[Path]) -> set[Path]:
-    found: set[Path] = set()
+    folders: set[Path] = set()
     for source in sources:
-        inner = (one.parent for one in source.rglob("*.py"))
-        found |= {source, *inner} if source.is_dir() else {source.parent}
-    return found
+        inner = (module.parent for module in source.rglob("*.py"))
+        folders |= {source, *inner} if source.is_dir() else {source.parent}
+    return folders

@@ -120,9 +120,9 @@ class RuntimeHealth:
         """Return the losses of the open subscriptions; those of the rosbridge server's clients count their own."""
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
-            for one in () if node is None else node.entities:
-                if isinstance(one, Subscription):
-                    yield one.losses
+            for entity in () if node is None else node.entities:
+                if isinstance(entity, Subscription):
+                    yield entity.losses
 
 
 def _page_build() -> str:

@@ -123,9 +123,9 @@ def adopt_folder(config: Config, file: Path, wanted: str) -> Path:
     """
     facts = _facts_of(config, file)
     paths = {(data_directory() / wanted).resolve(), Path(wanted).resolve()}
-    folder = next((one for one in _folders() if one.path in paths), None)
+    folder = next((folder for folder in _folders() if folder.path in paths), None)
     if folder is None:
-        known = ", ".join(_shown(one.path) for one in _folders()) or "none"
+        known = ", ".join(_shown(folder.path) for folder in _folders()) or "none"
         raise UsageError(f"{wanted} is no folder of a home; known are {known}")
     if folder.belongs_to_other(Path(facts.config)):
         raise UsageError(f"{wanted} belongs to the home of {folder.facts.config}; remove the id there first")
@@ -167,15 +167,15 @@ def _find(config: Config, facts: _HomeFacts) -> tuple[Path | None, Sequence[Path
     folders = [folder for folder in _folders() if not folder.belongs_to_other(file)]
     alike = [folder for folder in folders if folder.facts.may_be(facts)]
     first = index_path(facts.name, facts.networks[0]).parent.resolve()
-    named = [one for one in alike if one.facts.name.casefold() == facts.name.casefold()]
+    named = [folder for folder in alike if folder.facts.name.casefold() == facts.name.casefold()]
     for fitting in (
-        [one for one in alike if one.facts.config == facts.config],
-        [one for one in alike if one.path == first],
-        [one for one in named if facts.name != UNNAMED or one.facts.has_network_of(facts)],
+        [folder for folder in alike if folder.facts.config == facts.config],
+        [folder for folder in alike if folder.path == first],
+        [folder for folder in named if facts.name != UNNAMED or folder.facts.has_network_of(facts)],
     ):
         if fitting:
-            return (fitting[0].path, ()) if len(fitting) == 1 else (None, [one.path for one in fitting])
-    return None, [one.path for one in alike if one.facts.has_network_of(facts)]
+            return (fitting[0].path, ()) if len(fitting) == 1 else (None, [folder.path for folder in fitting])
+    return None, [folder.path for folder in alike if folder.facts.has_network_of(facts)]
 
 
 def _facts_of(config: Config, file: Path | None) -> _HomeFacts:
@@ -200,8 +200,8 @@ def _is_homes(path: Path) -> bool:
 
 def _folders() -> list[_HomeFolder]:
     """Return the folders of all homes, also those of earlier versions."""
-    paths = [one.parent for one in islice(_root().glob(f"*/*/{INDEX_FILE}"), _MAX_FOLDERS)]
-    return [_HomeFolder(one, _facts_in(one)) for one in sorted(paths) if _TOKEN.fullmatch(one.name)]
+    paths = [index_file.parent for index_file in islice(_root().glob(f"*/*/{INDEX_FILE}"), _MAX_FOLDERS)]
+    return [_HomeFolder(path, _facts_in(path)) for path in sorted(paths) if _TOKEN.fullmatch(path.name)]
 
 
 def _facts_in(folder: Path) -> _HomeFacts:
@@ -244,9 +244,9 @@ def _made_or_moved(old: Path | None, new: Path) -> Path:
 
 def _claim(folder: Path, facts: _HomeFacts) -> None:
     """Note in *folder* whose data it has, and in others that they are not that home's."""
-    for one in _folders():
-        if one.path != folder and one.facts.config == facts.config:
-            _write(one.path / HOME_FILE, one.facts.model_copy(update={"config": ""}).model_dump_json())
+    for other in _folders():
+        if other.path != folder and other.facts.config == facts.config:
+            _write(other.path / HOME_FILE, other.facts.model_copy(update={"config": ""}).model_dump_json())
     if _facts_in(folder) != facts:
         _write(folder / HOME_FILE, facts.model_dump_json())
 

@@ -37,7 +37,7 @@ def without_mistakes(
                 break
             tables: list[object] = [*(config.groups if kind == "groups" else config.array_of(kind))]
             number = error.key.partition(".")[2].partition(".")[0]
-            place = int(number) if number else max(at for at, one in enumerate(tables) if one is not None)
+            place = int(number) if number else max(at for at, table in enumerate(tables) if table is not None)
             if kind == "groups" and _is_named(tables[place], limits):
                 break
             wrong[f"{kind}.{place}"], tables[place] = located(error), None

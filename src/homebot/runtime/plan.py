@@ -123,7 +123,7 @@ class Plan:
     def scopes(self) -> Mapping[str, Iterable[str]]:
         """The rights of apps and clients, by their keys."""
         apps = {f"{self.tables[node]} act": scope for node, scope in self.grants.items()}
-        tokens = {f"door.tokens.{name}.scope": one.scope for name, one in self.door.tokens.items()}
+        tokens = {f"door.tokens.{name}.scope": token.scope for name, token in self.door.tokens.items()}
         return {**apps, "door.scope": self.door.scope or (), **tokens}
 
     @property
@@ -133,7 +133,7 @@ class Plan:
 
     def robot_owners(self) -> RobotOwners:
         """Return the robots named in a table or in the right of a token, with their topics and frames."""
-        return self.door.robot_owners({name: one.frames for name, one in self.robots.items()})
+        return self.door.robot_owners({name: robot.frames for name, robot in self.robots.items()})
 
     def greeting(self, page: str | None, *, is_dry_run: bool) -> str:
         """Return the first line of the log, with the address of the *page*, if there is a rosbridge server."""
@@ -158,8 +158,8 @@ class Plan:
     @property
     def other_machines(self) -> Mapping[str, Path]:
         """The machines with gateways of this house, by name, with the files of their secrets."""
-        found = (gateway.kind.other_machine(gateway.name, gateway.settings) for gateway in self.gateways)
-        return dict(filter(None, found))
+        machines = (gateway.kind.other_machine(gateway.name, gateway.settings) for gateway in self.gateways)
+        return dict(filter(None, machines))
 
     @property
     def as_other_machine(self) -> str:
@@ -200,14 +200,14 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
 
 def _grants_left(config: Config, names: Iterable[str]) -> dict[str, tuple[str, ...]]:
     """Return the grants of apps that are left out but may run since before a reload; none if they are wrong too."""
-    found: dict[str, tuple[str, ...]] = {}
+    grants: dict[str, tuple[str, ...]] = {}
     for name in names:
         try:
             scope = scope_of(_key_of(name, config.apps[name]), config.apps[name], config.source)
         except ConfigError:
             scope = ("read",)
-        found |= {} if scope is None else {f"/{name}": scope}
-    return found
+        grants |= {} if scope is None else {f"/{name}": scope}
+    return grants
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
@@ -216,13 +216,13 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(planned_app, name, table, config) for name, table in config.apps.items()]
-    found: list[ConfigError] = []
+    errors: list[ConfigError] = []
     for part in parts:
         try:
             part()
         except ConfigError as exc:
-            found += (exc, *exc.others)
-    return (*found, *(error for one in left_out.values() for error in (one, *one.others)))
+            errors += (exc, *exc.others)
+    return (*errors, *(error for first in left_out.values() for error in (first, *first.others)))
 
 
 def _without_mistakes(
@@ -275,12 +275,12 @@ def _in_words(name: str, table: Table) -> str:
 
 def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
     """Return the gateways of *config*, with those of features that they imply."""
-    found = [_gateway(name, table, config) for name, table in config.gateways.items()]
+    gateways = [_gateway(name, table, config) for name, table in config.gateways.items()]
     for key, row in feature_tables().items():
-        is_implied = row.implied_by and any(getattr(one.kind, row.implied_by) for one in found)
+        is_implied = row.implied_by and any(getattr(gateway.kind, row.implied_by) for gateway in gateways)
         if is_implied and key not in config.gateways:
-            found.append(_gateway(key, {"class": row.plugin}, config))
-    return tuple(found)
+            gateways.append(_gateway(key, {"class": row.plugin}, config))
+    return tuple(gateways)
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:
@@ -342,7 +342,7 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
     for name, contacts in doors.items():
         room = plan.room(name)
         if room is None:
-            known = [one.name for one in plan.rooms]
+            known = [room.name for room in plan.rooms]
             from homebot.support.names import no_such  # noqa: PLC0415 - only after a mistake
 
             raise ConfigError(source, f"{_DOORS}.{name}", no_such("room", name, known))

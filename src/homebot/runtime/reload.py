@@ -75,7 +75,7 @@ class RunningParts(NamedTuple):
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
     live = {"places", "devices", "groups", *(key for key, table in feature_tables().items() if table.is_live)}
-    old, new = ({key: table for key, table in _by_key(one).items() if key not in live} for one in (before, after))
+    old, new = ({key: table for key, table in _by_key(config).items() if key not in live} for config in (before, after))
     keys = (key for table in old | new for key in _changed(table, old.get(table) or {}, new.get(table) or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})
     return (*keys, *(f"door.tokens (the robot {name})" for name in robots))
@@ -85,7 +85,7 @@ def _robots(table: Mapping[str, Any]) -> set[str]:
     """Return the names of the robots that tokens may act as, which are tracked from the start."""
     from homebot.words.rights import read_scope  # noqa: PLC0415 - few have a scope
 
-    return {name for one in table.get("tokens", {}).values() for name in read_scope(one.get("scope", ())).robots}
+    return {name for token in table.get("tokens", {}).values() for name in read_scope(token.get("scope", ())).robots}
 
 
 def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
@@ -93,8 +93,10 @@ def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iter
         if old.get(key) == new.get(key) or (key in _LIVE.get(table, ()) and _runs(table, old)):
             continue
         if table in _SECTIONS and key in old and key in new:
-            rest = (one for one in dict.fromkeys((*old[key], *new[key])) if one not in _LIVE.get(table, ()))
-            yield from (f"{table}.{key}.{one}" for one in rest if old[key].get(one) != new[key].get(one))
+            rest = (setting for setting in dict.fromkeys((*old[key], *new[key])) if setting not in _LIVE.get(table, ()))
+            yield from (
+                f"{table}.{key}.{setting}" for setting in rest if old[key].get(setting) != new[key].get(setting)
+            )
         else:
             yield f"{table}.{key}"
 
@@ -138,8 +140,8 @@ def _lost_tables(
     if is_gone and (here[0] not in _BY_KEY or _is_limit(here)):
         yield f"[{'.'.join(here)}]"
         return
-    for one, its_new in zip(tables, left, strict=False):
-        yield from _lost(one, its_new, *here, is_last=is_last)
+    for old_table, its_new in zip(tables, left, strict=False):
+        yield from _lost(old_table, its_new, *here, is_last=is_last)
 
 
 def _is_revoked(path: tuple[str, ...], new: Mapping[str, Any]) -> bool:
@@ -155,7 +157,7 @@ def _is_empty(value: object) -> bool:
 
 def _tables_in(value: object) -> list[Mapping[str, Any]]:
     """Return *value* if it is a table, or the tables of an array."""
-    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Mapping)]
+    return [item for item in (value if isinstance(value, list) else [value]) if isinstance(item, Mapping)]
 
 
 def _is_limit(path: tuple[str, ...]) -> bool:
@@ -215,7 +217,7 @@ async def reload_configuration(
     await _apply(new, plan, parts, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
-    rest += "".join(f"; left out: {one}" for one in new.left_out.values())
+    rest += "".join(f"; left out: {error}" for error in new.left_out.values())
     message = f"tokens, rights, policies and places were reloaded{rest}"
     _log.info(RELOADED, message=message)
     done = replace(plan, **{name: getattr(new, name) for name in _RELOADED})

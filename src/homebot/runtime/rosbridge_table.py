@@ -110,18 +110,18 @@ def _tokens(tables: object, config: Config) -> dict[str, ClientToken]:
     source = config.source
     if not isinstance(tables, Mapping):
         raise ConfigError(source, "door.tokens", "must be tables, [door.tokens.NAME]")
-    found = {}
+    tokens = {}
     for name, table in tables.items():
         key = f"door.tokens.{name}"
         if not isinstance(table, Mapping):
             raise ConfigError(source, key, f"must be a table, [{key}]")
         given = parse_settings(TokenTable, table, source, key, config.folder)
-        found[str(name)] = ClientToken(
+        tokens[str(name)] = ClientToken(
             token=_secret(given.token_file, source, key),
             scope=given.scope,
             until=_end_of(given.until, config.home.zone) if given.until else inf,
         )
-    return found
+    return tokens
 
 
 def _end_of(text: str, zone: str) -> float:

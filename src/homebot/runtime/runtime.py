@@ -536,7 +536,7 @@ class Runtime:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started
 
         async with Node(self.graph, "rosapi") as node:
-            RosApi(node, frozenset(one.vacuum for one in self._plan.robots.values()))
+            RosApi(node, frozenset(robot.vacuum for robot in self._plan.robots.values()))
             task_status.started()
             await anyio.sleep_forever()
 

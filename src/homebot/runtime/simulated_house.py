@@ -87,9 +87,9 @@ class HouseOfRun:
             return Places((), facts)
         ids = {name: known_by[name][0] for name in devices}
         at_door = {
-            (frozenset({one.room, one.door}), unwrap(one.device).kind): ids[name]
-            for name, one in devices.items()
-            if one.door
+            (frozenset({placed.room, placed.door}), unwrap(placed.device).kind): ids[name]
+            for name, placed in devices.items()
+            if placed.door
         }
         doors = []
         for room, other, middle in rooms.doorways():
@@ -126,7 +126,7 @@ class HouseOfRun:
         from homebot.house import robot, robot_actions, ros_robot  # noqa: PLC0415 - as above
 
         world, clock = self._world, graph.clock
-        devices = [name for name, one in world.devices.items() if isinstance(unwrap(one.device), robot.Robot)]
+        devices = [name for name, placed in world.devices.items() if isinstance(unwrap(placed.device), robot.Robot)]
         first = next(name for name, room in world.rooms.rooms.items() if room.corners)
         own = robot.Robot(self.robot, world.rooms, first)
 
@@ -135,9 +135,9 @@ class HouseOfRun:
                 own.advance(clock.now())
                 return own
             house.catch_up()  # the world only advances at events
-            found = unwrap(world.device(devices[0]))
-            assert isinstance(found, robot.Robot)  # noqa: S101 - as it was found above
-            return found
+            simulated = unwrap(world.device(devices[0]))
+            assert isinstance(simulated, robot.Robot)  # noqa: S101 - as it was found above
+            return simulated
 
         def command(text: str) -> None:
             if devices:

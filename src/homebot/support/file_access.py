@@ -38,14 +38,14 @@ def why_not_trusted(path: Path) -> str:
     real = path.resolve()
     for number, place in enumerate((real, *real.parents)):
         try:
-            found = place.stat()
+            status = place.stat()
         except OSError as exc:
             return f"{place} cannot be checked: {exc.strerror}"
-        if number <= 1 and found.st_uid not in {0, os.geteuid()}:
-            owner = _user_name(found.st_uid)
+        if number <= 1 and status.st_uid not in {0, os.geteuid()}:
+            owner = _user_name(status.st_uid)
             return f"{place} belongs to the user {owner}; run homebot as that user, or make the file your own"
-        is_shared = number > 0 and bool(found.st_mode & stat.S_ISVTX)
-        if not is_shared and _is_writable_by_others(found):
+        is_shared = number > 0 and bool(status.st_mode & stat.S_ISVTX)
+        if not is_shared and _is_writable_by_others(status):
             return f"{place} can be written by others; remove that permission: chmod go-w '{place}'"
     return ""
 

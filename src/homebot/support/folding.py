@@ -26,7 +26,7 @@ def fold(text: str) -> str:
     plain = text[:_MAX_TEXT]
     if not plain.isascii():
         decomposed = unicodedata.normalize("NFKD", plain.casefold().translate(_TABLE))
-        plain = "".join(one for one in decomposed if not unicodedata.combining(one))
+        plain = "".join(character for character in decomposed if not unicodedata.combining(character))
     return " ".join(plain.lower().replace("_", " ").replace("-", " ").split())
 
 

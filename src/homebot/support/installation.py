@@ -91,10 +91,10 @@ class Installation:
         if self._id:
             return
         fields = self._read()
-        found, names = fields.get("id"), fields.get("names")
-        self._id = found if isinstance(found, str) and len(found) == _DIGITS else ""
+        installation_id, names = fields.get("id"), fields.get("names")
+        self._id = installation_id if isinstance(installation_id, str) and len(installation_id) == _DIGITS else ""
         if isinstance(names, dict):
-            self._names = {one: got for one, got in names.items() if isinstance(got, str)}
+            self._names = {name: got for name, got in names.items() if isinstance(got, str)}
         if not self._id:
             self._id = self._new_id()
             self._save()

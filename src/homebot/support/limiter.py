@@ -54,15 +54,15 @@ class Limiter(BoundedMap[Kind, LimitInterval[Item]]):
 
     def of(self, kind: Kind, now: float) -> LimitInterval[Item]:
         """Return the interval of *kind* at *now*."""
-        found = self.get(kind)
-        if found is None:
-            found = self[kind] = LimitInterval(now)
-            return found
+        interval = self.get(kind)
+        if interval is None:
+            interval = self[kind] = LimitInterval(now)
+            return interval
         self.move_to_end(kind)
-        if not 0 <= now - found.began < self._seconds:
-            self._on_drop(kind, found)
-            found.began, found.passed = now, 0
-        return found
+        if not 0 <= now - interval.began < self._seconds:
+            self._on_drop(kind, interval)
+            interval.began, interval.passed = now, 0
+        return interval
 
     def drop(self, now: float = math.inf) -> None:
         """Drop the intervals that are over, from the least recently used on up to the first that is not."""

@@ -215,8 +215,8 @@ def is_journal(stream: TextIO) -> bool:
     if not journal:
         return False
     with suppress(OSError, ValueError):  # it may have no descriptor
-        found = os.fstat(stream.fileno())
-        return journal == f"{found.st_dev}:{found.st_ino}"
+        status = os.fstat(stream.fileno())
+        return journal == f"{status.st_dev}:{status.st_ino}"
     return False
 
 

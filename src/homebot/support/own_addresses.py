@@ -10,9 +10,9 @@ _ELSEWHERE: Final = ((socket.AF_INET, "192.0.2.1"), (socket.AF_INET6, "2001:db8:
 
 def own_addresses() -> list[str]:
     """Return the addresses, IPv4 first; none without a network."""
-    found = []
+    addresses = []
     for family, elsewhere in _ELSEWHERE:
         with contextlib.suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as probe:
             probe.connect((elsewhere, 9))
-            found.append(probe.getsockname()[0])
-    return found
+            addresses.append(probe.getsockname()[0])
+    return addresses

@@ -58,7 +58,7 @@ def owner_proof(token: str, key: str, port: int, now: float) -> str:
 
 def is_owner_proof(proof: str, token: str, key: str, port: int, now: float) -> bool:
     """Return whether *proof* is that of *token*, given within the last minute."""
-    return any(hmac.compare_digest(proof.encode(), one.encode()) for one in _proofs(token, key, port, now))
+    return any(hmac.compare_digest(proof.encode(), valid.encode()) for valid in _proofs(token, key, port, now))
 
 
 def _proofs(token: str, key: str, port: int, now: float) -> Iterator[str]:

@@ -162,7 +162,7 @@ class LoopWatch:
     def _report_blocked(self, now: float, seconds: float, stack: list[FrameType]) -> None:
         task = asyncio.current_task(self._loop)
         name = "a callback" if task is None else task.get_name()
-        frame = next((one for one in stack if is_ours_or_the_users(one)), stack[0] if stack else None)
+        frame = next((frame for frame in stack if is_ours_or_the_users(frame)), stack[0] if stack else None)
         self.last = name if frame is None else f"{name} in {place_of_frame(frame)}"
         self.blocks += 1
         self._record_block(now, seconds)
@@ -171,7 +171,7 @@ class LoopWatch:
             message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
             "make it await, or run it in a thread",
             blocks=self.blocks,
-            stack=[place_of_frame(one) for one in stack[:_MAX_FRAMES]],
+            stack=[place_of_frame(frame) for frame in stack[:_MAX_FRAMES]],
         )
 
     def _record_block(self, now: float, seconds: float) -> None:

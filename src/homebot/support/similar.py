@@ -19,11 +19,12 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
     from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
 
     wanted = fold(str(name))  # perhaps from an app, which may pass anything
-    names = {fold(one): one for one in sorted(set(known), reverse=True)}
+    names = {fold(known_name): known_name for known_name in sorted(set(known), reverse=True)}
     matches = get_close_matches(wanted, names, n=_MAX_SUGGESTIONS, cutoff=cutoff)
     return [
         names[match]
-        for match in matches or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MAX_SUGGESTIONS]
+        for match in matches
+        or sorted(known_name for known_name in names if wanted and wanted.strip("/") in known_name)[:_MAX_SUGGESTIONS]
     ]
 
 

@@ -167,12 +167,12 @@ class SqliteFile:
     @classmethod
     def opened_in(cls, folder: Path) -> dict[str, SqliteFile]:
         """Return the files in *folder* that this process has open, by name."""
-        return {one.path.name: one for one in cls.used_in(folder) if one.is_open}
+        return {file.path.name: file for file in cls.used_in(folder) if file.is_open}
 
     @classmethod
     def used_in(cls, folder: Path) -> list[SqliteFile]:
         """Return the files in *folder* that this process uses, including those not opened yet."""
-        return [one for one in list(cls._all) if one.path.parent == folder]
+        return [file for file in list(cls._all) if file.path.parent == folder]
 
     def copy_into(self, target: Path) -> None:
         """Copy everything written so far to the new file *target*. From any thread.
@@ -216,8 +216,8 @@ class SqliteFile:
     def _find_identity(self) -> tuple[int, int]:
         if self.path == IN_MEMORY:
             return 0, 0
-        found = self.path.stat()
-        return found.st_dev, found.st_ino
+        status = self.path.stat()
+        return status.st_dev, status.st_ino
 
     def _replace(self, now: float) -> Path:
         """Set the damaged file aside and create a new one; return the new path of the damaged one."""
@@ -250,8 +250,8 @@ class SqliteFile:
                 copy = self.path.with_name(f"{self.path.name}.version-{version}")
                 copy.unlink(missing_ok=True)  # an earlier step failed
                 _vacuum_into(connection, copy)
-                for one in range(version, schema.version):
-                    _apply(connection, schema.migrations[one], one + 1)
+                for number in range(version, schema.version):
+                    _apply(connection, schema.migrations[number], number + 1)
             else:
                 _apply(connection, schema.statements if version == 0 else (), schema.version)
             for check in self._schema.checks:
@@ -274,8 +274,8 @@ class SqliteFile:
         if problem := why_not_trusted(self.path if self.path.exists() else self.path.parent):
             raise UsageError(f"the {self._schema.title} is not used: {problem}")
         self.path.touch(mode=0o600)
-        found = self.path.stat()
-        if os.name == "posix" and found.st_mode & 0o077 and found.st_uid == os.geteuid():
+        status = self.path.stat()
+        if os.name == "posix" and status.st_mode & 0o077 and status.st_uid == os.geteuid():
             self.path.chmod(0o600)
 
     def _version(self, connection: sqlite3.Connection) -> int:

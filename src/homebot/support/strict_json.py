@@ -43,10 +43,10 @@ def duplicate_key_hook(note: Callable[[str], None]) -> Callable[[list[tuple[str,
     """
 
     def build_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) < len(pairs):
+        built = dict(pairs)
+        if len(built) < len(pairs):
             note(_repeated(pairs))
-        return found
+        return built
 
     return build_object
 

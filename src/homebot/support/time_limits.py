@@ -35,7 +35,7 @@ class TimeLimits:
         self._ends[number] = end
         heapq.heappush(self._heap, (at, number))
         if len(self._heap) > self._room:
-            self._heap[:] = [one for one in self._heap if one[1] in self._ends]
+            self._heap[:] = [entry for entry in self._heap if entry[1] in self._ends]
             heapq.heapify(self._heap)
             self._room = 2 * len(self._heap) + _SLACK
         if at < self._rings_at:

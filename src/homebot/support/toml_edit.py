@@ -66,7 +66,7 @@ def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> I
     """Yield texts that may have the change; only one that reads as wanted counts."""
     lines = re.findall(r"[^\n]*\n|[^\n]+", text)
     new = "" if value is REMOVED else f"{toml_value({key: value})[2:-2]}\n"
-    name = ".".join(toml_value({one: 0})[2:-2].partition(" =")[0] for one in table)
+    name = ".".join(toml_value({part: 0})[2:-2].partition(" =")[0] for part in table)
     at = line_of(text, *table, key) - 1
     for line in (new, new and f"{name}.{new}") if key and at >= 0 else ():
         yield "".join((*lines[:at], *([_with_comment(lines[at], line)] if line else []), *lines[at + 1 :]))

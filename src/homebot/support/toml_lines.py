@@ -52,7 +52,7 @@ def _lines_of_keys(text: str) -> dict[tuple[str, ...], int]:
 
 
 def _names(path: str) -> tuple[str, ...]:
-    return tuple(one.strip("\"'") for one in re.findall(_NAME, path))
+    return tuple(name.strip("\"'") for name in re.findall(_NAME, path))
 
 
 @lru_cache(maxsize=1)

@@ -28,7 +28,7 @@ ResultT = TypeVar("ResultT")
 
 RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above the steps of a float at 30 years
 SELDOM = 50  # turns of a busy loop after which files are checked nevertheless
-_LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
+_LIBRARIES = tuple(str(Path(str(library.__file__)).parent) for library in (asyncio, anyio))
 
 
 class LoopLimits(NamedTuple):

@@ -207,7 +207,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
 
     def _on_states(self, message: GoalStatusArray) -> None:
         """Record the states of goals; an ended goal is kept until the server drops it, for queued feedback."""
-        states = {one.goal_info.goal_id.uuid: GoalState(one.status) for one in message.status_list}
+        states = {status.goal_info.goal_id.uuid: GoalState(status.status) for status in message.status_list}
         for goal_id, goal in list(self._goals.items()):
             goal.status = states.get(goal_id, goal.status)
             if goal.status.is_terminal and goal_id not in states:

@@ -154,12 +154,12 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         named = self._goals.get(goal_id)
         is_one = goal_id != _NO_ID and at == _NO_TIME
         meant = self._named_or_until(named, at, is_one=is_one)
-        found = [one for one in meant if one.state.can_become(GoalState.CANCELING)]
-        canceling = tuple(one.info for one in found if self._cancel_goal(one))
+        goals = [goal for goal in meant if goal.state.can_become(GoalState.CANCELING)]
+        canceling = tuple(goal.info for goal in goals if self._cancel_goal(goal))
         code = CancelGoalResponse.ERROR_NONE
-        if found and not canceling:
+        if goals and not canceling:
             code = CancelGoalResponse.ERROR_REJECTED
-        elif is_one and not found:
+        elif is_one and not goals:
             code = CancelGoalResponse.ERROR_GOAL_TERMINATED if named else CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID
         return CancelGoalResponse(return_code=code, goals_canceling=canceling)
 
@@ -234,7 +234,7 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         if self.is_closed:
             return
         self._expiries.set(self._result_timeout, partial(self._forget, goal))
-        ended = [one for one in self._goals.values() if not one.is_active]
+        ended = [other for other in self._goals.values() if not other.is_active]
         if len(ended) > MAX_ENDED:
             self._node.graph.failures.late_answers += 1
             self._forget(ended[0])

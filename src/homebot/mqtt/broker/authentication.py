@@ -59,13 +59,13 @@ class GuessDelays:
 
     def failed(self, guesser: str, now: float) -> tuple[int, float]:
         """Record a wrong secret; return the number of them, and the delay of the next attempt."""
-        found = self._guesses.get(guesser)
-        if found is None or found.failed_at < now - _FORGOTTEN:
-            found = _Guesses()
-        self._guesses[guesser] = found
-        found.failed_at = now
-        found.failures += 1
-        return found.failures, found.delay
+        guesses = self._guesses.get(guesser)
+        if guesses is None or guesses.failed_at < now - _FORGOTTEN:
+            guesses = _Guesses()
+        self._guesses[guesser] = guesses
+        guesses.failed_at = now
+        guesses.failures += 1
+        return guesses.failures, guesses.delay
 
 
 @final
@@ -180,7 +180,7 @@ class WaitingLogins:
         if len(self._candidates) >= self._most:
             hosts = [host_of(candidate.address) for candidate in self._candidates]
             most = Counter(hosts).most_common(1)[0][0]
-            oldest = next(each for each, host in zip(self._candidates, hosts, strict=True) if host == most)
+            oldest = next(client for client, host in zip(self._candidates, hosts, strict=True) if host == most)
             del self._candidates[oldest]
             oldest.make_room()
         self._candidates[candidate] = None

@@ -55,8 +55,8 @@ class BrokerTimers:
     def run(self, now: float) -> None:
         """Run the callbacks due at *now*, in order; those added meanwhile wait for the next run."""
         due: deque[Deadline] = deque()
-        while (found := self._queue.pop(now)) is not None:
-            due.append(found[0])
+        while (entry := self._queue.pop(now)) is not None:
+            due.append(entry[0])
         try:
             while due:
                 action = due.popleft().action

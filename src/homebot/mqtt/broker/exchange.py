@@ -87,17 +87,17 @@ class MessageRouter:
         """Return the connected sessions with a full queue that subscribe to *topic* at QoS 1 or 2."""
         if not self.crowded:
             return ()
-        for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
+        for session in [session for session in self.crowded if session.outbound is None or not session.backlogged]:
             del self.crowded[session]
         if not any(session.full for session in self.crowded):
             return ()
         route = self.subscriptions.route(topic)
-        found = [target.session for target in route.targets if target.qos and target.session.full]
+        full = [target.session for target in route.targets if target.qos and target.session.full]
         for group in route.groups:
             connected = [session for session in group.members if session.outbound is not None]
             if all(session.full for session in connected):
-                found += connected
-        return tuple(found)
+                full += connected
+        return tuple(full)
 
     def subscribe(
         self, session: BrokerSession, request: MqttSubscription, identifier: int, replay: Replay
@@ -142,7 +142,7 @@ class MessageRouter:
         self.crowded.pop(session, None)
         session.has_ended = True
         self.subscriptions.forget_routes()
-        for name in [name for name, each in session.subscriptions.items() if each.share is not None]:
+        for name in [name for name, subscription in session.subscriptions.items() if subscription.share is not None]:
             self.unsubscribe(session, name)
         self.ended[session] = None
         self._turn.run(self._remove(session))

@@ -94,7 +94,7 @@ class RetainedMessages:
         self._removed += 1
         if self._removed > _SWEEP and 2 * self._removed > len(self._log):
             self._log = list(self._messages.values())
-            self._orders = [each.order for each in self._messages.values()]
+            self._orders = [message.order for message in self._messages.values()]
             self._removed = 0
 
 
@@ -175,8 +175,8 @@ class Replay:
             return
         messages, self._place = self._retained.after(self._place, _CHUNK if len(self._wild) == 1 else _SMALL_CHUNK)
         for message in messages:
-            found = self._tree.matching(message.topic.split("/"))
-            matched = sorted(item for each in found for item in each.items())
+            branches = self._tree.matching(message.topic.split("/"))
+            matched = sorted(item for branch in branches for item in branch.items())
             self._owe(message, [subscription for _, subscription in matched], now)
 
     def _add_some(self) -> None:

@@ -45,7 +45,7 @@ class Target(NamedTuple):
 
     def without_local(self) -> Target | None:
         """Return what remains for a message of the session's own client."""
-        rest = [each for each in self.matched if not each.no_local]
+        rest = [subscription for subscription in self.matched if not subscription.no_local]
         return Target.of(self.session, rest) if rest else None
 
 
@@ -149,7 +149,9 @@ class SubscriptionTree:
                     else:
                         matched[session] = [subscription]
             groups = [group for shares in self._groups.matching(levels) for group in shares.values()]
-            route = Recipients(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))
+            route = Recipients(
+                tuple(Target.of(session, subscriptions) for session, subscriptions in matched.items()), tuple(groups)
+            )
             if len(topic) <= _MAX_CACHED:
                 if self._cached >= _MAX_CACHED or len(self._cache) >= _MAX_CACHED_TOPICS:
                     self.forget_routes()

@@ -140,7 +140,7 @@ class MqttClient(ABC):
         reasons = await (self._link or self._need_link()).subscribe(subscriptions)
         if max(reasons, default=0) >= _FAILED:
             answers = zip(subscriptions, reasons, strict=False)
-            refused = [(each.filter, code) for each, code in answers if code >= _FAILED]
+            refused = [(subscription.filter, code) for subscription, code in answers if code >= _FAILED]
             names = ", ".join(repr(name) for name, _ in refused)
             raise RefusedError(f"the subscription to {names}", reason_text(refused[0][1]), refused[0][1])
         return reasons

@@ -189,11 +189,11 @@ class ClientProtocol(ClientLink):
         )
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
         again = self._requests.begin_link(resumed=session.resumed)
-        self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
+        self._unfinished = {open_packet.packet_id for open_packet in again if open_packet.packet_id is not None}
         self._begin(session, seconds, open_publishes=len(again))
         self._greeting.set_result(None)
-        for each in again:
-            self._send(each)
+        for open_packet in again:
+            self._send(open_packet)
 
     def _lose(self, reason: LinkError | RefusedError) -> None:
         if not self._greeting.done():

@@ -50,7 +50,9 @@ class Requests:
         if not resumed:
             self._open.clear()
         now = asyncio.get_running_loop().time()
-        return tuple(one.packet(packet_id, now) for packet_id, one in self._open.items() if one.ends_at > now)
+        return tuple(
+            request.packet(packet_id, now) for packet_id, request in self._open.items() if request.ends_at > now
+        )
 
     def expect(self, packet_id: int) -> asyncio.Future[Answer]:
         """Wait for the answer to the request *packet_id*, or a TimeoutError; :meth:`forget` it afterwards."""

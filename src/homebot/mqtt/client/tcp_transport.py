@@ -336,8 +336,8 @@ async def _resolve(options: MqttOptions) -> list[tuple[int, tuple[object, ...]]]
     if version is not None:
         return [(socket.AF_INET if version == 4 else socket.AF_INET6, (options.host, options.port))]
     loop = asyncio.get_running_loop()
-    found = await loop.getaddrinfo(options.host, options.port, type=socket.SOCK_STREAM)
-    return [(family, address) for family, _, _, _, address in found]
+    infos = await loop.getaddrinfo(options.host, options.port, type=socket.SOCK_STREAM)
+    return [(family, address) for family, _, _, _, address in infos]
 
 
 def _load_context(options: MqttOptions) -> ssl.SSLContext:

@@ -88,7 +88,7 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
     if stop > whole_end:
         raise PacketError("the properties are longer than the packet", cursor.body)
     cursor.end = stop  # no property may run past the length that was announced
-    found: dict[str, object] = {}
+    fields: dict[str, object] = {}
     users: list[tuple[str, str]] = []
     identifiers: list[int] = []
     while cursor.position < stop:
@@ -104,14 +104,14 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
             row.check(row.name, value, cursor)
         if number == _SUBSCRIPTION_IDENTIFIER and packet is PacketType.PUBLISH:
             identifiers.append(value)  # type: ignore[arg-type] # the table says varint
-        elif row.name in found:
+        elif row.name in fields:
             raise _not_allowed(f"{row.name} comes twice", cursor)
         else:
-            found[row.name] = (value,) if number == _SUBSCRIPTION_IDENTIFIER else value
+            fields[row.name] = (value,) if number == _SUBSCRIPTION_IDENTIFIER else value
     cursor.end = whole_end
     if identifiers:
-        found["subscription_identifiers"] = tuple(identifiers)
-    return Properties(user_properties=tuple(users), **found)  # type: ignore[arg-type] # the table has the types
+        fields["subscription_identifiers"] = tuple(identifiers)
+    return Properties(user_properties=tuple(users), **fields)  # type: ignore[arg-type] # the table has the types
 
 
 def encode_properties(properties: Properties, packet: PacketType) -> bytes:

@@ -92,7 +92,9 @@ def _decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
 def _encode_subscribe(packet: Subscribe, version: ProtocolVersion) -> bytes:
     if not packet.filters:
         raise UsageError("SUBSCRIBE needs at least one filter")
-    body = b"".join([encode_text(each.filter) + _encode_options(each, version) for each in packet.filters])
+    body = b"".join(
+        [encode_text(subscription.filter) + _encode_options(subscription, version) for subscription in packet.filters]
+    )
     return _close(b"\x82", packet, PacketType.SUBSCRIBE, version, body)
 
 
