@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     _install_modules(Interfaces(texts))
     failed: list[str] = []
     *others, last = options.programs
-    threads = [threading.Thread(target=_run, args=(one, failed), daemon=True) for one in others]
+    threads = [threading.Thread(target=_run, args=(program, failed), daemon=True) for program in others]
     try:
         with rclpy.init():
             for thread in threads:

@@ -240,7 +240,11 @@ def device_settings(settings: Mapping[str, PlainValue], part: Part) -> Mapping[s
 
 def rounding_text(asked: Mapping[str, PlainValue], settings: Mapping[str, PlainValue]) -> str:
     """Return a clause with the numbers of *settings* that are not those *asked*; empty if all are."""
-    rounded = [one for one in settings.items() if one[0] in asked and not is_same(one[0], asked[one[0]], one[1])]
+    rounded = [
+        setting
+        for setting in settings.items()
+        if setting[0] in asked and not is_same(setting[0], asked[setting[0]], setting[1])
+    ]
     done = settings_text(map(Setting.of, *zip(*rounded, strict=True))) if rounded else ""
     return f"{done} is what the device can do" if done else ""
 

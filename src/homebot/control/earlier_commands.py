@@ -62,7 +62,7 @@ def commands_in_doubt(entries: Iterable[JournalEntry]) -> dict[PartRef, list[Ear
                 del commands[command.id]
         elif entry.kind in _REPORTS:
             _end_doubt(commands, [setting.capability for setting in entry.settings])
-    sent = {place: [one for one in commands.values() if one.sent_at] for place, commands in parts.items()}
+    sent = {place: [command for command in commands.values() if command.sent_at] for place, commands in parts.items()}
     return {place: commands for place, commands in sent.items() if commands}
 
 

@@ -109,7 +109,11 @@ class Sending:
             if rehearsal is not None and (assumed := self.rehearse(command, opened.timeline)) is not None:
                 await asyncio.sleep(durations.REHEARSED)
                 self._decided(opened, AlreadySo(command_id=command.id))
-                wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
+                wanted = (
+                    {name: wanted_value.value for name, wanted_value in opened.progress.wanted.items()}
+                    if assumed.succeeded
+                    else {}
+                )
                 reported = {setting.capability: setting.value.plain() for setting in command.public(wanted)}
                 return replace(assumed, reported=reported)
             if command.members:

@@ -90,9 +90,9 @@ class PolicySettings(BaseModel):
             value: object = getattr(self, key)
             if key == "policies":
                 yield from home_policies(self.policies)
-            for one in value if isinstance(value, tuple) else (value,):
-                if isinstance(one, PolicyTable):
-                    yield one
+            for policy in value if isinstance(value, tuple) else (value,):
+                if isinstance(policy, PolicyTable):
+                    yield policy
 
     @property
     def needs_house(self) -> bool:

@@ -121,7 +121,7 @@ class SharedSending:
             if self._recall is not None:
                 own |= {"capability": self._recall.capability, "value": self._recall.value}
             orders = self._orders[0] if self._recall is None else self._orders[0][:1]
-            left: Sequence[Command] = [one.model_copy(update=own) for one in orders]
+            left: Sequence[Command] = [order.model_copy(update=own) for order in orders]
             while left:
                 _, left = await self._sender.send(self.device, self.part, left)
             self._problem = None

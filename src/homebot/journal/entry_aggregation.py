@@ -47,7 +47,7 @@ class EntryAggregation:
 
     def waiting(self) -> list[JournalNote]:
         """Return the entries that are not stored yet."""
-        return [note for one in self._counted.values() for note in _folded(one.newest, one.held_back)]
+        return [note for counted in self._counted.values() for note in _folded(counted.newest, counted.held_back)]
 
     def _passes(self, notes: Sequence[JournalNote]) -> bool:
         """Return whether to store *notes*; if not, they take the place of the command before with the same outcome."""

@@ -85,7 +85,10 @@ class JournalFile(SqliteFile):
             LinkError: It cannot be written now; nothing was written.
             WireError: The file is damaged; nothing was written.
         """
-        rows = [(one.at.to_seconds(), one.device, one.command, _to_json(one)) for one in map(JournalNote.entry, notes)]
+        rows = [
+            (entry.at.to_seconds(), entry.device, entry.command, _to_json(entry))
+            for entry in map(JournalNote.entry, notes)
+        ]
         with self._used("written") as connection, connection:
             connection.executemany("INSERT INTO entries (at, device, command, entry) VALUES (?, ?, ?, ?)", rows)
             _write_learnt(connection, learnt)
@@ -122,9 +125,9 @@ class JournalFile(SqliteFile):
         with self._used("read") as connection:
             rows = connection.execute(query, (*values, limit + 1)).fetchall()
             first = connection.execute("SELECT at FROM entries ORDER BY number LIMIT 1").fetchone()
-        found = [entry for row in reversed(rows[:limit]) if (entry := _entry(*row)) is not None]
+        entries = [entry for row in reversed(rows[:limit]) if (entry := _entry(*row)) is not None]
         begins = Time.from_seconds(first[0]) if first else Time(sec=0, nanosec=0)
-        return ReadJournalResponse(entries=tuple(found), complete=len(rows) <= limit, begins=begins)
+        return ReadJournalResponse(entries=tuple(entries), complete=len(rows) <= limit, begins=begins)
 
 
 def _conditions(request: ReadJournalRequest) -> tuple[str, tuple[object, ...]]:
@@ -146,9 +149,9 @@ def _conditions(request: ReadJournalRequest) -> tuple[str, tuple[object, ...]]:
 
 
 def _write_learnt(connection: sqlite3.Connection, learnt: Sequence[LearntRow]) -> None:
-    gone = [(one.kind, one.name) for one in learnt if not one.record]
+    gone = [(row.kind, row.name) for row in learnt if not row.record]
     connection.executemany("DELETE FROM learnt WHERE kind = ? AND name = ?", gone)
-    rows = [one for one in learnt if one.record]
+    rows = [row for row in learnt if row.record]
     connection.executemany("INSERT OR REPLACE INTO learnt VALUES (?, ?, ?, ?, '')", rows)  # formerly a command's id
 
 

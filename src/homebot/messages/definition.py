@@ -101,11 +101,11 @@ def zero_message(message_type: type[MessageT]) -> MessageT:
 
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
     """Return the distinct message types in *message_type*, at any depth, in order of first use."""
-    found: dict[type[Message], None] = {}
+    types: dict[type[Message], None] = {}
     for field in fields_of(message_type):
         if field.message is not None:
-            found |= dict.fromkeys((field.message, *nested_types(field.message)))
-    return tuple(found)
+            types |= dict.fromkeys((field.message, *nested_types(field.message)))
+    return tuple(types)
 
 
 def definition_text(message_type: type[Message]) -> str:

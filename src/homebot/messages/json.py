@@ -63,8 +63,8 @@ def message_to_pieces(message: Message) -> Iterator[str]:
             text += json.dumps(_value_to_json(value), separators=(",", ":"), allow_nan=False)
             continue
         text += "["
-        for number, one in enumerate(value):
-            text += f"{',' if number else ''}{message_to_text(one)}"
+        for number, item in enumerate(value):
+            text += f"{',' if number else ''}{message_to_text(item)}"
             if number % _PIECE == _PIECE - 1 or len(text) > _LONG:
                 yield text
                 text = ""
@@ -109,7 +109,7 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
         return f"field {first['loc'][0]!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
     path = ".".join(str(part) for part in first["loc"])
     if first["type"] == "missing":
-        unknown = [one["loc"] for one in all_errors if one["type"] == "extra_forbidden"]
+        unknown = [problem["loc"] for problem in all_errors if problem["type"] == "extra_forbidden"]
         instead = f", and field {'.'.join(map(str, unknown[0]))!r} is unknown" if unknown else ""
         return f"field {path!r} is missing{instead}"
     if first["type"] == "extra_forbidden":
@@ -125,7 +125,7 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
 def _holds_bytes(message_type: type[Message]) -> bool:
     """Return whether it contains bytes, for which pydantic uses another base64 alphabet."""
     types = (message_type, *nested_types(message_type))
-    return any(field.is_base64 for one in types for field in fields_of(one))
+    return any(field.is_base64 for nested in types for field in fields_of(nested))
 
 
 def _value_to_json(value: object, *, finite: bool = True) -> JsonValue:

@@ -193,10 +193,10 @@ def read_line(text: str | bytes) -> RecordingLine:
     Raises:
         UsageError: It is not a valid line; the message names the field.
     """
-    found = _parsed(text)
-    if not isinstance(found, dict) or not found.keys() >= {"at", "kind", "message"}:
+    record = _parsed(text)
+    if not isinstance(record, dict) or not record.keys() >= {"at", "kind", "message"}:
         raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message'")
-    at, kind, message = found["at"], found["kind"], found["message"]
+    at, kind, message = record["at"], record["kind"], record["message"]
     if isinstance(at, bool) or not isinstance(at, int | float) or not _EARLIEST <= at <= _MAX_LENGTH_S:
         raise UsageError(f"field 'at': must be a number of seconds within 366 days, got {str(at)[:_SHOWN]!r}")
     message_type = _KINDS.get(kind) if isinstance(kind, str) else None
@@ -223,9 +223,9 @@ def _parsed(text: str | bytes) -> object:
 
 def _check_format(header: object) -> None:
     """Refuse a newer version of the format before reading the rest of the header, which may differ."""
-    found = header.get("format") if isinstance(header, dict) else None
-    if type(found) is int and found > FORMAT:
-        problem = f"is {found}, but this homebot reads up to {FORMAT}: replay it with a newer homebot"
+    version = header.get("format") if isinstance(header, dict) else None
+    if type(version) is int and version > FORMAT:
+        problem = f"is {version}, but this homebot reads up to {FORMAT}: replay it with a newer homebot"
         raise UsageError(f"field 'message.format': {problem}")
 
 

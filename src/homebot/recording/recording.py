@@ -101,8 +101,8 @@ class Recording:
     @property
     def gateways(self) -> tuple[str, ...]:
         """The names of all gateways, sorted."""
-        told = chain(self.before, (event.message for event in self.events))
-        names = {str(getattr(one, "gateway", "")) for one in told} - {""}
+        messages = chain(self.before, (event.message for event in self.events))
+        names = {str(getattr(message, "gateway", "")) for message in messages} - {""}
         names |= {endpoint.gateway for device in self.devices.values() for endpoint in device.endpoints}
         return tuple(sorted(names))
 
@@ -160,7 +160,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
             _add_line(recording, line, number)
     if recording is None:
         raise UsageError(f"{source} is empty, and not a recording")
-    recording.commands = [replace(one, result=results.get(one.command.id)) for one in recording.commands]
+    recording.commands = [replace(command, result=results.get(command.command.id)) for command in recording.commands]
     _sort(recording)
     return recording
 

@@ -23,17 +23,17 @@ _MAX_BYTES: Final = 256 * 1024
 
 def is_secret_name(name: str) -> bool:
     """Return whether the field *name* is named like a secret, such as ``pin`` or ``wifi_password``."""
-    plain = "".join(one if one.isalnum() else "_" for one in name.casefold())
+    plain = "".join(character if character.isalnum() else "_" for character in name.casefold())
     return any(part in _WORDS for part in plain.split("_"))
 
 
 def public_settings(settings: BaseModel) -> dict[str, object]:
     """Return *settings* as JSON values, without secrets."""
-    found: dict[str, object] = settings.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    public: dict[str, object] = settings.model_dump(mode="json", by_alias=True, exclude_unset=True)
     hidden = {
         name for name in settings.model_fields_set if isinstance(getattr(settings, name, None), SecretStr | SecretBytes)
     }
-    return {name: _cleaned(value) for name, value in found.items() if name not in hidden and not is_secret_name(name)}
+    return {name: _cleaned(value) for name, value in public.items() if name not in hidden and not is_secret_name(name)}
 
 
 def without_secrets(payload: bytes) -> bytes:
@@ -46,19 +46,19 @@ def without_secrets(payload: bytes) -> bytes:
     if payload.lstrip()[:1] not in {b"{", b"["}:
         return payload
     try:
-        found = json.loads(payload)
+        content = json.loads(payload)
     except (ValueError, RecursionError):
         return payload
-    cleaned = _cleaned(found)
-    return payload if cleaned == found else json.dumps(cleaned, separators=(",", ":")).encode()
+    cleaned = _cleaned(content)
+    return payload if cleaned == content else json.dumps(cleaned, separators=(",", ":")).encode()
 
 
 def _cleaned(value: object) -> object:
     match value:
         case dict():
-            return {name: HIDDEN if is_secret_name(str(name)) else _cleaned(one) for name, one in value.items()}
+            return {name: HIDDEN if is_secret_name(str(name)) else _cleaned(item) for name, item in value.items()}
         case list():
-            return [_cleaned(one) for one in value]
+            return [_cleaned(item) for item in value]
         case str():
             return _LOGIN.sub(HIDDEN, value)
     return value

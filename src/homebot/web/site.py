@@ -68,7 +68,7 @@ def answer(
     if name == _INDEX or (name or _INDEX) not in _names():
         return None
     name = name or _INDEX
-    is_packed = "gzip" in [one.strip() for one in encodings.split(",")] and not name.endswith(".png")
+    is_packed = "gzip" in [encoding.strip() for encoding in encodings.split(",")] and not name.endswith(".png")
     own, body = _file(name, is_packed=is_packed)
     headers = {**_HEADERS, "ETag": own, **({"Content-Encoding": "gzip"} if is_packed else {})}
     if etag == own:
@@ -110,9 +110,11 @@ def _vocabulary() -> bytes:
     known = CAPABILITIES.items()
     return json.dumps(
         {
-            "units": {name: one.unit for name, one in known if one.unit},
-            "flags": {name: flag_texts(name) for name, one in known if one.kind == "bool"},
-            "passing": {name: sorted(one.only_reported) for name, one in known if one.only_reported},
-            "failures": [kind for kind, one in OUTCOMES.items() if one.is_failure],
+            "units": {name: capability.unit for name, capability in known if capability.unit},
+            "flags": {name: flag_texts(name) for name, capability in known if capability.kind == "bool"},
+            "passing": {
+                name: sorted(capability.only_reported) for name, capability in known if capability.only_reported
+            },
+            "failures": [kind for kind, outcome in OUTCOMES.items() if outcome.is_failure],
         }
     ).encode()

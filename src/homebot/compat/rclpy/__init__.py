@@ -124,7 +124,7 @@ vars(qos).update(
     qos_profile_system_default=graph_qos.qos_profile_default,
 )
 _PRESETS = {
-    name.removeprefix("qos_profile_").upper(): one for name, one in vars(qos).items() if name.startswith("qos_")
+    name.removeprefix("qos_profile_").upper(): profile for name, profile in vars(qos).items() if name.startswith("qos_")
 }
 vars(qos).update(QoSPresetProfiles=Enum("QoSPresetProfiles", _PRESETS))
 _THREAD = threading.local()
@@ -226,9 +226,9 @@ class RclpyNode(Remote):
         name, namespace = names.pop("__node", node_name), names.pop("__ns", namespace or "/")
         super().__init__(CONTEXT.add_node(name, namespace, names, executor), executor)
         self._logger = get_logger(self.graph_object.full_name)
-        self._overrides = {one.name: one.value for one in parameter_overrides or ()} | values
-        for one in self._overrides if automatically_declare_parameters_from_overrides else ():
-            self.declare_parameter(one)
+        self._overrides = {given.name: given.value for given in parameter_overrides or ()} | values
+        for declared in self._overrides if automatically_declare_parameters_from_overrides else ():
+            self.declare_parameter(declared)
 
     def get_logger(self) -> get_logger:
         """Return the logger of the node."""
@@ -286,8 +286,8 @@ class RclpyNode(Remote):
         self, msg_type: Any, topic: str, callback: Callable[[Any], object], *qos: Any, raw: bool = False, **more: Any
     ) -> Any:
         """Call *callback* with each message on *topic*; with *raw*, with its bytes in CDR."""
-        told = (lambda message: callback(serialize_message(message))) if raw else callback
-        return self.invoke(self.graph_object.create_subscription, msg_type, topic, told, *qos, **more)
+        handler = (lambda message: callback(serialize_message(message))) if raw else callback
+        return self.invoke(self.graph_object.create_subscription, msg_type, topic, handler, *qos, **more)
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], object], **_: object) -> Any:
         """Serve *srv_name*: *callback* takes a request and an empty response, and returns the response."""
@@ -325,8 +325,10 @@ class RclpyNode(Remote):
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, RclpyParameter]:
         """Return the parameters below *prefix*, by the rest of their names."""
         names = self.graph_object.parameters.names()
-        found = {one.removeprefix(f"{prefix}."): one for one in names if not prefix or one.startswith(f"{prefix}.")}
-        return {rest: self.get_parameter(name) for rest, name in found.items()}
+        by_rest = {
+            name.removeprefix(f"{prefix}."): name for name in names if not prefix or name.startswith(f"{prefix}.")
+        }
+        return {rest: self.get_parameter(name) for rest, name in by_rest.items()}
 
     def has_parameter(self, name: str) -> bool:
         """Return whether a parameter is declared."""
@@ -347,11 +349,11 @@ class RclpyNode(Remote):
     def set_parameters(self, parameter_list: Sequence[RclpyParameter]) -> list[Any]:
         """Set each parameter; return a ``rcl_interfaces/msg/SetParametersResult`` for each."""
         known = self.graph_object.parameters
-        return [to_program(CONTEXT.call(set_parameters, known, (one.to_message(),))) for one in parameter_list]
+        return [to_program(CONTEXT.call(set_parameters, known, (given.to_message(),))) for given in parameter_list]
 
     def set_parameters_atomically(self, parameter_list: Sequence[RclpyParameter]) -> Any:
         """Set all parameters or none; return a ``rcl_interfaces/msg/SetParametersResult``."""
-        messages = tuple(one.to_message() for one in parameter_list)
+        messages = tuple(given.to_message() for given in parameter_list)
         return to_program(CONTEXT.call(set_parameters, self.graph_object.parameters, messages))
 
     def add_on_set_parameters_callback(self, callback: Callable[[list[RclpyParameter]], Any]) -> None:
@@ -368,7 +370,7 @@ class RclpyNode(Remote):
         known = self.graph_object.parameters
         before = known.prepare
         known.prepare = lambda values: {
-            one.name: value_of(one.to_message().value) for one in callback(_parameters(before(values)))
+            given.name: value_of(given.to_message().value) for given in callback(_parameters(before(values)))
         }
 
     def add_post_set_parameters_callback(self, callback: Callable[[list[RclpyParameter]], object]) -> None:

@@ -110,7 +110,7 @@ class StaticTransformBroadcaster(TransformBroadcaster):
 
     def sendTransform(self, transform: Any) -> None:  # noqa: N802 - tf2's name
         """Add one or several transforms, and publish all."""
-        self._sent |= {one.child_frame_id: one for one in _several(transform)}
+        self._sent |= {single.child_frame_id: single for single in _several(transform)}
         super().sendTransform(list(self._sent.values()))
 
 

@@ -108,20 +108,20 @@ class Fights:
     def recent(self, now: float, device: str = "") -> tuple[DeviceFight, ...]:
         """Return the fights of the last hour over *device*, or over all."""
         return tuple(
-            _message(place, one)
-            for place, one in self._fights.items()
-            if device in {"", place[0]} and abs(now - one.last[-1].at) <= _SHOWN_S
+            _message(place, fight)
+            for place, fight in self._fights.items()
+            if device in {"", place[0]} and abs(now - fight.last[-1].at) <= _SHOWN_S
         )
 
 
 def _message(place: PartRef, fight: _Fight) -> DeviceFight:
     device, part = place
-    one, other = (
+    first, other = (
         f"{turn.issuer.removeprefix('/')} ({settings_text(map(Setting.of, turn.values, turn.values.values()))})"
         for turn in fight.last[:2]
     )
     newest = fight.last[-1].at
-    text = f"{one} and {other} fight over {fight.last[0].label}"
+    text = f"{first} and {other} fight over {fight.last[0].label}"
     return DeviceFight(
         device=device,
         part=part,

@@ -177,10 +177,10 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
             return f"nobody is in {room}"
         case "unknown":
             return f"it is unknown whether anybody is in {room}: {_doubt(used, facts)}"
-    (one,) = used
-    if one.value is True:
-        return f"somebody is in {room}: {_shown(one)} is on"
-    return f"somebody was in {room} {facts.age(one.since):.0f} s ago: {_shown(one)}"
+    (fact,) = used
+    if fact.value is True:
+        return f"somebody is in {room}: {_shown(fact)} is on"
+    return f"somebody was in {room} {facts.age(fact.since):.0f} s ago: {_shown(fact)}"
 
 
 def _shown(used: FactUsed) -> str:

@@ -169,7 +169,9 @@ def learn_failure(progress: CommandProgress, outcome: Outcome, profile: DevicePr
     was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
     if was_sent and progress.over_at == math.inf and progress.wanted:  # else it will not answer
         last, wanted = progress.last, progress.wanted.items()  # if it keeps reporting its old state, it will not either
-        progress.learns_late = not all(name in last and fits(name, one.value, last[name]) for name, one in wanted)
+        progress.learns_late = not all(
+            name in last and fits(name, wanted_value.value, last[name]) for name, wanted_value in wanted
+        )
     was_told_once = profile.is_told_once
     if isinstance(outcome, NoAnswer) or was_told_once or progress.order.is_told_once:
         is_silent = isinstance(outcome, NoAnswer) and progress.transmission.count > 1 and progress.order.has_ramp

@@ -228,7 +228,7 @@ class DeviceProfile:
         if isinstance(value, tuple) or value is None:
             return 0
         known = records.get(capability, [])
-        times = [lasted for one, lasted in known if one == value][-newest:]
+        times = [lasted for known_value, lasted in known if known_value == value][-newest:]
         records[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
         same = [seconds, *(time for time in times if abs(time - seconds) <= slack)]
         return max(sum(0.0 <= time - begin <= slack for time in same) for begin in same if begin <= seconds) - 1

@@ -220,13 +220,21 @@ class CommandProgress:
     @property
     def others(self) -> dict[str, PlainValue]:
         """The reported values that differ from the wanted ones."""
-        return {name: one.seen for name, one in self.wanted.items() if one.met_at is None and one.seen is not NOTHING}
+        return {
+            name: wanted_value.seen
+            for name, wanted_value in self.wanted.items()
+            if wanted_value.met_at is None and wanted_value.seen is not NOTHING
+        }
 
     @property
     def reported(self) -> dict[str, PlainValue]:
         """The reported values that match the wanted ones."""
         wanted = self.wanted.items()
-        return {name: one.seen for name, one in wanted if one.met_at is not None and one.seen is not NOTHING}
+        return {
+            name: wanted_value.seen
+            for name, wanted_value in wanted
+            if wanted_value.met_at is not None and wanted_value.seen is not NOTHING
+        }
 
     def is_stale(self, capability: str) -> bool:
         """Return whether a value is from before the last sending, or an intermediate one."""

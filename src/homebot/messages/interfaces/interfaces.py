@@ -33,7 +33,9 @@ _HOME: Final = "homebot.messages"
 _PACKAGES: Final = (
     "action_msgs builtin_interfaces geometry_msgs rcl_interfaces std_msgs std_srvs tf2_msgs unique_identifier_msgs"
 )
-_CLASSES: Final = {one: f"{_HOME}.{one}" for one in _PACKAGES.split()} | {"diagnostic_msgs": f"{_HOME}.key_value"}
+_CLASSES: Final = {package: f"{_HOME}.{package}" for package in _PACKAGES.split()} | {
+    "diagnostic_msgs": f"{_HOME}.key_value"
+}
 """The modules with classes of packages that homebot itself uses, which take precedence over text definitions."""
 
 _MAX_DEFINED: Final = 200
@@ -98,18 +100,18 @@ class Interfaces:
             UnknownTypeError: There is no such message; the error suggests similar names.
             UsageError: Its definition is invalid.
         """
-        found: type[Message] = self._find(ros_type, "msg")
-        return found
+        message_type: type[Message] = self._find(ros_type, "msg")
+        return message_type
 
     def find_service(self, ros_type: str) -> ServiceType[Any, Any]:
         """Return the service called *ros_type*, as :meth:`find_message` does."""
-        found: ServiceType[Any, Any] = self._find(ros_type, "srv")
-        return found
+        service_type: ServiceType[Any, Any] = self._find(ros_type, "srv")
+        return service_type
 
     def find_action(self, ros_type: str) -> ActionType[Any, Any, Any]:
         """Return the action called *ros_type*, as :meth:`find_message` does."""
-        found: ActionType[Any, Any, Any] = self._find(ros_type, "action")
-        return found
+        action_type: ActionType[Any, Any, Any] = self._find(ros_type, "action")
+        return action_type
 
     def names(self, package: str = "") -> tuple[str, ...]:
         """Return the known interfaces as ``package/kind/Name``, sorted; only those of *package* if it is given."""
@@ -204,7 +206,7 @@ class Interfaces:
         known = [[field.declaration for field in fields_of(message)] for message in messages_in(self._resolve(key))]
         given = [[field.declaration for field in message.fields.values()] for message in parsed]
         if known != given:
-            fields = " --- ".join(", ".join(one) for one in known)
+            fields = " --- ".join(", ".join(names) for names in known)
             raise UsageError(f"{key} is known with other fields ({fields}); give the type another name")
 
 
@@ -246,8 +248,12 @@ def _classes_in(modules: tuple[str, ...]) -> Mapping[str, Interface]:
     """Return the interfaces that *modules* export by a list, or else have, by name; no messages of services."""
     names = [vars(import_module(module)) for module in modules]
     exported = (defined[name] for defined in names for name in defined.get("__all__", defined))
-    known = (one for one in exported if hasattr(one, "ros_type"))
-    return {one.ros_type: one for one in known if interface_key(one.ros_type, one.ros_type.split("/")[1])}
+    known = (interface for interface in exported if hasattr(interface, "ros_type"))
+    return {
+        interface.ros_type: interface
+        for interface in known
+        if interface_key(interface.ros_type, interface.ros_type.split("/")[1])
+    }
 
 
 @lru_cache
