@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from inspect import isawaitable
-from typing import Any, Generic, NoReturn, TypeVar
+from typing import Any, Generic, TypeVar
 from weakref import WeakSet
 
 import anyio
@@ -97,7 +97,9 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             self._check_open()
             raise ServiceUnavailableError(self.info.name)
         if type(request) is not self._request_type:
-            self._reject(request)
+            raise TypeMismatchError(
+                f"{self.info.name} takes a {self._request_type.__name__}, got a {type(request).__name__}"
+            )
         if server.room < 1:
             timeout = await self._wait_in_line(server, timeout)
         try:
@@ -106,13 +108,28 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             server.call_next()
             raise server.failed(exc) from exc
         if type(outcome) is not self._answer_type and isawaitable(outcome):
-            is_bound = cancel_with_caller or server.cancel_with_caller
-            outcome = await self._outcome_of(HandlerRun(server, outcome), timeout, is_bound=is_bound)
+            run, is_bound = HandlerRun(server, outcome), cancel_with_caller or server.cancel_with_caller
+            is_bound = is_bound or not server.start(run.serve)  # or the serving node does not run
+            limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout), cancels=is_bound))
+            try:
+                if is_bound:
+                    await run.serve(is_callers_task=True)
+                outcome = await run.outcome
+            except BaseException:
+                run.abandon()
+                raise
+            finally:
+                self._limits.discard(limit)
+                if not run.ended.is_set():
+                    self._left_at_work.add(run)
         elif server.line:
             server.call_next()  # an immediate answer takes no room
         if isinstance(outcome, self._answer_type):
             return outcome
-        raise _no_response(self.info.name, outcome)
+        if isinstance(outcome, ServiceError):
+            raise outcome
+        problem = f"the server returned {outcome!r}, which is not its response type"
+        raise ServiceFailedError(self.info.name, problem)
 
     def send(self, request: RequestT) -> None:
         """Start a call without waiting: its outcome is dropped, and so is the request if there is no server."""
@@ -150,41 +167,10 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             return deadline - anyio.current_time()
         raise ServiceTimeoutError(self.info.name, timeout)
 
-    async def _outcome_of(self, run: HandlerRun, timeout: float, *, is_bound: bool) -> object:  # noqa: ASYNC109
-        """Return the response of the handler, or the ServiceError that ended the call.
-
-        Args:
-            is_bound: Whether the handler ends with this call, as it also does if the serving node does not run.
-        """
-        is_bound = is_bound or not run.server.start(run.serve)
-        limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout), cancels=is_bound))
-        try:
-            if is_bound:
-                await run.serve(is_callers_task=True)
-            return await run.outcome
-        except BaseException:
-            run.abandon()
-            raise
-        finally:
-            self._limits.discard(limit)
-            if not run.ended.is_set():
-                self._left_at_work.add(run)
-
     def _time_error(self, run: HandlerRun, timeout: float) -> ServiceError:
         name = self.info.name
         return ServiceGoneError(name) if run.server.is_closed else ServiceTimeoutError(name, timeout)
 
-    def _reject(self, request: object) -> NoReturn:
-        raise TypeMismatchError(
-            f"{self.info.name} takes a {self._request_type.__name__}, got a {type(request).__name__}"
-        )
-
     def _check_open(self) -> None:
         if self.is_closed:
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
-
-
-def _no_response(service: str, outcome: object) -> ServiceError:
-    if isinstance(outcome, ServiceError):
-        return outcome
-    return ServiceFailedError(service, f"the server returned {outcome!r}, which is not its response type")
