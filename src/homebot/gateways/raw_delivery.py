@@ -113,7 +113,14 @@ class RawDelivery:
                     with anyio.move_on_after(FULL_INBOX_WAIT):
                         await publisher.send(message)
                         continue
-                    self._stop_waiting_for(publisher.topic_name)
+                    self._no_wait_until[publisher.topic_name] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY
+                    if self._limit.allows(publisher.topic_name) is not None:
+                        self._node.log.warning(
+                            SLOW_LISTENER,
+                            message=f"{publisher.topic_name} is full and not being read: "
+                            "its oldest messages are dropped",
+                            topic=publisher.topic_name,
+                        )
                 publisher.publish(message)
             except ClosedError:
                 continue  # the listener left while this waited for another
@@ -159,15 +166,6 @@ class RawDelivery:
             if not self.by_address[address]:
                 del self.by_address[address]
                 self._delivered.pop(address, None)
-
-    def _stop_waiting_for(self, topic: str) -> None:
-        self._no_wait_until[topic] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY
-        if self._limit.allows(topic) is not None:
-            self._node.log.warning(
-                SLOW_LISTENER,
-                message=f"{topic} is full and not being read: its oldest messages are dropped",
-                topic=topic,
-            )
 
     def _mirror_topic(self, key: str, name: str) -> str:
         """Return the device's name alone, unless a device of another key has it already."""

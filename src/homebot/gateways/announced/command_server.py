@@ -129,7 +129,12 @@ class CommandServer:
         try:
             async with limit:  # so that nothing happens late, for example after a radio has connected
                 if self._out.mailbox.queue or self._out.unbegun:
-                    await self._wait_for_raw()
+                    # every raw command queued so far begins to be sent first
+                    mailbox = self._out.mailbox
+                    for _ in range(len(mailbox.queue)):  # each change takes out at least one
+                        if mailbox.queue:
+                            await mailbox.wait_for_change()
+                    await anyio.lowlevel.checkpoint()  # their tasks begin
                 if command.approved:
                     self._check_approved(command)
                 along = await self._perform(command)
@@ -241,14 +246,6 @@ class CommandServer:
         if command.approved:
             self._check_approved(command)
         await self._perform(command)
-
-    async def _wait_for_raw(self) -> None:
-        """Wait until every raw command queued so far has begun to be sent."""
-        mailbox = self._out.mailbox
-        for _ in range(len(mailbox.queue)):  # each change takes out at least one
-            if mailbox.queue:
-                await mailbox.wait_for_change()
-        await anyio.lowlevel.checkpoint()  # their tasks begin
 
     def _device_of(self, key: str) -> tuple[str, str]:
         """Return key and name; after a restart of the gateway, listeners ask before the device is found again."""

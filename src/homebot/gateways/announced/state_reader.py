@@ -358,16 +358,13 @@ class StateReader:
         else:
             reporter.publish_report(stored, readings, address, retained=retained, set_by=set_by)
         if not retained and False in stored.reachable.values():
-            self._doubt(stored, {"", *(reading.part for reading in readings)}, address)
-
-    def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
-        """Forget each retained "offline" that a message of *parts* disproves."""
-        for part in parts:
-            if stored.reachable.get(part) is False and (shared := stored.reachability.get(part)) is not None:
-                shared.discard_retained_offline()
-                shared.address = address
-                for member, its_part in tuple(shared.members):
-                    self._report_reachable(member, its_part, shared, retained=False)
+            # each retained "offline" that the message disproves is forgotten
+            for part in {"", *(reading.part for reading in readings)}:
+                if stored.reachable.get(part) is False and (shared := stored.reachability.get(part)) is not None:
+                    shared.discard_retained_offline()
+                    shared.address = address
+                    for member, its_part in tuple(shared.members):
+                        self._report_reachable(member, its_part, shared, retained=False)
 
     def _report_reachable(
         self, stored: StoredAnnouncement, part: str, shared: SharedReachability, *, retained: bool

@@ -155,7 +155,13 @@ class Connections:
         self._slots.prefer(key)
         try:
             if self._slots.is_full_for(key):
-                await self._close_least_used()
+                idle = [kept for kept in self._kept.values() if kept.link is not None and not kept.commands.locked()]
+                if idle:
+                    least = min(idle, key=lambda kept: kept.used_at)
+                    least.preempted = True
+                    if least.link is not None:
+                        await least.link.close()
+                    least.on_closed()  # some backends do not report a disconnection that was asked for
             kept.wake.set()
             with anyio.move_on_after(COMMAND_WITHIN):
                 while kept.link is None and key in self._kept:
@@ -165,15 +171,6 @@ class Connections:
         if kept.link is None:
             raise LinkError(f"{key} cannot be reached: no connection was made within {COMMAND_WITHIN:g} seconds")
         return kept.link
-
-    async def _close_least_used(self) -> None:
-        idle = [kept for kept in self._kept.values() if kept.link is not None and not kept.commands.locked()]
-        if idle:
-            least = min(idle, key=lambda kept: kept.used_at)
-            least.preempted = True
-            if least.link is not None:
-                await least.link.close()
-            least.on_closed()  # some backends do not report a disconnection that was asked for
 
     async def _run(self, kept: _ManagedDevice) -> None:
         """Connect whenever there is a slot, until cancelled."""
@@ -259,7 +256,9 @@ class Connections:
         is_polled = bool(kept.profile.report) and not link.has(kept.profile.reported_by, "notify", "indicate")
         opened = self._clock.monotonic()
         while link.is_open:
-            if self._should_yield(kept, opened):
+            now = self._clock.monotonic()
+            is_in_use = kept.commands.locked() or now - kept.used_at < IN_USE
+            if self._slots.is_wanted and not is_in_use and now - opened >= TURN:
                 kept.preempted = True
                 return
             received: tuple[str, bytes] | None = None
@@ -274,11 +273,6 @@ class Connections:
                 await self._report_battery(kept.device.key, received[1])
             elif received is not None:
                 await self._report(kept, received[1])
-
-    def _should_yield(self, kept: _ManagedDevice, opened: float) -> bool:
-        now = self._clock.monotonic()
-        is_in_use = kept.commands.locked() or now - kept.used_at < IN_USE
-        return self._slots.is_wanted and not is_in_use and now - opened >= TURN
 
     async def _report_battery(self, key: str, data: bytes) -> None:
         if len(data) != 1 or data[0] > _FULL:

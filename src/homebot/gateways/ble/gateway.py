@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,7 +11,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.bluetooth.beacons import BeaconParser
-from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
@@ -187,7 +186,10 @@ class BleGateway(Gateway):
         if device.profile is not None and self._connections is not None:
             self._connections.connect(device, is_back=is_back)
         if values:
-            await self._report(key, advertisement, values)
+            for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
+                await self.devices.deliver_raw(key, data)
+            for value in values:
+                await self.devices.report(key, {value.capability: value.value}, value.part)
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
             await self._report_signal(device, now)
 
@@ -200,12 +202,6 @@ class BleGateway(Gateway):
         if device is not None and self._keys.get(device.address) == key:
             del self._keys[device.address]  # a beacon may have another address now
         return device
-
-    async def _report(self, key: str, advertisement: Advertisement, values: Iterable[BroadcastValue]) -> None:
-        for data in (*advertisement.service_data.values(), *advertisement.manufacturer_data.values()):
-            await self.devices.deliver_raw(key, data)
-        for value in values:
-            await self.devices.report(key, {value.capability: value.value}, value.part)
 
     async def _report_signal(self, device: KnownDevice, now: float) -> None:
         device.reported_at = now

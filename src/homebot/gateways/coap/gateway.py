@@ -25,7 +25,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.coap.directory_client import DirectoryClient
 from homebot.gateways.coap.session import EndpointSession
-from homebot.gateways.coap.settings import CoapCredentials, CoapGatewaySettings
+from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.graph import Node
 from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
@@ -75,7 +75,13 @@ class CoapGateway(Gateway):
         check_extra('the gateway "coap"', "coap", "aiocoap", "cbor2", "filelock")
         assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - given by the runtime
         for credential in settings.credentials:
-            _check_credentials(credential)
+            for name in ("settings.json", "secret.json") if credential.oscore else ():
+                if not (Path(credential.oscore) / name).is_file():
+                    raise UsageError(
+                        f"credentials for {credential.uri}: {credential.oscore} has no {name} of an OSCORE context"
+                    )
+            if credential.identity:
+                check_extra(f"the DTLS key for {credential.uri}", "coap,dtls", "DTLSSocket")
         if not (settings.devices or settings.resource_directory or settings.interfaces):
             raise UsageError("the gateway finds no device: set devices, resource_directory or interfaces")
 
@@ -202,7 +208,15 @@ class CoapGateway(Gateway):
             self._forget(known)
         elif not self._may_begin(endpoint):
             return
-        self._begin(endpoint)
+        assert self._client is not None  # noqa: S101 - found while it serves
+        assert self._tasks is not None  # noqa: S101 - likewise
+        of_host = next(
+            (session.of_host for session in self._at_host_of(endpoint)), anyio.CapacityLimiter(DESCRIBED_PER_HOST)
+        )
+        describing, poll_every = (of_host, self._describing), self._settings.poll_every
+        session = self._session_of(endpoint, self._client, self.devices, poll_every=poll_every, describing=describing)
+        self._sessions[endpoint.key] = session
+        self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session))
 
     def _may_begin(self, endpoint: CoapEndpoint) -> bool:
         """Return whether a new endpoint is worked with.
@@ -228,17 +242,6 @@ class CoapGateway(Gateway):
             session.stop()
             del self._sessions[session.key]
 
-    def _begin(self, endpoint: CoapEndpoint) -> None:
-        assert self._client is not None  # noqa: S101 - found while it serves
-        assert self._tasks is not None  # noqa: S101 - likewise
-        of_host = next(
-            (session.of_host for session in self._at_host_of(endpoint)), anyio.CapacityLimiter(DESCRIBED_PER_HOST)
-        )
-        describing, poll_every = (of_host, self._describing), self._settings.poll_every
-        session = self._session_of(endpoint, self._client, self.devices, poll_every=poll_every, describing=describing)
-        self._sessions[endpoint.key] = session
-        self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session))
-
     async def _run(self, session: EndpointSession) -> None:
         await session.run()
         self._forget(session)
@@ -257,11 +260,3 @@ class CoapGateway(Gateway):
                 await session.perform(command)
                 return
         raise UnableError(f"{command.key[:100]} is not known at any endpoint")
-
-
-def _check_credentials(login: CoapCredentials) -> None:
-    for name in ("settings.json", "secret.json") if login.oscore else ():
-        if not (Path(login.oscore) / name).is_file():
-            raise UsageError(f"credentials for {login.uri}: {login.oscore} has no {name} of an OSCORE context")
-    if login.identity:
-        check_extra(f"the DTLS key for {login.uri}", "coap,dtls", "DTLSSocket")

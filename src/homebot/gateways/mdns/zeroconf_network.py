@@ -132,7 +132,10 @@ class MdnsNetwork(ServiceNetwork):
             yield network
         finally:
             with anyio.CancelScope(shield=True), anyio.move_on_after(_CLOSING):
-                await network._close()
+                for browser in network._browsers.values():
+                    await browser.async_cancel()
+                network._browsers.clear()
+                await network._zeroconf.async_close()
 
     async def change_interfaces(self, interfaces: Interfaces) -> None:
         """Use other interfaces from now on, also for announced services."""
@@ -258,7 +261,13 @@ class MdnsNetwork(ServiceNetwork):
 
     def _resolved(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
         ttl, left = self._time_to_live(name)
-        self._drop_old_addresses(info.server or "")
+        # the library keeps 10,000 records, of any hosts
+        cache = self._zeroconf.zeroconf.cache
+        kept = [record for record in cache.async_entries_with_name(info.server or "") if record.type in _ADDRESS_TYPES]
+        if len(kept) > MAX_ADDRESSES:
+            old = sorted(kept, key=lambda record: record.created)[:-MAX_ADDRESSES]
+            cache.async_remove_records(old)
+            self._counters.addresses_refused += len(old)
         newest = info.parsed_scoped_addresses()[:MAX_ADDRESSES]
         with_loopback = any(is_loopback(address) for address in _addresses(self._interfaces))
         addresses = usable_addresses(newest, with_loopback=with_loopback)
@@ -275,15 +284,6 @@ class MdnsNetwork(ServiceNetwork):
         problem = record.problem or ("" if addresses else "it has no address that can be connected to")
         return ResolvedService(service, ttl, left, problem, info.text)
 
-    def _drop_old_addresses(self, host: str) -> None:
-        """Keep the newest :data:`MAX_ADDRESSES` of a host: the library keeps 10,000 records, of any hosts."""
-        cache = self._zeroconf.zeroconf.cache
-        kept = [record for record in cache.async_entries_with_name(host) if record.type in _ADDRESS_TYPES]
-        if len(kept) > MAX_ADDRESSES:
-            old = sorted(kept, key=lambda record: record.created)[:-MAX_ADDRESSES]
-            cache.async_remove_records(old)
-            self._counters.addresses_refused += len(old)
-
     def _time_to_live(self, name: str) -> tuple[float, float]:
         """Return the time to live of the SRV record of a service, and the seconds that are left of it."""
         now = current_time_millis()
@@ -293,12 +293,6 @@ class MdnsNetwork(ServiceNetwork):
             return UNKNOWN_TTL, UNKNOWN_TTL
         newest = max(records, key=lambda record: record.get_remaining_ttl(now))
         return min(float(newest.ttl), MAX_TTL), min(float(newest.get_remaining_ttl(now)), MAX_TTL)
-
-    async def _close(self) -> None:
-        for browser in self._browsers.values():
-            await browser.async_cancel()
-        self._browsers.clear()
-        await self._zeroconf.async_close()
 
 
 @contextmanager

@@ -148,17 +148,14 @@ class ActingLease:
             await self._doubt.wait()
             self._doubt = anyio.Event()
             while not self._is_sure and (state := self._connection.state).phase is LinkPhase.CONNECTED:
-                await self._ask(state)
+                self._is_candidate = True
+                await self._say("ask")
+                await anyio.sleep(ANSWER_WITHIN)
+                if self._is_candidate and self._connection.state is state:
+                    self._resume()
+                    self._sure_of = state
+                self._is_candidate = False
                 await anyio.sleep(ASK_EVERY)
-
-    async def _ask(self, state: ConnectionState) -> None:
-        self._is_candidate = True
-        await self._say("ask")
-        await anyio.sleep(ANSWER_WITHIN)
-        if self._is_candidate and self._connection.state is state:
-            self._resume()
-            self._sure_of = state
-        self._is_candidate = False
 
     async def _answer_others(self) -> None:
         while True:

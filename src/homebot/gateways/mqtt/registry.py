@@ -7,7 +7,7 @@ from itertools import islice
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
-from homebot.conventions.description import Availability, TextEndpoint
+from homebot.conventions.description import Availability
 from homebot.conventions.text_codec import TextCodec
 from homebot.devices.part import CommandDescription
 from homebot.errors import WireError
@@ -231,7 +231,12 @@ class AnnouncementRegistry(DeviceRegistry):
         for part in stored.parts.values():
             self._forget_routes(*self.commands.add(part))
         if stored.described.text is not None:
-            self._register_text(stored, stored.described.text)
+            text = stored.described.text  # the filters of its convention already cover its messages
+            for announced_part in stored.parts.values():
+                self._texts[text.address] = announced_part
+                if isinstance(announced_part.described.codec, TextCodec):
+                    self.codecs[text.command_address] = announced_part.described.codec
+            self._forget_routes(text.address)
         return tuple(refused), tuple(replayed)
 
     def _shared_reachability(
@@ -281,14 +286,6 @@ class AnnouncementRegistry(DeviceRegistry):
         self._topics.leave(topic_filter)
         self._readers.remove(topic_filter, reader)
         self._forget_routes(topic_filter)
-
-    def _register_text(self, stored: StoredAnnouncement, text: TextEndpoint) -> None:
-        """Register a text device; the filters of its convention already cover its messages."""
-        for announced_part in stored.parts.values():
-            self._texts[text.address] = announced_part
-            if isinstance(announced_part.described.codec, TextCodec):
-                self.codecs[text.command_address] = announced_part.described.codec
-        self._forget_routes(text.address)
 
     def _leave(self, stored: StoredAnnouncement) -> None:
         for part in stored.parts.values():
