@@ -226,16 +226,6 @@ class Directory:
             event, message=message + more_like_this(held_back), gateway=gateway, devices=count, held_back=held_back
         )
 
-    def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
-        """Log that *gateway* published in the name of another; its message is ignored."""
-        if self._limit.allows(FOREIGN) is not None:
-            self._node.log.warning(
-                FOREIGN,
-                message=f"gateway {gateway} published {message.key[:100]!r} in the name of {message.gateway[:100]!r}; "
-                "a gateway may publish only its own devices",
-                gateway=gateway,
-            )
-
     def _ingest(
         self,
         gateway: str,
@@ -254,9 +244,21 @@ class Directory:
                     heard_at = message.heard_at
                     ingest(message, heard_at if heard_at and heard_at < now else now)
                     if counters.rejected > self._rejected:
-                        self._log_rejected(message.key)
+                        self._rejected = self.index.counters.rejected
+                        if self._limit.allows(REJECTED) is not None:
+                            self._node.log.warning(
+                                REJECTED,
+                                message=f"{message.key} was not added: the index is full",
+                                rejected=self._rejected,
+                            )
                 else:
-                    self._reject_foreign(gateway, message)
+                    if self._limit.allows(FOREIGN) is not None:
+                        self._node.log.warning(
+                            FOREIGN,
+                            message=f"gateway {gateway} published {message.key[:100]!r} in the name of "
+                            f"{message.gateway[:100]!r}; a gateway may publish only its own devices",
+                            gateway=gateway,
+                        )
                 if (now := monotonic()) >= until:
                     break
         finally:
@@ -275,8 +277,3 @@ class Directory:
                 while self._publisher.publish_some(MAX_CHANGES_PER_TURN):
                     await anyio.lowlevel.checkpoint()
                 await anyio.lowlevel.checkpoint()
-
-    def _log_rejected(self, key: str) -> None:
-        self._rejected = self.index.counters.rejected
-        if self._limit.allows(REJECTED) is not None:
-            self._node.log.warning(REJECTED, message=f"{key} was not added: the index is full", rejected=self._rejected)

@@ -178,16 +178,13 @@ class OwnerFacts:
             self.check_room(sum(name not in self._by_name for name in own))
         for statement in self._statements((*own, *_names(device_id, sources))):
             gone = [key for key in statement.announcements() if key not in present]
-            self._withdraw(statement, (*own, *gone))
+            names = (*own, *gone)
+            self._leave(statement, names)
+            if not statement.announcements():  # or a device that shares a hardware address would get it too
+                self._leave(statement, tuple(statement.names))
         if stated.facts:
             self._put(stated)
         self.is_unsaved = True
-
-    def _withdraw(self, statement: _Statement, names: Iterable[_Name]) -> None:
-        """Remove *names* from a statement; without an announcement left it is dropped."""
-        self._leave(statement, names)
-        if not statement.announcements():  # or a device that shares a hardware address would get it too
-            self._leave(statement, tuple(statement.names))
 
     def _leave(self, statement: _Statement, names: Iterable[_Name]) -> None:
         for name in names:
@@ -307,16 +304,13 @@ class OwnerFacts:
                 self._put(_Statement(statement.facts, {**own, device_id: None}))
                 self.is_unsaved = True
         for source in sources:
-            self._adopt_by_name(source.key, tuple(_names(device_id, (source,))))
-
-    def _adopt_by_name(self, key: SourceKey, names: Iterable[str]) -> None:
-        """Copy the statements about one of the *names* of its device to the announcement *key*."""
-        configured = next((name for name in names if name in self._configured), "")
-        if configured and self._known_as.get(key) != configured and self._has_room():
-            self._known_as[key] = configured
-            self.is_unsaved = True
-        for stated in self._statements(names):
-            self._add_key(stated, key)
+            names = tuple(_names(device_id, (source,)))
+            configured = next((name for name in names if name in self._configured), "")
+            if configured and self._known_as.get(source.key) != configured and self._has_room():
+                self._known_as[source.key] = configured
+                self.is_unsaved = True
+            for stated in self._statements(names):
+                self._add_key(stated, source.key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
         """Copy the statements about *sibling*, an announcement of the same device, to *key*."""

@@ -119,7 +119,12 @@ class IndexPersistence:
     async def load(self) -> None:
         """Load the content of the file as unconfirmed; an unusable file is set aside."""
         if self._kept is None:
-            await self._restore_entries(_understood(_records_of(self._known)))
+            tables: dict[str, list[tuple[str, str]]] = {}
+            for row in self._known:
+                tables.setdefault(row.table, []).append((row.id, row.record))
+            await self._restore_entries(
+                _understood(Records(*(tuple(tables.get(name, ())) for name in ("devices", "tombstones", "owner"))))
+            )
             return
         try:
             async with self._kept.opened() as file:
@@ -279,13 +284,6 @@ class _SavedState(NamedTuple):
     tombstones: tuple[Tombstone, ...]
     owner: Mapping[str, str]
     rejected: int
-
-
-def _records_of(rows: Iterable[IndexRow]) -> Records:
-    tables: dict[str, list[tuple[str, str]]] = {}
-    for row in rows:
-        tables.setdefault(row.table, []).append((row.id, row.record))
-    return Records(*(tuple(tables.get(name, ())) for name in ("devices", "tombstones", "owner")))
 
 
 def _understood(records: Records) -> _SavedState:

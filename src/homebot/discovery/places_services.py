@@ -72,7 +72,13 @@ class PlacesServices:
 
     def _add_alias(self, request: messages.AliasDeviceRequest) -> messages.AliasDeviceResponse:
         if not request.remove:
-            self._check_free(request.alias, request.device)
+            from homebot.devices.device_names import names_of  # noqa: PLC0415 - for aliases alone
+
+            name = fold(request.alias)
+            for other in sorted(self._index.find(NameIs(name)) - {request.device}):
+                device = self._index.get(other)
+                if device is not None and name in map(fold, names_of(device)):  # else the name of a part
+                    raise RefusedError(f"the alias {request.alias!r}", f"{device.id} is called that already")
         aliases = self._change(request.device, "name", request.alias, remove=request.remove)
         return messages.AliasDeviceResponse(success=True, aliases=aliases)
 
@@ -151,16 +157,6 @@ class PlacesServices:
         except ConfigError as exc:
             raise UsageError(f"{exc.key}: {exc.reason}" if exc.key else exc.reason) from exc
         return messages.ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
-
-    def _check_free(self, alias: str, device_id: str) -> None:
-        """Check that no other device is called *alias*."""
-        from homebot.devices.device_names import names_of  # noqa: PLC0415 - for aliases alone
-
-        name = fold(alias)
-        for other in sorted(self._index.find(NameIs(name)) - {device_id}):
-            device = self._index.get(other)
-            if device is not None and name in map(fold, names_of(device)):  # else the name of a part
-                raise RefusedError(f"the alias {alias!r}", f"{device.id} is called that already")
 
     def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:
         """Add a word to the statements about a device, or withdraw it; return all of them."""

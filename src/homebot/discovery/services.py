@@ -285,21 +285,18 @@ class DirectoryServices:
         notes = [
             f"the rooms {room} and {other} overlap by {area:.1f} m²; correct [places]" for room, other, area in overlaps
         ]
-        notes += self._empty_groups()
+        groups = self._index.owner.groups
+        notes += [
+            f"the group {name} is empty: no device fits {query!r}; correct its members in [[groups]]"
+            for name, query in ({} if groups is None else groups.queries).items()
+            if not self._index.find(FactIs(names.GROUP, fold(name)))
+        ]
         return HealthResponse(counts=counts, troubles=troubles, notes=tuple(notes))
 
     def _serve_groups(self) -> None:
         from homebot.discovery.group_list import GroupList  # noqa: PLC0415 - few homes ask
 
         GroupList(self._index, self._catch_up).serve(self._node)
-
-    def _empty_groups(self) -> list[str]:
-        groups = self._index.owner.groups
-        return [
-            f"the group {name} is empty: no device fits {query!r}; correct its members in [[groups]]"
-            for name, query in ({} if groups is None else groups.queries).items()
-            if not self._index.find(FactIs(names.GROUP, fold(name)))
-        ]
 
 
 def _reason(exc: RefusedError | UsageError) -> str:

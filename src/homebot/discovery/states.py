@@ -90,7 +90,11 @@ class StateRecorder:
     def _record_unreadable(self, entry: Entry, source: SourceRecord, part: str, why: str, at: Time) -> None:
         if not source.unreadable:
             self._table.outdated[entry.id] = None
-        source.unreadable = {**source.unreadable, part: _unreadable_fact(source, why, at)}
+        (gateway, key), convention = source.key, source.sighting.convention
+        source.unreadable = {
+            **source.unreadable,
+            part: Fact(name=UNREADABLE, value=why, gateway=gateway, convention=convention, key=key, said_at=at),
+        }
         entry.device = None
 
     def _within_limits(self, entry: Entry, source: SourceRecord, report: Report, given: LimitsOfDevices) -> Report:
@@ -276,11 +280,6 @@ class StateRecorder:
             event = _of_part(merged.parts[number].id, reading)
             stream = stream_of((entry.id, event.part, event.capability, table.changes.event_number()))
             table.changes.add_states((entry, merged, (event,), stream, stamp, True))
-
-
-def _unreadable_fact(source: SourceRecord, text: str, at: Time) -> Fact:
-    (gateway, key), convention = source.key, source.sighting.convention
-    return Fact(name=UNREADABLE, value=text, gateway=gateway, convention=convention, key=key, said_at=at)
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
