@@ -50,6 +50,7 @@ from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.rights import Right
 from homebot.support.counters import Severity
+from homebot.support.listening import stop_accepting
 from homebot.support.logger import get_logger
 from homebot.support.owner_token import OwnerToken
 
@@ -213,6 +214,7 @@ class RosbridgeServer:
                 await self._stop(server)
 
     async def _stop(self, server: Server) -> None:
+        await stop_accepting(server.sockets)
         server.close()
         if self._api is not None:
             self._api.stop()

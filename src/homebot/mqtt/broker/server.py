@@ -24,6 +24,7 @@ from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import LossReport
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.addresses import ip_version, is_loopback
+from homebot.support.listening import stop_accepting
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.tls_socket import TlsSocket
@@ -133,6 +134,7 @@ class Broker(EmbeddedBroker):
 
     async def _close(self, *, abrupt: bool) -> None:
         if self._server is not None:
+            await stop_accepting(self._server.sockets)
             self._server.close()
         for connection in self._sockets:
             if abrupt:
