@@ -263,7 +263,9 @@ class Control:
 
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
-        return self._layer.executor.perform(request) if self._is_loaded else self._perform_first(request)
+        if self._begun.is_set() and not self._loading.locked():
+            return self._layer.executor.perform(request)
+        return self._perform_first(request)
 
     async def _command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
         await self._load()
@@ -344,13 +346,9 @@ class Control:
 
     async def _load(self) -> None:
         """Load the modules of the layer, without letting others wait for 100 ms."""
-        if not self._is_loaded:
+        if self._loading.locked() or not self._begun.is_set():
             async with self._loading:
                 await load_beside_loop(import_module, _LAYER)
-
-    @property
-    def _is_loaded(self) -> bool:
-        return self._begun.is_set() and not self._loading.locked()
 
     @cached_property
     def _layer(self) -> ControlLayer:
