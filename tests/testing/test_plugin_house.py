@@ -415,11 +415,20 @@ class Misspelt(App):
         await self.devices.find(Light, area="nowhere")
         await self.devices.find(DoorLock)
 
+class Once(App):
+    async def run(self):
+        await self.devices.find(Light, name="desck")
+
 WORLD = {"world": lambda: World.of(SimulatedLamp("desk"))}
 
 @pytest.mark.house(Misspelt, **WORLD)
 async def test_it(house):
     await house.run_for("1s")
+
+@pytest.mark.parametrize("time", ["1s", "1m"])
+@pytest.mark.house(Once, **WORLD)
+async def test_an_app_that_ends_at_once(house, time):
+    await house.run_for(time)
 
 @pytest.mark.house(Misspelt, allow_crashes=True, **WORLD)
 async def test_that_it_waits(house):
@@ -432,9 +441,13 @@ async def test_that_it_waits(house):
     kind = "misspelt: find(DoorLock): nothing in the house is of this type"
     tried(
         START + tests,
-        passed=2,
-        errors=1,
-        lines=[f"{find}; {room}; {kind}; {follow}; where that is meant, *allow_crashes=True)"],
+        passed=4,
+        errors=3,
+        lines=[
+            f"{find}; {room}; {kind}; {follow}; where that is meant, *allow_crashes=True)",
+            "once: find(Light, name='desck'): nothing is called 'desck'; did you mean desk?; where that is meant, *",
+            "once: find(Light, name='desck'): nothing is called 'desck'; did you mean desk? *",
+        ],
     )
 
 

@@ -39,17 +39,27 @@ class NameChecks:
         self.unknown: dict[str, str] = {}
         self._node = node
         self._queries: dict[str, Query] = {}
+        self._checked_at = 0.0
 
     def add(self, query: Query, text: str) -> None:
         """Check *query* soon, and after devices had time to be announced."""
         if text not in self._queries and len(self._queries) < _MAX_DEVICES:
             self._queries[text] = query
+            self._checked_at = anyio.current_time() + _CHECKED_AFTER[0]
             self._node.create_task(partial(self._check_later, query, text))
 
     def remove(self, text: str) -> None:
         """End the checks of a query; idempotent."""
         self._queries.pop(text, None)
         self.unknown.pop(text, None)
+
+    async def finish(self) -> tuple[str, ...]:
+        """Return the problems once each query so far has been checked."""
+        if self._queries:
+            await anyio.sleep_until(self._checked_at)
+            for text in tuple(self._queries):
+                await self._check(text)
+        return tuple(self.unknown.values())
 
     async def problems(self) -> tuple[str, ...]:
         """Return the problems that are not solved by now."""

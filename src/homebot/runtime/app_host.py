@@ -70,6 +70,7 @@ class AppHost:
     Attributes:
         began_at: The time before anything started, in seconds since the Unix epoch.
         left_out: The mistakes of the routines, groups and scenes of the configuration that are not in force, by key.
+        misspelt_at_end: Unknown names in the queries of each app that has ended.
         rehearsed: The newest acts of robots that were not sent.
     """
 
@@ -94,6 +95,7 @@ class AppHost:
         self._main: Node
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
+        self.misspelt_at_end: dict[str, tuple[str, ...]] = {}
         self.left_out = plan.left_out
         self.rehearsed: deque[RehearsedAct] = deque(maxlen=_MAX_REHEARSED)
         self.context = AppContext(
@@ -159,8 +161,10 @@ class AppHost:
             app = component.kind(node, component.settings)
             app.context = self.context
             self.running[component.name] = app
+            self.misspelt_at_end.pop(component.name, None)
             try:
                 await run_as(node.full_name, partial(app.serve, task_status=task_status))
+                self.misspelt_at_end[component.name] = await HouseView.of(node).names.finish()
             finally:
                 self.running.pop(component.name, None)
                 if self._stores is not None:
@@ -207,6 +211,9 @@ class AppHost:
             if not table_of(type(app)):
                 for problem in await HouseView.of(app.node).names.problems():
                     yield f"{app.node.name}: {problem}"
+        for name, problems in self.misspelt_at_end.items():
+            for problem in problems:
+                yield f"{name}: {problem}"
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job and handler that was given up."""

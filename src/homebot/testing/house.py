@@ -251,9 +251,9 @@ class TestHouse:
     async def misspelt_names(self) -> tuple[str, ...]:
         """Return the queries of apps in which a name is misspelt, with the name that was probably meant."""
         apps = tuple(self.runtime.app_host.running.items())
-        return tuple(
-            [f"{name}: {mistake}" for name, app in apps for mistake in await HouseView.of(app.node).names.mistakes()]
-        )
+        mistakes = {name: await HouseView.of(app.node).names.mistakes() for name, app in apps}
+        mistakes |= self.runtime.app_host.misspelt_at_end
+        return tuple(f"{name}: {mistake}" for name in mistakes for mistake in mistakes[name])
 
     async def listen(self) -> None:
         """Receive homebot's messages until cancelled."""
