@@ -296,6 +296,7 @@ async def test_a_page_that_may_only_read_shows_everything_and_has_no_button_that
     async with opened_page(browser, world, {"scenes": SCENES, "routines": ROUTINES}, scope=["read"]) as own:
         for view, (text, *buttons) in READING.items():
             await own.open(view, shows=text)
+            await to_thread.run_sync(own.settled)
             found = own.browser.find_elements("css selector", ACTING)
             texts = [one.get_attribute("aria-label") or one.text for one in found if one.is_displayed()]
             assert texts == buttons, view

@@ -1,1 +1,1 @@
-import"./chunk-QB27CDWH.js";
+import"./chunk-YZREWAEG.js";

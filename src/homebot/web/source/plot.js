@@ -6,7 +6,7 @@ import { say } from "./language.js";
 import { clock, day, hour } from "./words.js";
 
 const [WIDTH, HEIGHT] = [1000, 180];
-const [LINES, MOMENTS] = [4, 7]; // at most, across and along
+const [LINES, MOMENTS, LONG_MOMENTS] = [4, 7, 3]; // at most, across, along, and along with seconds
 const [HOUR, DAY] = [3600, 86_400]; // seconds
 const STEPS = [1, 5, 15, 60, 300, 900, HOUR / 2, HOUR, 3 * HOUR, 6 * HOUR, 12 * HOUR, DAY, 2 * DAY, 7 * DAY, 14 * DAY, 31 * DAY, 92 * DAY, 366 * DAY];
 
@@ -42,7 +42,7 @@ export function Plot({ label, times, values, names, from = times[0], to = times.
       </svg>
       ${lines.map((one) => html`<span key=${one} style=${{ insetBlockStart: `${(100 * y(one)) / HEIGHT}%` }}>${text(round(one))}</span>`)}
     </div>
-    <p class="moments" aria-hidden="true">${momentsOf(from, span).map((one) => html`<span key=${one} style=${{ insetInlineStart: `${x(one) / (WIDTH / 100)}%` }}>${short.format(one * 1000)}</span>`)}</p>
+    <p class="moments" aria-hidden="true">${momentsOf(from, span, short === clock.value ? LONG_MOMENTS : MOMENTS).map((one) => html`<span key=${one} style=${{ insetInlineStart: `${x(one) / (WIDTH / 100)}%` }}>${short.format(one * 1000)}</span>`)}</p>
     <figcaption><time>${index === null ? say("now") : `${day.value.format(times[at] * 1000)} ${clock.value.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
   </figure>`;
 }
@@ -74,8 +74,8 @@ function linesOf(low, high) {
 }
 
 /** Round moments of the house's clock, away from both ends, whose texts would leave the plot. */
-function momentsOf(from, span) {
-  const step = STEPS.find((one) => span / one <= MOMENTS) ?? STEPS.at(-1);
+function momentsOf(from, span, most) {
+  const step = STEPS.find((one) => span / one <= most) ?? STEPS.at(-1);
   const ahead = aheadOf(from);
   const found = [];
   for (let at = Math.ceil((from + ahead) / step) * step - ahead; at < from + span; at += step) found.push(at - (step < DAY ? 0 : aheadOf(at) - ahead)); // a day may have 25 hours

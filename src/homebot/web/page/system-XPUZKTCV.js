@@ -1,4 +1,4 @@
-import{B as k,E as x,L as A,P as N,Q as S,Ta as I,Za as L,a as $,b as h,da as C,ha as m,ia as t,j as y,k as f,m as u,n as g,p as w,t as v,v as n,w as d,z as b}from"./chunk-QB27CDWH.js";var _=5e3,R=50,W=30;function Q(){let[e,i]=$(null),[s,c]=$(0),p=y.value.state==="open";return h(()=>{if(!p)return;let a=0,r=!0,o=async()=>{let l=await z();r&&(i(l),a=setTimeout(o,_))};return o(),()=>{r=!1,clearTimeout(a)}},[p,s]),e?t`
+import{B as k,E as x,L as A,P as N,Q as S,Ta as I,Za as L,a as $,b as h,da as C,ha as m,ia as t,j as y,k as f,m as u,n as g,p as w,t as v,v as n,w as d,z as b}from"./chunk-YZREWAEG.js";var _=5e3,R=50,W=30;function Q(){let[e,i]=$(null),[s,c]=$(0),p=y.value.state==="open";return h(()=>{if(!p)return;let a=0,r=!0,o=async()=>{let l=await z();r&&(i(l),a=setTimeout(o,_))};return o(),()=>{r=!1,clearTimeout(a)}},[p,s]),e?t`
     <p class="choices"><a href="#/setup/devices">${n("Set up")}</a> <a href="#/graph">${n("Graph")}</a> <a href="#/rates">${n("Rates")}</a></p>
     <${D} devices=${e.waiting} onApproved=${()=>c(s+1)} />
     <section>
