@@ -31,9 +31,9 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
 
-MOST_BUSY = 0.1
+MOST_BUSY = 0.2
 """Seconds of the processor between two turns of somebody else, who waits for a timer and so for up to three rounds of
-the loop, on the reference machine; the aim is 0.05."""
+the loop, on the reference machine; the aim is 0.05. Work that other programs interrupt takes up to twice as long."""
 
 MOST = 96
 """MiB; 86 were measured after the withdrawal of all announcements, of which glibc keeps 40 for later ones; the others
