@@ -19,7 +19,7 @@ _Guesser: TypeAlias = tuple[str, tuple[str, str]]
 
 @final
 class CodeGuesses:
-    """The rates of commands with a code, by issuer and part, so that nobody else has to wait.
+    """The rates of commands with a code, by issuer and part, so that others need not wait.
 
     A code counts from the time of the command until the part has reported that it obeyed, as many devices do not answer
     a wrong one. Of a part that reports no effect, all codes count.

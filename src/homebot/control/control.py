@@ -284,7 +284,7 @@ class Control:
         return self._layer.executor.why_asked(request, device, part)
 
     def record_note(self, devices: Iterable[str], issuer: str, text: str) -> None:
-        """Record what *issuer* did with *devices* for a goal other than by commands, as *text* says."""
+        """Record an act of *issuer* with *devices* for a goal other than by commands, as *text* says."""
         for device in devices:
             self._layer.journal.goal(device, issuer, text)
 

@@ -116,7 +116,7 @@ class Lease:
         return all(holder.yields_to_persons for holder in self.holders.values())
 
     def outranked(self, now: float) -> str:
-        """Return what outranks the lease at *now*; empty for nothing."""
+        """Return why the lease is outranked at *now*; empty if it is not."""
         left = self.hand_until - now
         return f"{self.saw}, which outranks leases for {math.ceil(left)} s more" if left > 0 else ""
 
@@ -217,7 +217,7 @@ class Leases:
         return [(lease, key, holder) for key, holder in over if (lease := self.release(key)) is not None]
 
     def outranked(self, key: HolderKey, now: float) -> str:
-        """Return what outranks the lease of a holder at *now*; empty for nothing."""
+        """Return why the lease of a holder is outranked at *now*; empty if it is not."""
         lease = self._of.get(key)
         return "" if lease is None else lease.outranked(now)
 

@@ -240,7 +240,7 @@ class CommandJournal:
         self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))
 
     def goal(self, device: str, issuer: str, text: str) -> None:
-        """Record what a goal of *issuer* did with the device other than by commands, as *text* says."""
+        """Record an act of a goal of *issuer* with the device other than by commands, as *text* says."""
         self._add(JournalNote("goal", self._clock.now(), device, issuer=issuer, text=text))
 
     def _add(self, note: JournalNote) -> None:
@@ -264,7 +264,7 @@ class CommandJournal:
         command.filed = len(command.notes)
 
     def _file_open(self) -> None:
-        """File what is known of the open commands, so that a crash loses their outcome at most."""
+        """File the facts of the open commands, so that a crash loses their outcome at most."""
         self._is_timed = False
         for command in self._open.values():
             if not command.filed:

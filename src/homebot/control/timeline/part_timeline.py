@@ -218,7 +218,7 @@ class PartTimeline:
         absent_at: float,
         set_by: SetBy,
     ) -> Reported:
-        """Append a report, with what is known of the value before it."""
+        """Append a report, with the facts about the value before it."""
         previous, seen_at, since = self._latest.get(capability, (None, math.inf, at))
         is_first = capability not in self._latest
         is_same = previous == value and not is_first
