@@ -81,6 +81,8 @@ def test_not_denies_times_days_and_the_sun() -> None:
         ("hall lamp on and no window open", "write each as a condition for itself"),
         ("Anna or Ben is home", "names no state"),
         ("not before 0:00", "would never hold"),
+        ("temperature of hall rises above 25 °C", "write 'temperature of hall above 25 °C'"),
+        ("temperature of hall falls below temperature of study", "write 'temperature of hall below temperature of"),
     ],
 )
 def test_a_mistake_is_named(text: str, problem: str) -> None:

@@ -102,7 +102,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("sunset -30", "like 'sunset - 30m'"),
         ("door open for 5", "like 'door open for 5m'"),
         ("temperature nursery under 18", "write it like 'temperature in nursery under 18 °C'"),
-        ("temperature of tea urn above 26", "write it like 'tea urn temperature above 26 °C'"),
+        ("temperature of tea urn above", "write it like 'tea urn temperature above 18 °C'"),
         ("temperature below", "write it like 'temperature below 18 °C'"),
         ("power above 5 kW", "power is a number in W, not '5kW'"),
         ("nobody home", "start by 'Anna arrives', 'everybody has left' or 'nobody is home'"),
@@ -143,3 +143,22 @@ def test_what_passes_a_limit_begins_to_be_beyond_it(text: str) -> None:
     assert isinstance(found, Becomes)
     assert isinstance(state, Becomes)
     assert found.query == state.query
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("temperature of tea urn above 26 °C for 5m", "tea urn temperature above 26 °C"),
+        ("temperature of tea urn rises above 26", "tea urn temperature above 26"),
+        ("temperature in nursery is below 18 °C", "temperature is below 18 °C in nursery"),
+        ("light in hall level above 50 %", "light in hall level above 50 %"),
+        ("mode option night", 'mode option="night"'),
+        ("not mode option movie night for 5m", 'mode option="movie night"'),
+    ],
+)
+def test_the_value_of_a_state_may_stand_before_its_device(text: str, words: str) -> None:
+    """Both orders mean the same; a text that a helper or device may have needs no sign."""
+    trigger = read_trigger(text)
+    assert isinstance(trigger, Becomes)
+    assert trigger.words == words
+    assert trigger.is_none is text.startswith("not ")

@@ -13,7 +13,7 @@ from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.message_values import Comparison, read_comparison
 from homebot.words.own_language import read_in_any_language
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
+from homebot.words.phrases import CROSSES, ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
 from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
@@ -126,6 +126,9 @@ def _read_condition(plain: str) -> Condition:
     parts = split_at(plain, "or")
     if any(map(_stands_alone, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
+    if (crossing := CROSSES.match(plain)) is not None:
+        way, limit = plain[len(crossing["what"]) :].split(maxsplit=1)
+        raise UsageError(f"{plain!r}: a value {way} at a moment; write '{crossing['what']} {limit}'")
     if (found := _of_run(plain) or _of_time(plain)) is not None:
         return found
     reject_joined(plain, "and")

@@ -9,8 +9,6 @@ LASTING: Final = Phrase("{state} for {length:length}")
 NOT: Final = Phrase("no|not {state}", "none of {state}")
 ALL: Final = Phrase("all|every|each {state}")
 MOTION: Final = Phrase("motion|presence|occupancy [{rest}]")
-PLACED_LIMIT: Final = Phrase("{room} sign~below|above|under|over|<|<=|>|>= {limit}")
-"""The words after ``in``, if a limit is among them."""
 
 LIMIT: Final = Phrase(
     "{what:word} [where~of|in] [{area}] [is|drops|falls|rises] sign~below|above|under|over|<|> [{number:number}]"

@@ -31,16 +31,16 @@ from homebot.words.phrases import (
     MOTION,
     NOBODY,
     NOT,
-    PLACED_LIMIT,
     PRESS,
     STARTS,
     SUN_CROSSES,
 )
 from homebot.words.queries import parse_query
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, read_duration, read_span, time_kind
-from homebot.words.tokens import Phrase, split_at
+from homebot.words.tokens import Phrase, quoted, split_at, tokens_of
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
+_SIGNS: Final = {"<", ">", "<=", ">="}
 _MAX_INTERVAL_BLANKS: Final = 2  # half an hour
 MIN_INTERVAL_S: Final = 1.0
 _OF_TIME: Final = {"second", "minute", "minutes", "hour", "hours", "day", "days", "night", "morning", "evening", "week"}
@@ -407,9 +407,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
         return Becomes(text, person.query, length)
     if (none := NOT.match(state)) is not None:
         state, is_none = none["state"], True
-    what, _, placed = state.partition(" in ")
-    if (limit := PLACED_LIMIT.match(placed)) is not None:  # a query has its room last
-        state = f"{what} {limit['sign']} {limit['limit']} in {limit['room']}"
+    state = _with_value_last(state)
     if ALL.match(state):
         if _OF_TIME.intersection(state.casefold().split()):
             raise UsageError(f"{text!r}: write an interval like 'every 30m', or a time like '22:00 on weekdays'")
@@ -428,9 +426,35 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
     found = Becomes(text, query, length, state, is_none)
+    if not found.capabilities and (chosen := _choice(state)):
+        found = Becomes(text, parse_query(chosen), length, chosen, is_none)
     if not found.capabilities:
         raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
     return found
+
+
+def _with_value_last(state: str) -> str:
+    """Return *state* as a query: ``temperature below 18 °C in hall``, ``hall sensor temperature below 18 °C``."""
+    sign = next((token for token in tokens_of(state) if token.kind == "operator" and token.text in _SIGNS), None)
+    if sign is None:
+        return state
+    before, limit = state[: sign.at - 1].strip(), state[sign.at - 1 :]
+    for word in ("in", "of"):
+        what, *where = split_at(before, word)
+        if where and fold(what.removeprefix("the ")) in CAPABILITY_WORDS:
+            place = before[len(what) + len(word) + 1 :].strip()
+            return f"{what} {limit} in {place}" if word == "in" else f"{place} {what} {limit}"
+    return state
+
+
+def _choice(state: str) -> str:
+    """Return ``mode option=day`` for ``mode option day``: a capability that is a text, and its value; else empty."""
+    words = state.split(" ")
+    for place in range(1, len(words) - 1):
+        capability = CAPABILITIES.get(CAPABILITY_WORDS.get(fold(words[place]), ""))
+        if capability is not None and capability.kind in {"text", ""} and not capability.is_event:
+            return f"{' '.join(words[: place + 1])}={quoted(' '.join(words[place + 1 :]))}"
+    return ""
 
 
 def _limit_hint(text: str) -> str:
@@ -442,4 +466,5 @@ def _limit_hint(text: str) -> str:
     what, area, sign = found["what"], found["area"], found["sign"].removeprefix("is ")
     if area:
         what = f"{area} {what}" if found.get("where") == "of" else f"{what} in {area}"
-    return f"write it like '{what} {sign} {found['number'] or 18} {can.unit}'"
+    limit = f"{found['number'] or 18} {can.unit}".strip()
+    return f"write it like '{what} {sign} {limit}'"

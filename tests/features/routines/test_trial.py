@@ -58,6 +58,12 @@ def test_a_trial_tells_what_would_have_been_done_and_what_somebody_did_then(
     assert "hall_lamp  on  night_light, because hall_motion reported occupied" in first
     assert "somebody" not in first
     assert second.endswith("later somebody: off")
+    (tmp_path / "toggle.toml").write_text(ROUTINE.replace("lamp on", "lamp toggle"))
+    assert main(["routine", "try", str(tmp_path / "toggle.toml"), "--on", str(day)]) == 0
+    first, second, _ = capsys.readouterr().out.splitlines()
+    assert "hall_lamp  on  night_light" in first
+    assert "hall_lamp  off  night_light" in second
+    assert "toggled from what it was then" in second
     assert summary.endswith("night_light would have given 2 commands, 1 of which somebody changed within ten minutes")
 
 

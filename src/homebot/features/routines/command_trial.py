@@ -3,7 +3,7 @@
 import argparse
 import asyncio
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import partial
@@ -21,6 +21,7 @@ from homebot.devices.wording.time_format import age_text
 from homebot.errors import ConfigError, PeerError, UsageError
 from homebot.features.routines.checks import asked_about
 from homebot.features.routines.command_history import read_house_history
+from homebot.features.routines.program import program_of
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_routines
 from homebot.features.routines.trial import TriedCommand, routines_of, trial_config, tried
@@ -31,6 +32,7 @@ from homebot.replay.replay import Replayed, replay
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import MAX_WAIT, parse_duration
+from homebot.words.steps import APPLY, Do
 from homebot.words.triggers import MessageComes, RobotArrival
 
 if TYPE_CHECKING:
@@ -153,11 +155,24 @@ def trial_lines(
         name, error = next(iter(replayed.crashes.items()))
         raise UsageError(f"{name} crashed: {error}")
     found = tuple(tried(recording, replayed))
-    return [*_lines(recording, replayed, found), *_summary(title, replayed, found, unseen)]
+    toggling = {f"/{app}" for app, one in _settings(given).items() if _only_toggles(one)}
+    return [*_lines(recording, replayed, found, toggling), *_summary(title, replayed, found, unseen)]
 
 
-def _lines(recording: Recording, replayed: Replayed, commands: Sequence[TriedCommand]) -> Iterator[str]:
-    """Yield the commands and the messages to people in order of time, and then the hints."""
+def _only_toggles(routine: RoutineSettings) -> bool:
+    """Return whether what *routine* switches on or off it toggles."""
+    words = {line.step.command.casefold() for line in program_of(routine.do) if isinstance(line.step, Do)}
+    return "toggle" in words and words.isdisjoint({"on", "off", APPLY})
+
+
+def _lines(
+    recording: Recording, replayed: Replayed, commands: Sequence[TriedCommand], toggling: Collection[str]
+) -> Iterator[str]:
+    """Yield the commands and the messages to people in order of time, and then the hints.
+
+    Args:
+        toggling: The issuers that only toggle: what they do depends on the recorded state, which they do not change.
+    """
     start, names = recording.header.started_at.to_seconds(), part_names(replayed.devices)
     lines = [
         (
@@ -175,7 +190,9 @@ def _lines(recording: Recording, replayed: Replayed, commands: Sequence[TriedCom
     ]
     for command in commands:
         later = f"; {age_text(command.seconds)} later somebody: {printable(command.change)}" if command.change else ""
-        lines.append((start + command.given.at, f"{command_text(command.given, start, names)}{later}"))
+        is_switched = [setting.capability for setting in command.given.command.settings] == ["on_off"]
+        toggled = "; toggled from what it was then" if is_switched and command.given.command.issuer in toggling else ""
+        lines.append((start + command.given.at, f"{command_text(command.given, start, names)}{toggled}{later}"))
     yield from (line for _, line in sorted(lines))
     for name, hints in replayed.hints.items():
         yield from (f"{printable(name)}: {printable(hint, 500)}" for hint in hints)
