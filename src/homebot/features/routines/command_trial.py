@@ -160,7 +160,7 @@ def trial_lines(
 
 
 def _only_toggles(routine: RoutineSettings) -> bool:
-    """Return whether what *routine* switches on or off it toggles."""
+    """Return whether *routine* toggles, and switches nothing on or off by name."""
     words = {line.step.command.casefold() for line in program_of(routine.do) if isinstance(line.step, Do)}
     return "toggle" in words and words.isdisjoint({"on", "off", APPLY})
 
@@ -171,7 +171,7 @@ def _lines(
     """Yield the commands and the messages to people in order of time, and then the hints.
 
     Args:
-        toggling: The issuers that only toggle: what they do depends on the recorded state, which they do not change.
+        toggling: The issuers that only toggle: the recorded state decides, which they do not change.
     """
     start, names = recording.header.started_at.to_seconds(), part_names(replayed.devices)
     lines = [
