@@ -9,7 +9,7 @@ class LightService(App):
     """Turns off each lamp that reports that it is on, including lamps that appear later; a dimmed lamp is on."""
 
     async def run(self) -> None:
-        """Turn off what is on; and every five minutes what did not obey, or what a policy kept on."""
+        """Turn off lamps that are on; and every five minutes those that did not obey, or that a policy kept on."""
         reports = self.devices.follow(Light), self.devices.messages(Light)
         self.on(reports, self._turn_off, mode="parallel", most=100, key=per_handle)
         self.every("5m", self._look_again, name="look again")

@@ -30,9 +30,9 @@ class MapReader(Protocol):
     """Reads the maps of one kind of vacuum; the plug-in group is ``homebot.vacuum_maps``.
 
     Attributes:
-        origin: What its announcements state as their origin.
+        origin: The origin that its announcements state.
         state_topic: The topic of ``lost`` and ``ready`` below that of the vacuum.
-        status_topic: The topic of what it does, such as ``cleaning`` or ``docked``.
+        status_topic: The topic of its activity, such as ``cleaning`` or ``docked``.
         map_topic: The topic of its map.
     """
 

@@ -255,9 +255,9 @@ class ProductionLoop(asyncio.SelectorEventLoop):
 
 
 async def load_beside_loop(load: Callable[[str], T], name: str) -> T:
-    """Return what *load* makes of the module *name*, without letting others wait.
+    """Return the result of *load* for the module *name*, without letting others wait.
 
-    On another loop than that of production it is loaded at once: what happens there depends on no thread.
+    On another loop than that of production it is loaded at once: nothing that happens there depends on a thread.
     """
     if isinstance(asyncio.get_running_loop(), ProductionLoop):
         return await to_thread.run_sync(load, name)

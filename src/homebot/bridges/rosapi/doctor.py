@@ -118,7 +118,11 @@ class _Doctor:
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
         now = self._node.graph.clock.now()
         total, unconfirmed = [(await self._find(parse_query(query), 1)).total for query in ("", "unconfirmed")]
-        states = await _ask_all(self._state, self._gateways())
+        publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
+        topics = {publisher.name for publisher in publishers if publisher.ros_type == GatewayState.ros_type}
+        states = await _ask_all(
+            self._state, sorted(topic.split("/")[2] for topic in topics if re.fullmatch("/gateway/[^/]+/state", topic))
+        )
         findings = [finding for name, state in states.items() for finding in gateway_finding(name, state)]
         if not request.gateways_only:
             findings += await self._health_findings(now, everything=request.counts)
@@ -134,7 +138,7 @@ class _Doctor:
         return ExamineResponse(gateways=gateways, devices=total, unconfirmed=unconfirmed, findings=tuple(findings))
 
     async def _health_findings(self, now: float, *, everything: bool) -> list[Finding]:
-        """Return what the nodes say of their health, with what they counted since the last look."""
+        """Return the findings from the health of the nodes, with their counts since the last look."""
         findings: list[Finding] = []
         for service, health in (await self._all_health()).items():
             before = self._looks[0].get(service)
@@ -142,11 +146,6 @@ class _Doctor:
             name = service.removesuffix("/health").strip("/")
             findings += health_findings(name, health, now, counted, everything=everything)
         return findings
-
-    def _gateways(self) -> list[str]:
-        publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
-        topics = {publisher.name for publisher in publishers if publisher.ros_type == GatewayState.ros_type}
-        return sorted(topic.split("/")[2] for topic in topics if re.fullmatch("/gateway/[^/]+/state", topic))
 
     async def _state(self, gateway: str) -> GatewayState | None:
         states = self._node.create_subscription(GatewayState, GatewayNames(gateway).state, None, qos_profile_latched)

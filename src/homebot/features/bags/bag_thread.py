@@ -1,4 +1,4 @@
-"""Writing of a bag in a thread, behind a bounded queue: a slow disk delays nobody, and what it costs is counted."""
+"""Writing of a bag in a thread, behind a bounded queue: a slow disk delays no task, and its losses are counted."""
 
 import threading
 from queue import Empty, SimpleQueue

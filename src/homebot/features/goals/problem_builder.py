@@ -55,7 +55,7 @@ _MIN_PARTS: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class GoalClient:
-    """The client of a goal; ``preview`` says what it may not do now, ``blocked`` what has failed."""
+    """The client of a goal; ``preview`` refuses commands that it may not give now, ``blocked`` those that failed."""
 
     issuer: str
     scope: tuple[str, ...]

@@ -148,7 +148,7 @@ def _calendar(midnights: Sequence[float], home: Home) -> Iterator[tuple[str, Cal
 def _presence(
     words: HabitWords, rooms: Iterable[WatchedRoom], series: Iterable[HistorySeries]
 ) -> Iterator[tuple[str, Callable[[float], bool]]]:
-    """Yield who is at home, and in which rooms somebody is."""
+    """Yield the presence of people at home, and of anyone in each room."""
     known: defaultdict[tuple[str, str], list[HistorySeries]] = defaultdict(list)
     for history in series:
         known[history.device, history.capability].append(history)

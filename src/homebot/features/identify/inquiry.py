@@ -1,4 +1,4 @@
-"""Choice of what the candidates do next, and of the conclusion from what is seen. Pure."""
+"""Choice of the next code of the candidates, and of the conclusion from all looks. Pure."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ STILL_LOOKS: Final = 2
 """Looks before anything changes, of a sensor that does not report changes alone."""
 
 _LOOKS: Final = 8
-"""Looks before a conclusion, and a further look for a doubling of the candidates: what changes by itself, such as a
-lamp of somebody else, is as expected in half of all looks, and fits by chance in one of 2 to their number."""
+"""Looks before a conclusion, and a further look for a doubling of the candidates: a light that changes by itself,
+such as another person's lamp, is as expected in half of all looks, and fits by chance in one of 2 to their number."""
 
 _LOOKS_OF_A_JUMP: Final = 5
 """Further looks for a jump of the light: the one in which it jumps, and one for each doubling of those it may be."""
@@ -86,7 +86,15 @@ class Inquiry:
         self._is_prompt = still == STILL_LOOKS
         if self._is_prompt:  # they may fade on after their reports
             yield None
-        self.belief = self._initial_belief(still)
+        dark, *_, bright = blinked = self._looks[still:]
+        whole = max(median(abs(seen.value) for seen in blinked), _TINY)
+        noise = _DEVIATIONS * sqrt(min(seen.variance for seen in blinked))
+        least = self._least_in_view = self._least or max(noise, _SHARE * whole)
+        self._excluded = least if self._least or noise <= _MAX_SHARE * whole else 0.0
+        belief = Belief(self._looks[0], least, max(2 * abs(bright.value - dark.value), least))
+        for seen in self._looks[1:]:
+            belief.add(seen)
+        self.belief = belief
         while not self.is_sure:
             yield self._next_code(self.belief)
 
@@ -122,17 +130,6 @@ class Inquiry:
                 self.belief.drop(candidate)
             self.belief.add(seen)
             self._conclude(self.belief, trouble)
-
-    def _initial_belief(self, still: int) -> Belief:
-        dark, *_, bright = blinked = self._looks[still:]
-        whole = max(median(abs(seen.value) for seen in blinked), _TINY)
-        noise = _DEVIATIONS * sqrt(min(seen.variance for seen in blinked))
-        least = self._least_in_view = self._least or max(noise, _SHARE * whole)
-        self._excluded = least if self._least or noise <= _MAX_SHARE * whole else 0.0
-        belief = Belief(self._looks[0], least, max(2 * abs(bright.value - dark.value), least))
-        for seen in self._looks[1:]:
-            belief.add(seen)
-        return belief
 
     def _conclude(self, belief: Belief, trouble: str) -> None:
         hypotheses = (belief.none, None), *((chance, number) for number, chance in enumerate(belief.each))

@@ -178,7 +178,7 @@ class KeptValues:
             values[target][_WANTED], values[target][_SET_AT] = values[target][_BEFORE], self._clock.now()
         outcomes = await perform_all(self._outcome, requests)
         for target, outcome in zip(due, outcomes, strict=True):
-            if outcome.succeeded or isinstance(outcome, Superseded):  # a newer command is what somebody wants now
+            if outcome.succeeded or isinstance(outcome, Superseded):  # a newer command is wanted now
                 values.pop(target, None)
             else:
                 text = f"{target} is not yet as before {kept['by']}: {outcome.text}; it is tried again"
@@ -187,7 +187,7 @@ class KeptValues:
             del self._store[run]
 
     def _due(self, issuer: str, values: dict[str, list[Any]], states: KnownStates) -> list[str]:
-        """Return what has to be commanded now; forget what is back, and what a person changed."""
+        """Return the values to command now; forget those that are back, and those that a person changed."""
         due = []
         for target, kept in tuple(values.items()):
             device, _, part = target.partition("#")

@@ -21,7 +21,7 @@ _SILENT_AFTER: Final = 120.0
 """Seconds; a node repeats an unchanged distance every few seconds, and a phone may sleep for a minute."""
 
 _SELF_NAMED: Final = "name:"
-"""Devices with the name that they give themselves by radio: of anybody, and anybody's."""
+"""Devices with the name that they give themselves by radio, which any passer-by can choose."""
 
 _MAX_DEVICES: Final = 200
 """Further ones are left out, so that no flood pushes out the phones of the house."""
