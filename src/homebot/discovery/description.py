@@ -67,9 +67,7 @@ def describe_device(
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     facts = _facts(believed)
     if believed is not ordered:
-        # what only sources that are not believed say of it
-        made = [fact for fact in _facts(tuple(filterfalse(believed.__contains__, ordered))) if fact.name in MAKE]
-        facts += tuple(fact.model_copy(update={"name": CLAIMED_MODEL}) for fact in made)
+        facts += _claimed_models(filterfalse(believed.__contains__, ordered))
     if len(ordered) > 1:
         facts += tuple(_several_names(facts))
     given = _given_in_hub(facts)
@@ -136,6 +134,11 @@ def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequ
     """Return those of *sources* that say something of their device: nothing that joined an approved device does."""
     believed = tuple(filterfalse(_IS_CLAIMED, sources)) or sources
     return believed if owner is None else owner.approvals.approved(believed) or believed
+
+
+def _claimed_models(sources: Iterable[SourceRecord]) -> tuple[Fact, ...]:
+    made = [fact for fact in _facts(tuple(sources)) if fact.name in MAKE]
+    return tuple(fact.model_copy(update={"name": CLAIMED_MODEL}) for fact in made)
 
 
 def _several_names(facts: Iterable[Fact]) -> Iterator[Fact]:

@@ -1,5 +1,6 @@
 """Devices in short form, as screens and agents list them: without the values of settings and diagnostics. Pure."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from homebot.devices.always_ask import waits_for_approval, why_it_asks
@@ -39,8 +40,6 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
         for part in used.values()
     }
     asks = {part: why_it_asks(device, used[part]) for part, names in settable.items() if names}
-    capabilities = [capability for part in used.values() for capability in part.part.capabilities]
-    codes = {capability.name: capability.code for capability in capabilities if capability.code}
     return ListedDevice(
         id=device.id,
         name=device.name,
@@ -54,7 +53,7 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
         settable=tuple(dict.fromkeys(name for names in settable.values() for name in names)),
         tags=device.tags,
         asks_first=tuple(dict.fromkeys(name for part, why in asks.items() if why for name in settable[part])),
-        codes=tuple([KeyValue(key=name, value=code) for name, code in codes.items()]),
+        codes=_list_codes(used.values()),
         kind=opening_kind(device),
         may_act=any(_may_act(rights, device, used[part], why) for part, why in asks.items()),
     )
@@ -63,6 +62,13 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
 def _list_state(state: State) -> ListedReading:
     since = _UNKNOWN if state.is_first else state.since
     return ListedReading(part=state.part, capability=state.capability, value=state.value, since=since)
+
+
+def _list_codes(parts: Iterable[DevicePart]) -> tuple[KeyValue, ...]:
+    """Return the code of each capability of *parts* that has one."""
+    capabilities = [capability for part in parts for capability in part.part.capabilities]
+    codes = {capability.name: capability.code for capability in capabilities if capability.code}
+    return tuple([KeyValue(key=name, value=code) for name, code in codes.items()])
 
 
 def _may_act(rights: ClientRights, device: Device, part: DevicePart, why_asks: str) -> bool:

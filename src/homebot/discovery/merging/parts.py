@@ -254,10 +254,7 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     merged = tuple(numbered.values())
     claimed = {part.number: part.claimant for part in merged if part.claimant is not None and not part.is_described}
     conflicts += dict.fromkeys(map(_claim_conflict, claimed.values()))
-    ids: Sequence[str] = [part.part.id for part in merged]
-    if known or len(set(ids)) < len(ids):
-        ids = part_ids([Named(part.part.id, part.source.label, part.places) for part in merged], known)
-    parts = tuple(_device_part(part_id, part) for part_id, part in zip(ids, merged, strict=True))
+    parts = _named(merged, known)
     return MergedParts(
         parts,
         tuple(conflicts),
@@ -400,6 +397,13 @@ def _group(origins: Mapping[Origin, Sequence[_SourcePart]]) -> None:
             if part.group == len(groups):
                 groups.append([])
             groups[part.group].append(candidate)
+
+
+def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
+    ids: Sequence[str] = [part.part.id for part in merged]
+    if known or len(set(ids)) < len(ids):
+        ids = part_ids([Named(part.part.id, part.source.label, part.places) for part in merged], known)
+    return tuple(_device_part(part_id, part) for part_id, part in zip(ids, merged, strict=True))
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:

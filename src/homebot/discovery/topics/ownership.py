@@ -316,12 +316,7 @@ def _verdicts_on_strangers(node: TopicNode) -> dict[SourceKey, str]:
 
 def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[SourceKey, str]:
     if owners := _owners(node):
-        by_key: dict[SourceKey, str] = {}
-        for use in users:
-            own = [owner for owner in owners if owner.device == use.device]
-            if not any(is_called(use.announced_on, aliases_of(owner.owns, owner.identifiers)) for owner in own):
-                by_key[use.key] = (own or owners)[0].device
-        return by_key
+        return _not_of(owners, users)
     topic = node.topic
     # Those that publish on the topic, and those with commands on a topic above, with their ranks.
     holders = [(speaker, float(speaker.rank(topic))) for speaker in node.speakers]
@@ -385,6 +380,16 @@ def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
 
 _TIE = 0.5
 """What a claim counts more in a tie."""
+
+
+def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:
+    """Return the *users* that are not the owners' device, or were announced at a place that does not name it."""
+    by_key: dict[SourceKey, str] = {}
+    for use in users:
+        own = [owner for owner in owners if owner.device == use.device]
+        if not any(is_called(use.announced_on, aliases_of(owner.owns, owner.identifiers)) for owner in own):
+            by_key[use.key] = (own or owners)[0].device
+    return by_key
 
 
 def _winners(best: list[TopicUse]) -> list[TopicUse]:
