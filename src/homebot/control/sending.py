@@ -163,11 +163,8 @@ class Sending:
                 await self._ask(sent, plan)
             elif sendings.attempts == 0 or self._policies.check(command) is None:
                 problem = await self._send(sent, plan)
-                is_acknowledged = problem is None and not sendings.is_unacknowledged
-                if is_acknowledged or (progress.wanted and progress.is_met):  # the gateway or the device took it
-                    route = sendings.routes[-1] if sendings.routes and problem is None else ""
-                    self._journal.record("acknowledged", command, route.partition("/")[0])
-                elif problem is not None and sendings.attempts == 1:
+                is_taken = self._record_answer(sent, problem)
+                if problem is not None and not is_taken and sendings.attempts == 1:
                     return problem
             else:
                 sent.timeline.append(Withheld(command.id, now))
@@ -232,12 +229,7 @@ class Sending:
         sendings = sent.progress.transmission
         began, is_repeated = clock.monotonic(), sendings.attempts > 0
         shared = None if is_repeated else command.shared
-        if shared is None:
-            self._journal.record("sent", command, "again" if is_repeated else "")
-        for timeline in (sent.timeline, *(sent.members if is_repeated else ())):
-            timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
-        if command.place in self._leases.parts:
-            self._leases.record_stop(command, began)
+        self._record_sending(sent, began, shared)
         expires_after = plan.end(sendings) - began if is_repeated else plan.lasts
         kept_for = plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0
         orders: list[Command] = []
@@ -282,6 +274,26 @@ class Sending:
             ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, bool(is_shared))
             sent.timeline.append(ended)
         return None
+
+    def _record_sending(self, sent: OpenCommand, now: float, shared: SharedSending | None) -> None:
+        """Record that a sending begins, before any wait: a check needs it."""
+        command, is_repeated = sent.command, sent.progress.transmission.attempts > 0
+        if shared is None:
+            self._journal.record("sent", command, "again" if is_repeated else "")
+        for timeline in (sent.timeline, *(sent.members if is_repeated else ())):
+            timeline.append(Sent(command.id, command.settings, now))
+        if command.place in self._leases.parts:
+            self._leases.record_stop(command, now)
+
+    def _record_answer(self, sent: OpenCommand, problem: Outcome | None) -> bool:
+        """Record that the gateway or the device took the last sending; return whether one did."""
+        progress, sendings = sent.progress, sent.progress.transmission
+        is_acknowledged = problem is None and not sendings.is_unacknowledged
+        if not (is_acknowledged or (progress.wanted and progress.is_met)):
+            return False
+        route = sendings.routes[-1] if sendings.routes and problem is None else ""
+        self._journal.record("acknowledged", sent.command, route.partition("/")[0])
+        return True
 
     async def _ask(self, sent: OpenCommand, plan: SendingPlan) -> None:
         """Have the part, or the members of a group, asked for their values before a message that may be needless."""
