@@ -128,18 +128,15 @@ class RmfDoors(App[RmfDoorsSettings]):
             self._warn(f"a request for a door was refused: {problem if key[1] else 'no requester is stated'}")
             return
         if stated.requested_mode.value == _OPEN:
-            self._open(self._tasks, key, part, stated.request_time)
+            deadline = anyio.current_time() + self._held_for
+            if key in self._holds:
+                self._holds[key][0].deadline = deadline
+            elif len(self._holds) < _MAX_HOLDERS:
+                scope = anyio.CancelScope(deadline=deadline)
+                self._holds[key] = (scope, stated.request_time)
+                self._tasks.start_soon(partial(self._hold, key, part, scope))
         elif stated.requested_mode.value == _CLOSED and key in self._holds:
             self._holds[key][0].cancel()
-
-    def _open(self, tasks: TaskGroup, key: tuple[str, str], part: Closure | DoorLock, time: Time) -> None:
-        deadline = anyio.current_time() + self._held_for
-        if key in self._holds:
-            self._holds[key][0].deadline = deadline
-        elif len(self._holds) < _MAX_HOLDERS:
-            scope = anyio.CancelScope(deadline=deadline)
-            self._holds[key] = (scope, time)
-            tasks.start_soon(partial(self._hold, key, part, scope))
 
     async def _hold(self, key: tuple[str, str], part: Closure | DoorLock, scope: anyio.CancelScope) -> None:
         """Hold a door open until *scope* ends; close it after the last holder."""

@@ -112,7 +112,16 @@ class HandlerRuns:
             for scope in self._running:
                 scope.cancel()
         elif len(self._running) + len(self._waiting) >= self._most:
-            self._drop()
+            self.dropped += 1
+            if (held_back := self._limit.allows("")) is not None:
+                why = "its last call still runs" if self._most == 1 else f"{self._most} calls run or wait"
+                log = self._node.log.debug if self._is_quiet else self._node.log.warning
+                log(
+                    CALL_DROPPED,
+                    message=f"the {self.title} was not called: {why}{more_like_this(held_back)}",
+                    mode=self._mode,
+                    dropped=self.dropped,
+                )
             return False
         self._waiting.append((handler, cause))
         if self._tasks < self._tasks_at_once:
@@ -160,15 +169,3 @@ class HandlerRuns:
             cost = f"it was the {self.failures}th time in a row, and it is not called until the app is restarted"
             self.trouble = f"failed {self.failures} times in a row and is not called any more ({error_text(crash)})"
         self._node.graph.failures.record(self._node.full_name, self.title, crash, cost)
-
-    def _drop(self) -> None:
-        self.dropped += 1
-        if (held_back := self._limit.allows("")) is not None:
-            why = "its last call still runs" if self._most == 1 else f"{self._most} calls run or wait"
-            log = self._node.log.debug if self._is_quiet else self._node.log.warning
-            log(
-                CALL_DROPPED,
-                message=f"the {self.title} was not called: {why}{more_like_this(held_back)}",
-                mode=self._mode,
-                dropped=self.dropped,
-            )
