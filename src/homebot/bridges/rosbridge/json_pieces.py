@@ -77,7 +77,10 @@ def _read_numbers(found: list[object], text: str, start: int, end: int) -> Itera
     """Append the numbers between *start* and *end* of *text* to *found*, piece by piece."""
     while start < end:
         cut = end if end - start <= _SHORT else text.rfind(",", start, start + _SHORT)
-        found.extend(_numbers(text[start : max(cut, start)]))
+        numbers: Any = json.loads(f"[{text[start : max(cut, start)]}]")
+        if not numbers:
+            raise ValueError("a list has a comma without a number")
+        found.extend(numbers)
         start = cut + 1
         yield
     if text[end - 1] == ",":
@@ -94,13 +97,6 @@ def _put_aside(found: re.Match[str], arrays: list[tuple[int, int]]) -> str:
 def _new_list(lists: list[list[object]]) -> list[object]:
     lists.append([])
     return lists[-1]
-
-
-def _numbers(text: str) -> list[object]:
-    numbers: Any = json.loads(f"[{text}]")
-    if not numbers:
-        raise ValueError("a list has a comma without a number")
-    return list(numbers)
 
 
 def _check_size(text: str, numbers: int) -> None:

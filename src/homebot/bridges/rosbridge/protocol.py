@@ -284,7 +284,8 @@ def parse_frame(text: str) -> Generator[None, None, Operation]:
     if not isinstance(value, dict):
         raise FrameError(f"is not a JSON object: {text[:60]!r}")
     fields = {name: _as_whole(item) for name, item in value.items() if item is not None}
-    op, known_id = _op_in(fields), _id_in(fields)
+    field: Any = fields.get("id")
+    op, known_id = _op_in(fields), field if _is_identifier(field) else None
     cls = _CLASSES.get(op)
     if op == "png":
         raise FrameError("uses png, which is not supported for what clients send; send JSON", "", known_id)
@@ -305,12 +306,6 @@ def _op_in(fields: Mapping[str, object]) -> str:
     raise FrameError(
         "lacks the field 'op'" if op is None else f"needs a string in its field 'op', got {str(op)[:60]!r}"
     )
-
-
-def _id_in(fields: Mapping[str, object]) -> Identifier:
-    """Return the identifier for the answer; None if it has none that is valid."""
-    field: Any = fields.get("id")
-    return field if _is_identifier(field) else None
 
 
 def _is_identifier(value: object) -> bool:

@@ -104,15 +104,11 @@ class ClientSession:
             finally:
                 tasks.cancel_scope.cancel()
                 with anyio.CancelScope(shield=True):
-                    await self._close()
-
-    async def _close(self) -> None:
-        """Release everything, a little in each turn of the event loop."""
-        self._backlog.close()
-        for kind in (self._goals, self._provisions, self._publications, self._subscriptions):
-            while kind is not None and kind.close_one():
-                await self._turns.turn()
-        self._shared.leases.release(self)
+                    self._backlog.close()
+                    for kind in (self._goals, self._provisions, self._publications, self._subscriptions):
+                        while kind is not None and kind.close_one():
+                            await self._turns.turn()
+                    self._shared.leases.release(self)
 
     async def _send(self) -> None:
         with suppress(LinkError):  # the client is gone, and so is the session

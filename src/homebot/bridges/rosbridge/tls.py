@@ -79,16 +79,16 @@ class ServerTls:
         if self._folder is None:
             raise UsageError("[door] tls keeps its authority with homebot's data, and this run keeps none")
         try:
-            return renew_certificate(self._folder, "door", _own_hosts(self._settings.host), self._clock.now())
+            name = socket.gethostname()
+            hosts = ["localhost", "127.0.0.1", "::1", name, f"{name.removesuffix('.local')}.local"]
+            if not is_loopback(self._settings.host):
+                hosts += [self._settings.host, *own_addresses()]
+            addresses = {name: parse_address(name) for name in hosts if name}
+            return renew_certificate(
+                self._folder,
+                "door",
+                [name for name, address in addresses.items() if address is None or not address.is_unspecified],
+                self._clock.now(),
+            )
         except OSError as exc:
             raise UsageError(f"[door] tls: {exc.filename} cannot be written: {exc.strerror}") from exc
-
-
-def _own_hosts(host: str) -> list[str]:
-    """Return the names and addresses of this computer by which others reach a server that listens on *host*."""
-    name = socket.gethostname()
-    hosts = ["localhost", "127.0.0.1", "::1", name, f"{name.removesuffix('.local')}.local"]
-    if not is_loopback(host):
-        hosts += [host, *own_addresses()]
-    addresses = {name: parse_address(name) for name in hosts if name}
-    return [name for name, address in addresses.items() if address is None or not address.is_unspecified]
