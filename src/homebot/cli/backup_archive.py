@@ -126,14 +126,10 @@ def _read_manifest(source: Path, tar: tarfile.TarFile) -> Manifest:
         where = ".".join(map(str, exc.errors()[0]["loc"]))
         raise UsageError(f"{source}: {_MANIFEST}: {where}: {exc.errors()[0]['msg']}") from None
     for name in manifest.files:
-        if _is_outside(name):
+        is_hidden = any(part.startswith(".") for part in PurePosixPath(name).parts)
+        if is_hidden or "\\" in name or "//" in name or "\0" in name:
             raise UsageError(f"{source}: {name[:200]!r} is outside the backup; nothing was restored")
     return manifest
-
-
-def _is_outside(name: str) -> bool:
-    is_hidden = any(part.startswith(".") for part in PurePosixPath(name).parts)
-    return is_hidden or "\\" in name or "//" in name or "\0" in name
 
 
 def _extract(source: Path, tar: tarfile.TarFile, member: tarfile.TarInfo, into: Path, expected: str) -> None:

@@ -45,7 +45,19 @@ def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: 
         answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type, "is_checked": False}))
         converted = {device.id: convert(device) for device in cast("list[Device]", answer.devices)}
     for _ in range(0 if service_type else _ROUNDS):
-        total = _add_all(door, convert, converted)
+        page = find_devices(door, "", _PAGE)
+        total, offset = page.total, 0
+        with progress("devices", total if total > _PAGE else 0) as show:
+            while page.results:
+                offset += _PAGE
+                following = _begin_query(door, "", _PAGE, offset) if offset < total else None
+                for result in page.results:
+                    converted[result.device.id] = convert(result.device)
+                show(len(converted))
+                if following is None:
+                    break
+                page = following()
+                total = page.total
         if len(converted) >= total:
             break
     return [converted[device_id] for device_id in sorted(converted)]
@@ -174,24 +186,6 @@ def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:
 def house_time(door: DoorClient) -> float:
     """Return homebot's current time, in seconds since 1970."""
     return to_seconds(cast("Time", JsonMessage(door.call("/rosapi/get_time")).time))
-
-
-def _add_all(door: DoorClient, convert: Callable[[Device], T], found: dict[str, T]) -> int:
-    """Add all devices to *found*, and return their number; the next page is fetched while one is converted."""
-    page = find_devices(door, "", _PAGE)
-    total, offset = page.total, 0
-    with progress("devices", total if total > _PAGE else 0) as show:
-        while page.results:
-            offset += _PAGE
-            following = _begin_query(door, "", _PAGE, offset) if offset < total else None
-            for result in page.results:
-                found[result.device.id] = convert(result.device)
-            show(len(found))
-            if following is None:
-                break
-            page = following()
-            total = page.total
-    return total
 
 
 def _begin_query(

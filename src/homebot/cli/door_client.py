@@ -74,21 +74,17 @@ def with_client(options: argparse.Namespace, command: ClientCommand) -> int:
     """
     address = server_of(options)
     with open_door(address) as door:
-        _check_home(door, address)
+        if address.home and door.home and door.home != address.home:
+            raise UsageError(
+                f"{DEFAULT_CONFIG} is for the home {address.home!r}, but the homebot on {door.where} serves "
+                f"{door.home!r}; give the address with --door, or restart homebot if you changed the name"
+            )
         if options.acts and door.home and sys.stderr.isatty():
             print(f"in {door.home} on {door.where}", file=sys.stderr)
         try:
             return command(door, options)
         except KeyError as exc:  # answers are not validated by a model
             raise WireError(f"homebot answered without the field {exc}; is it of another version?") from exc
-
-
-def _check_home(door: DoorClient, address: ServerAddress) -> None:
-    if address.home and door.home and door.home != address.home:
-        problem = (
-            f"{DEFAULT_CONFIG} is for the home {address.home!r}, but the homebot on {door.where} serves {door.home!r}"
-        )
-        raise UsageError(f"{problem}; give the address with --door, or restart homebot if you changed the name")
 
 
 @contextmanager
@@ -187,7 +183,9 @@ class DoorClient:
 
         def response() -> dict[str, object]:
             try:
-                answer = self._answer(identifier, deadline)
+                while identifier not in self._answers:
+                    self._read(deadline)
+                answer = self._answers.pop(identifier)
             except TimeoutError:
                 raise ServiceTimeoutError(service, timeout) from None
             values = answer.get("values")
@@ -294,11 +292,6 @@ class DoorClient:
                 deadline = time.monotonic() + _CLOSE_TIMEOUT
                 while not self._is_in(State.CLOSED):
                     self._receive(deadline)
-
-    def _answer(self, identifier: str, deadline: float) -> dict[str, object]:
-        while identifier not in self._answers:
-            self._read(deadline)
-        return self._answers.pop(identifier)
 
     def _read(self, deadline: float | None) -> None:
         """Read one frame; topic messages and answers are stored, a refusal is raised."""

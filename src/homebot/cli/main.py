@@ -188,7 +188,9 @@ def _run(argv: Sequence[str]) -> int:
         code = command(options)
         sys.stdout.flush()
     except HomebotError as exc:
-        return _fail(exc)
+        others = exc.others if isinstance(exc, ConfigError) else ()
+        print(*(f"homebot: {problem}" for problem in (exc, *others)), sep="\n", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         return 130
     except OSError as exc:  # such as a full disk
@@ -199,12 +201,6 @@ def _run(argv: Sequence[str]) -> int:
         print(f"homebot: {exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", file=sys.stderr)
         return 1
     return code
-
-
-def _fail(error: HomebotError) -> int:
-    others = error.others if isinstance(error, ConfigError) else ()
-    print(*(f"homebot: {problem}" for problem in (error, *others)), sep="\n", file=sys.stderr)
-    return 1
 
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:

@@ -119,7 +119,13 @@ class RobotMap(NamedTuple):
         names = list(points)
         if len(names) > _MAX_ROOMS:
             raise UsageError(f"{len(names):,} rooms are too many; {_MAX_ROOMS} is the limit")
-        rows = self._closed_rows(doors)
+        # with a wall in each door
+        cells = self.cells.copy()
+        for first, last in doors:
+            share = 1 + _BESIDE / (math.dist(first, last) or 1.0)
+            ends = (self._pixel(_between(a, b, share)) for a, b in ((first, last), (last, first)))
+            ImageDraw.Draw(cells).line([*ends], fill=_OCCUPIED)
+        rows = [bytearray(cells.crop((0, row, cells.width, row + 1)).tobytes()) for row in range(cells.height)]
         for number, (name, point) in enumerate(points.items(), _OCCUPIED + 1):
             column, row = self._pixel(point)
             is_inside = 0 <= column < self.cells.width and 0 <= row < self.cells.height
@@ -135,15 +141,6 @@ class RobotMap(NamedTuple):
             if not ring:
                 raise UsageError(f"the free area around {point[0]:g},{point[1]:g} is too small for {name}")
             yield HouseRoom(name, polygons=((ring,),))
-
-    def _closed_rows(self, doors: Iterable[Sequence[Point]]) -> list[bytearray]:
-        """Return the cells by row, with a wall in each door."""
-        cells = self.cells.copy()
-        for first, last in doors:
-            share = 1 + _BESIDE / (math.dist(first, last) or 1.0)
-            ends = (self._pixel(_between(a, b, share)) for a, b in ((first, last), (last, first)))
-            ImageDraw.Draw(cells).line([*ends], fill=_OCCUPIED)
-        return [bytearray(cells.crop((0, row, cells.width, row + 1)).tobytes()) for row in range(cells.height)]
 
     def _in_metres(self, ring: Iterable[tuple[int, int]]) -> list[Point]:
         """Return the corners of cells in metres in the house."""

@@ -135,20 +135,16 @@ def _table(path: Path) -> tuple[TomlTable, str]:
     if not isinstance(table, dict):
         raise ConfigError(str(path), "door", "must be a table, [door]")
     if others := table.keys() - _USUAL:
-        _check_keys(path, sorted(others))
+        # a misspelt ``port`` would lead to another homebot
+        from homebot.runtime.rosbridge_table import RosbridgeTable  # noqa: PLC0415 - few tables need it
+
+        known = RosbridgeTable.model_fields
+        for key in sorted(others):
+            if key not in known:
+                raise ConfigError(str(path), f"door.{key}", unknown_key(key, known))
     home = tables.get("home")
     name = home.get("name") if isinstance(home, dict) else None
     return table, name if isinstance(name, str) else ""
-
-
-def _check_keys(path: Path, keys: list[str]) -> None:
-    """Refuse an unknown key: a misspelt ``port`` would lead to another homebot."""
-    from homebot.runtime.rosbridge_table import RosbridgeTable  # noqa: PLC0415 - few tables need it
-
-    known = RosbridgeTable.model_fields
-    for key in keys:
-        if key not in known:
-            raise ConfigError(str(path), f"door.{key}", unknown_key(key, known))
 
 
 def _address(table: TomlTable) -> tuple[str, int]:

@@ -128,7 +128,8 @@ class Story:
         match result.outcome:
             case "confirmed":
                 seen = f", seen by {printable(result.witness, 40)}" if result.witness else ""
-                cause = self._cause(asked)
+                reason = trigger_text(asked.trigger, self._names).replace(" reported ", " ")
+                cause = f"{issuer_text(asked.issuer)}{': ' if reason else ''}{reason}"
                 words = f"{wanted} in {result.latency * 1000:.0f} ms{seen} · {cause}"
                 self._add(entry, "✓", words, "green", f"{wanted} {cause}")
             case "refused":
@@ -138,10 +139,6 @@ class Story:
                 self._add(entry, "!", f"says {wanted}, but {printable(result.saw)}: not believed", "bold red")
             case _:
                 self._add(entry, "!", f"should be {wanted}: {printable(result.text)}", "red")
-
-    def _cause(self, asked: JournalEntry) -> str:
-        cause = trigger_text(asked.trigger, self._names).replace(" reported ", " ")
-        return f"{issuer_text(asked.issuer)}{': ' if cause else ''}{cause}"
 
     def _add(self, entry: JournalEntry, sign: str, words: str, style: str, key: str = "") -> None:
         self._append(sign, name_text(entry.device, self._names, entry.part), words, style, to_seconds(entry.at), key)

@@ -72,7 +72,23 @@ def add_options_of_commands(parser: argparse.ArgumentParser) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    request = _request(options)
+    given = {"level": options.level, "color_temperature": options.kelvin, "color": options.color}
+    values = {name: value for name, value in given.items() if value is not None}
+    command = options.word
+    if command.lstrip("+-")[:1].isdecimal() or command in {"arm", "brighter", "darker"}:  # perhaps with a unit
+        command = " ".join([command, *options.values])
+    elif options.values:
+        values[command] = " ".join(options.values)
+    if command in values:
+        command = "set"
+    request = {
+        "target": options.target,
+        "command": command,
+        "values": [{"key": name, "value": value} for name, value in values.items()],
+        "transition": options.transition,
+        "override": options.override,
+        "code": getpass.getpass("code: ") if options.ask_code else "",
+    }
     return with_client(options, lambda door, _: command_house(door, options, COMMAND_DEVICES, request))
 
 
@@ -84,26 +100,6 @@ def command_house(door: DoorClient, options: argparse.Namespace, service: str, r
     else:
         _print_outcomes(answer, printable(door.home))
     return 0 if answer.success else 1
-
-
-def _request(options: argparse.Namespace) -> dict[str, object]:
-    given = {"level": options.level, "color_temperature": options.kelvin, "color": options.color}
-    values = {name: value for name, value in given.items() if value is not None}
-    command = options.word
-    if command.lstrip("+-")[:1].isdecimal() or command in {"arm", "brighter", "darker"}:  # perhaps with a unit
-        command = " ".join([command, *options.values])
-    elif options.values:
-        values[command] = " ".join(options.values)
-    if command in values:
-        command = "set"
-    return {
-        "target": options.target,
-        "command": command,
-        "values": [{"key": name, "value": value} for name, value in values.items()],
-        "transition": options.transition,
-        "override": options.override,
-        "code": getpass.getpass("code: ") if options.ask_code else "",
-    }
 
 
 def _print_outcomes(answer: CommandDevicesResponse, home: str) -> None:

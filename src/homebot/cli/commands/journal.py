@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import TYPE_CHECKING, Never, cast
+from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import duration, whole
 from homebot.cli.device_queries import house_time, named_device
@@ -60,27 +60,19 @@ def _journal(door: DoorClient, options: argparse.Namespace) -> int:
     for entry in response.entries:
         printer.print(entry)
     if options.follow:
-        _follow(door, client, printer, device, options.command_id)
+        while True:
+            new = cast("JournalEntry", JsonMessage(door.next().message))
+            if device in {"", new.device} and options.command_id in {"", new.command}:
+                client.read_name(new.device)
+                client.read_name(new.trigger.device)
+                printer.print(new)
     elif not options.json:
-        _print_missing(response, now, is_filtered=bool(since or device or options.command_id))
+        if not response.entries:
+            is_filtered = since or device or options.command_id
+            print("nothing in the journal fits" if is_filtered else "the journal is empty")
+        elif not response.complete:
+            print(f"… there are older ones; the journal begins {ago(response.begins, now)}; --limit shows more")
     return 0
-
-
-def _print_missing(response: ReadJournalResponse, now: float, *, is_filtered: bool) -> None:
-    if not response.entries:
-        print("nothing in the journal fits" if is_filtered else "the journal is empty")
-    elif not response.complete:
-        print(f"… there are older ones; the journal begins {ago(response.begins, now)}; --limit shows more")
-
-
-def _follow(door: DoorClient, client: JournalClient, printer: _EntryPrinter, device: str, command: str) -> Never:
-    """Print each new entry of *device* and *command*, empty for all, until Ctrl-C."""
-    while True:
-        entry = cast("JournalEntry", JsonMessage(door.next().message))
-        if device in {"", entry.device} and command in {"", entry.command}:
-            client.read_name(entry.device)
-            client.read_name(entry.trigger.device)
-            printer.print(entry)
 
 
 class _EntryPrinter:
@@ -97,11 +89,8 @@ class _EntryPrinter:
         if self._as_json:
             print(json.dumps(entry_json(entry, self._client.names)), flush=True)
         elif not repeats(entry, self._before):
-            print(self._text(entry), flush=True)
+            names = self._client.names
+            text = caused_text(entry, names)
+            name, command = name_text(entry.device, names, entry.part) or _NO_DEVICE, entry.command
+            print(f"{clock_text(entry.at, self._now)}  {name}  {command + '  ' if command else ''}{text}", flush=True)
         self._before = entry
-
-    def _text(self, entry: JournalEntry) -> str:
-        names = self._client.names
-        text = caused_text(entry, names)
-        name, command = name_text(entry.device, names, entry.part) or _NO_DEVICE, entry.command
-        return f"{clock_text(entry.at, self._now)}  {name}  {command + '  ' if command else ''}{text}"

@@ -114,16 +114,12 @@ def _scan(door: DoorClient, options: argparse.Namespace) -> int:
         if text:
             print(f"  {what}: {printable(text)}")
     if options.teach:
-        _teach(door, response, options.gateway)
+        if not (response.device and response.area):
+            raise PeerError("the code does not name both a device and its room")
+        statement = {"device": response.device, "gateway": options.gateway, "room": response.area}
+        answer = cast("TeachPlaceResponse", door.ask(TEACH_PLACE, statement))
+        print(f"{printable(response.device)} is in {printable(answer.room)} now")
     return 0
-
-
-def _teach(door: DoorClient, response: ScanCodeResponse, gateway: str) -> None:
-    if not (response.device and response.area):
-        raise PeerError("the code does not name both a device and its room")
-    request = {"device": response.device, "gateway": gateway, "room": response.area}
-    answer = cast("TeachPlaceResponse", door.ask(TEACH_PLACE, request))
-    print(f"{printable(response.device)} is in {printable(answer.room)} now")
 
 
 def _write(door: DoorClient, options: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ import json
 import sys
 
 from homebot.cli.arguments import add_verb, add_verbs, seconds
-from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import Schema, entities, not_yet, typedefs
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
@@ -67,7 +67,12 @@ def _echo(door: DoorClient, options: argparse.Namespace) -> int:
             return 1
         if schema is None and not options.json:
             schema = _schema(door, options.topic)
-        _show(received, schema, options)
+        if received.lost:
+            print(f"homebot: {received.lost} messages before this one were lost: they came too fast", file=sys.stderr)
+        fields = received.message if options.json or schema is None else schema.readable(received.message)
+        value = _field(fields, options.field) if options.field else fields
+        text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"
+        print(text, end="", flush=True)
         if options.once:
             return 0
 
@@ -76,15 +81,6 @@ def _schema(door: DoorClient, topic: str) -> Schema | None:
     """Return the message type of the topic; None if it does not exist yet."""
     ros_type = str(door.call("/rosapi/topic_type", {"topic": topic})["type"])
     return Schema(typedefs(door, "/rosapi/message_details", ros_type)) if ros_type else None
-
-
-def _show(received: ReceivedMessage, schema: Schema | None, options: argparse.Namespace) -> None:
-    if received.lost:
-        print(f"homebot: {received.lost} messages before this one were lost: they came too fast", file=sys.stderr)
-    fields = received.message if options.json or schema is None else schema.readable(received.message)
-    value = _field(fields, options.field) if options.field else fields
-    text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"
-    print(text, end="", flush=True)
 
 
 def _field(fields: dict[str, object], path: str) -> object:

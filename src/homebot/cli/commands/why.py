@@ -154,40 +154,25 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
         shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
         print(json_text({**shown, "is_so": response.is_so, "asked": chains}))
     else:
-        _print_why_not(door, options, device, client, response)
+        requests, now = chains_of(response.entries), house_time(door)
+        _print_state(device)
+        if response.is_so:
+            print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
+        if requests:
+            most = 1 if response.is_so else _MAX_DEVICES
+            times = "once" if len(requests) == 1 else f"{len(requests)} times"
+            print(f"{_wanted(options)} was asked for {times}:")
+            print()
+            print_rows([_row(chain, client, now) for chain in requests[-most:]])
+            if len(requests) > most:
+                print(f"  … the last {most} of {len(requests)}; all: homebot journal {_quoted(device)}")
+            if not response.is_so and was_obeyed(requests[-1]):
+                print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
+        elif not response.is_so:
+            print(_unasked(device, options, response, now))
+        if not response.is_so:
+            _print_lines(_told_by_features("adds_to_why_not", door, device.id))
     return 0
-
-
-def _print_why_not(
-    door: DoorClient,
-    options: argparse.Namespace,
-    device: Device,
-    client: JournalClient,
-    response: ExplainMissingStateResponse,
-) -> None:
-    asked, now = chains_of(response.entries), house_time(door)
-    _print_state(device)
-    if response.is_so:
-        print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
-    if asked:
-        _print_asked(asked, client, options, device, now, 1 if response.is_so else _MAX_DEVICES)
-        if not response.is_so and was_obeyed(asked[-1]):
-            print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
-    elif not response.is_so:
-        print(_unasked(device, options, response, now))
-    if not response.is_so:
-        _print_lines(_told_by_features("adds_to_why_not", door, device.id))
-
-
-def _print_asked(
-    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: Device, now: float, most: int
-) -> None:
-    times = "once" if len(asked) == 1 else f"{len(asked)} times"
-    print(f"{_wanted(options)} was asked for {times}:")
-    print()
-    print_rows([_row(chain, client, now) for chain in asked[-most:]])
-    if len(asked) > most:
-        print(f"  … the last {most} of {len(asked)}; all: homebot journal {_quoted(device)}")
 
 
 def _unasked(device: Device, options: argparse.Namespace, response: ExplainMissingStateResponse, now: float) -> str:
