@@ -126,7 +126,19 @@ class Explanations:
     async def explain_missing(self, request: ExplainMissingStateRequest) -> ExplainMissingStateResponse:
         """Return the commands and the denied requests for *state* of a device."""
         try:
-            return await self._explain_missing(await self._device(request.device), request.state)
+            device = await self._device(request.device)
+            reader, wanted = _JournalReader(self._read), _as_state(request.state)
+            response = await reader.read(device=device.id)
+            asking = [entry for entry in response.entries if entry.kind in _REQUESTS and _asks_for(entry, wanted)]
+            newest = {request.command or number: request for number, request in enumerate(asking)}
+            return ExplainMissingStateResponse(
+                is_so=_is_so(device, wanted),
+                problem=_unknown_state(device, request.state),
+                word=_command_for(device, wanted),
+                entries=tuple([entry for request in newest.values() for entry in await reader.chain(request, 1)]),
+                begins=response.begins,
+                names=tuple(reader.names.values()),
+            )
         except (PeerError, ServiceError) as exc:
             return ExplainMissingStateResponse(success=False, message=str(exc))
 
@@ -168,20 +180,6 @@ class Explanations:
             fights=fights,
             ineffective=self._find_ineffective(device),
             goal=(latest,) if latest is not None and latest.kind == "goal" else (),
-        )
-
-    async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
-        reader, wanted = _JournalReader(self._read), _as_state(state)
-        response = await reader.read(device=device.id)
-        asking = [entry for entry in response.entries if entry.kind in _REQUESTS and _asks_for(entry, wanted)]
-        newest = {request.command or number: request for number, request in enumerate(asking)}
-        return ExplainMissingStateResponse(
-            is_so=_is_so(device, wanted),
-            problem=_unknown_state(device, state),
-            word=_command_for(device, wanted),
-            entries=tuple([entry for request in newest.values() for entry in await reader.chain(request, 1)]),
-            begins=response.begins,
-            names=tuple(reader.names.values()),
         )
 
 

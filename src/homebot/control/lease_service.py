@@ -81,7 +81,12 @@ class LeaseService:
         if not isinstance(target, tuple):
             return LeaseState(held=False, outcome=target)
         device, part = target
-        request = _resolved(request, device, part)
+        # with ids, and with the value that will be sent
+        wanted = request.setting
+        ((capability, value),) = device_settings({wanted.capability: wanted.value.plain()}, part.part).items()
+        trigger = NO_TRIGGER if is_client(request.issuer) else request.trigger  # a client could forge one
+        held = Setting.of(capability, value)
+        request = request.model_copy(update={"device": device.id, "part": part.id, "setting": held, "trigger": trigger})
         key = _key(request)
         holder = LeaseHolder(
             request.by,
@@ -266,15 +271,6 @@ class LeaseService:
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
         self._node.log.info(event, message=f"{target_of(*lease.part)} {text}", device=lease.part[0])
-
-
-def _resolved(request: HoldRequest, device: Device, part: DevicePart) -> HoldRequest:
-    """Return *request* with ids, and with the value that will be sent."""
-    wanted = request.setting
-    ((capability, value),) = device_settings({wanted.capability: wanted.value.plain()}, part.part).items()
-    trigger = NO_TRIGGER if is_client(request.issuer) else request.trigger  # a client could forge one
-    held = Setting.of(capability, value)
-    return request.model_copy(update={"device": device.id, "part": part.id, "setting": held, "trigger": trigger})
 
 
 def _command_of(place: tuple[str, str], held: Setting, issuer: str, holder: LeaseHolder) -> CommandRequest:

@@ -169,7 +169,14 @@ class Timelines:
         entry = self._entries[place] = _TrackedPart(timeline, target, part)
         self._move(entry, device)
         for command in self._in_doubt.pop(place, ()):
-            self._put_back(command, timeline, device, part, before)
+            settings, rights = device_settings(command.settings, part.part), ClientRights()
+            issued = IssuedCommand(command.id, device, part, settings, command.issuer, rights)
+            behind = self._clock.now() - self._clock.monotonic()
+            sent_at = [at - behind for at in command.sent_at]
+            progress = timeline.command(order_of(issued), sent_at[0], last={**issued.values, **before})
+            for at in sent_at:
+                timeline.append(Sent(command.id, settings, at))
+            progress.apply(Decided(command.id, command.ended_at - behind, command.outcome), self._settle)
         timeline.on_news, timeline.on_undone = self.on_news, self.on_undone
         self._follow(entry, part)
         if len(self._entries) > _MAX_PARTS:
@@ -184,24 +191,6 @@ class Timelines:
     def _restore(self, entries: Iterable[JournalEntry]) -> None:
         """Keep the commands of earlier runs that may be obeyed yet until the timelines of their parts begin."""
         self._in_doubt = commands_in_doubt(entries)
-
-    def _put_back(
-        self,
-        earlier: EarlierCommand,
-        timeline: PartTimeline,
-        device: Device,
-        part: DevicePart,
-        before: Mapping[str, PlainValue],
-    ) -> None:
-        """Record in a new *timeline* a command of an earlier run, from which its profile has learnt already."""
-        settings, rights = device_settings(earlier.settings, part.part), ClientRights()
-        command = IssuedCommand(earlier.id, device, part, settings, earlier.issuer, rights)
-        behind = self._clock.now() - self._clock.monotonic()
-        sent_at = [at - behind for at in earlier.sent_at]
-        progress = timeline.command(order_of(command), sent_at[0], last={**command.values, **before})
-        for at in sent_at:
-            timeline.append(Sent(earlier.id, settings, at))
-        progress.apply(Decided(earlier.id, earlier.ended_at - behind, earlier.outcome), self._settle)
 
     def _move(self, entry: _TrackedPart, device: Device) -> None:
         """Let the parts of a *device* be near each other, if it has several, and in the room where it is now."""
