@@ -126,7 +126,9 @@ class TableCodec(Generic[MessageT]):
         if self._event_readers and not retained:
             readers += self._event_readers.get(topic, ())
         if self._wild:
-            readers += self._readers_on_filters(topic, retained=retained)
+            matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
+            tables = (self._readers,) if retained else (self._readers, self._event_readers)
+            readers += tuple(reader for wild in matching for table in tables for reader in table.get(wild, ()))
         if not readers:
             return NO_READINGS
         message = self._parse_payload(payload)
@@ -176,11 +178,6 @@ class TableCodec(Generic[MessageT]):
         codec = _MovedCodec(self._parse_payload, readers, events, self._writers, self._coded_writers, self._joint)
         codec.moved_topics = topics
         return codec
-
-    def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
-        matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
-        tables = (self._readers,) if retained else (self._readers, self._event_readers)
-        return tuple(reader for wild in matching for table in tables for reader in table.get(wild, ()))
 
 
 class _MovedCodec(TableCodec[MessageT]):
