@@ -89,7 +89,13 @@ class CommandSender:
             failures.append(response)
             if not response.unable and (response.problem == "refused" or _is_told_once(device, part, command)):
                 break
-        raise _error(capability, device.id, failures, _approval_hint(device.id, routes[0], part.routes))
+        is_left_out = routes[0].approved and not all(route.approved for route in part.routes)
+        raise _error(
+            capability,
+            device.id,
+            failures,
+            f"; `homebot approve {device.id}` lets another route take it" if is_left_out else "",
+        )
 
     async def refresh(self, part: DevicePart) -> bool:
         """Have a part asked for its values, and a group those of its members; return whether a route can."""
@@ -129,11 +135,6 @@ def _is_told_once(device: Device, part: DevicePart, command: Command) -> bool:
     names = [command.capability, *(setting.capability for setting in command.also)]
     is_undone = is_told_once(part.part.service_type, names)
     return is_undone or bool(command.code or why_it_asks(device, part))
-
-
-def _approval_hint(device: str, first: Route, routes: Iterable[Route]) -> str:
-    is_left_out = first.approved and not all(route.approved for route in routes)
-    return f"; `homebot approve {device}` lets another route take it" if is_left_out else ""
 
 
 def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], hint: str) -> HomebotError:

@@ -251,10 +251,18 @@ class Devices:
             since=since,
             undeclared=(gateway, address) in self._handlers,
         )
-        response = await self._gateway(gateway).call(request)
+        if gateway not in self._gateways:
+            self._gateways[gateway] = self._node.create_client(SubscribeToTopic, GatewayNames(gateway).subscribe)
+        response = await self._gateways[gateway].call(request)
         if not response.success:
             raise RefusedError(f"listening to {address}", response.message)
-        self._subscribe(response.data_topic, response.missed)
+        # no other task has run since the gateway's answer, so nothing is lost or duplicated
+        if response.data_topic not in self._subscriptions:
+            self._subscriptions[response.data_topic] = self._node.create_subscription(
+                RawMessage, response.data_topic, self._dispatch, _INBOX_DEPTH
+            )
+        for message in response.missed:
+            self._subscriptions[response.data_topic].mailbox.put(message)
 
     async def _renew_requests(self, gateway: str) -> None:
         """Ask again, because a restarted gateway has forgotten its subscribers; asking twice is harmless."""
@@ -271,18 +279,6 @@ class Devices:
         except (RefusedError, ServiceError) as exc:
             if self._limit.allows(NOT_HEARD) is not None:
                 self._node.log.warning(NOT_HEARD, message=f"{address} is no longer received: {exc}", address=address)
-
-    def _gateway(self, gateway: str) -> Client[SubscribeToTopicRequest, SubscribeToTopicResponse]:
-        if gateway not in self._gateways:
-            self._gateways[gateway] = self._node.create_client(SubscribeToTopic, GatewayNames(gateway).subscribe)
-        return self._gateways[gateway]
-
-    def _subscribe(self, topic: str, missed: tuple[RawMessage, ...]) -> None:
-        """Subscribe; no other task has run since the gateway's answer, so nothing is lost or duplicated."""
-        if topic not in self._subscriptions:
-            self._subscriptions[topic] = self._node.create_subscription(RawMessage, topic, self._dispatch, _INBOX_DEPTH)
-        for message in missed:
-            self._subscriptions[topic].mailbox.put(message)
 
     def _dispatch(self, message: RawMessage) -> Awaitable[None] | None:
         handlers = self._handlers

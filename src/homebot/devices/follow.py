@@ -223,7 +223,10 @@ class Follow(LiveQuery[DeviceChange]):
                 kind = _kind(change.kind, did_match=did_match, does_match=does_match)
                 self._ready.append(change.model_copy(update={"kind": kind, "device": device or change.device}))
         elif device is not None and did_match != does_match:
-            self._ready.append(_of_values(change, device, does_match=does_match))
+            values = ", ".join(f"its {reading.capability} is {reading.value.plain()}" for reading in change.readings)
+            what: ChangeKind = "appeared" if does_match else "removed"
+            why = f"{values} now" if does_match else NO_LONGER
+            self._ready.append(DeviceChange(kind=what, device=device, sequence=change.sequence, why=why))
 
     def _device_now(self, view: HouseView, device_id: str) -> Device | None:
         if (known := view.get(device_id)) is None:
@@ -241,10 +244,3 @@ def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:
     if not did_match:
         return "appeared"
     return "changed" if kind == "appeared" else kind
-
-
-def _of_values(change: StateChange, device: Device, *, does_match: bool) -> DeviceChange:
-    values = ", ".join(f"its {reading.capability} is {reading.value.plain()}" for reading in change.readings)
-    kind: ChangeKind = "appeared" if does_match else "removed"
-    why = f"{values} now" if does_match else NO_LONGER
-    return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)

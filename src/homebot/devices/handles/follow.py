@@ -173,7 +173,13 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT, Condition
         if change.kind == "changed":
             self._keep_replaced(change.device.id)
         if self._early_events:
-            self._add_early(change.device.id)
+            waiting, now = tuple(self._early_events), self._clock.monotonic()
+            self._early_events.clear()
+            for at, early in waiting:
+                if early.device != change.device.id:
+                    self._early_events.append((at, early))
+                elif now - at <= _EARLY:
+                    self._add_event(early)
 
     def on_values(self, change: StateChange) -> None:
         """Record that the values of a device changed."""
@@ -199,15 +205,6 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT, Condition
             self.events_lost += 1
         self._events.append(change)
         self._news.set()
-
-    def _add_early(self, device_id: str) -> None:
-        waiting, now = tuple(self._early_events), self._clock.monotonic()
-        self._early_events.clear()
-        for at, change in waiting:
-            if change.device != device_id:
-                self._early_events.append((at, change))
-            elif now - at <= _EARLY:
-                self._add_event(change)
 
     def _next_change(self) -> DeviceChange | StateChange | None:
         return super()._next_change() or (self._events.popleft() if self._events else None)

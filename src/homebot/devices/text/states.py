@@ -97,7 +97,10 @@ class TextDecoder:
                     for value, text in enumerate(CAPABILITIES.get(name, OWN).texts):
                         self._texts.setdefault(text.encode(), self._values(name, bool(value)))
                 case "text":
-                    self._learn_texts(name, capability.options or CAPABILITIES[name].options)
+                    options = capability.options or CAPABILITIES[name].options
+                    for option in options:
+                        self._texts.setdefault(option.encode(errors="replace"), self._values(name, option))
+                    self._text_capability = self._text_capability or ("" if options else name)
                 case "number":
                     self._learn_number(name, capability)
 
@@ -128,11 +131,6 @@ class TextDecoder:
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
                 return self._values("color_temperature", number)
         return None
-
-    def _learn_texts(self, name: str, options: tuple[str, ...]) -> None:
-        for text in options:
-            self._texts.setdefault(text.encode(errors="replace"), self._values(name, text))
-        self._text_capability = self._text_capability or ("" if options else name)
 
     def _learn_number(self, name: str, capability: Capability) -> None:
         low, high = bounds_of(capability)
