@@ -1,4 +1,4 @@
-"""Alerts: tells people what is wrong in the house, once for each cause, when it is over, and what a program asks."""
+"""Alerts: tells people of a fault in the house, once for each cause, of its end, and of a question of a program."""
 
 import math
 from collections.abc import Container, Iterable, Mapping

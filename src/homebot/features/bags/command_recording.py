@@ -23,7 +23,7 @@ from homebot.support.name_patterns import fits_any
 
 if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails
-    from homebot.cli.door_client import DoorClient, ReceivedMessage
+    from homebot.cli.door_client import DoorClient
 
 _LOOK_EVERY: Final = 0.25
 """Seconds between two looks for new topics."""
@@ -72,7 +72,10 @@ class _Recorder:
             print(not_yet(self._door, " ".join(self._wanted)), file=sys.stderr)
         while not stopped and not self._bag.error and (left := ends - time.monotonic()) > 0:
             for received in self._door.until(min(_LOOK_EVERY, left)):
-                self._put(received)
+                self.lost += received.lost
+                fields: Mapping[str, Any] = received.message
+                at = fields["secs"] * 1_000_000_000 + fields["nsecs"]
+                self._bag.put(without_raw_secrets(BagMessage(self.topics[received.topic], at, fields["bytes"])))
             self._follow_new_topics()
 
     def _follow_new_topics(self) -> None:
@@ -92,9 +95,3 @@ class _Recorder:
 
     def _is_wanted(self, end: EndpointDetails) -> bool:
         return not is_hidden(end) and fits_any(end.name, self._wanted) and not fits_any(end.name, self._unwanted)
-
-    def _put(self, received: ReceivedMessage) -> None:
-        self.lost += received.lost
-        fields: Mapping[str, Any] = received.message
-        at = fields["secs"] * 1_000_000_000 + fields["nsecs"]
-        self._bag.put(without_raw_secrets(BagMessage(self.topics[received.topic], at, fields["bytes"])))

@@ -138,7 +138,17 @@ class AchieveServer:
         async def show(feedback: AchieveFeedback) -> None:
             on_plan(feedback)
             if achievement in self._under_way:
-                await self._save_run(run, achievement, request.issuer)
+                before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
+                done = [
+                    f"after {step.text}: {step.outcome[:_MAX_CHARACTERS]}" for step in achievement.steps if step.outcome
+                ]
+                self._kept[run] = {
+                    "goal": self._under_way[achievement],
+                    "issuer": request.issuer,
+                    "how_far": done[-1] if done else before["how_far"],
+                    "devices": sorted(achievement.devices.union(before["devices"]))[:_MAX_DEVICES],
+                }
+                await self._flush()
 
         achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, show, self._record)
         try:
@@ -150,17 +160,6 @@ class AchieveServer:
         if self._kept.pop(run, None) is not None:
             await self._flush()
         return answer
-
-    async def _save_run(self, run: str, achievement: Achievement, issuer: str) -> None:
-        before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
-        done = [f"after {step.text}: {step.outcome[:_MAX_CHARACTERS]}" for step in achievement.steps if step.outcome]
-        self._kept[run] = {
-            "goal": self._under_way[achievement],
-            "issuer": issuer,
-            "how_far": done[-1] if done else before["how_far"],
-            "devices": sorted(achievement.devices.union(before["devices"]))[:_MAX_DEVICES],
-        }
-        await self._flush()
 
 
 def start(node: Node, house: FeatureContext) -> AchieveServer:

@@ -18,7 +18,7 @@ from homebot.features.goals.house_snapshot import Assumed, HouseReader, HouseSna
 from homebot.features.goals.meanings import ParsedGoal, parse_goal
 from homebot.features.goals.messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
 from homebot.features.goals.obstacles import why_not
-from homebot.features.goals.operators import GoalProblem, Operator, PlanStep
+from homebot.features.goals.operators import GoalProblem, PlanStep
 from homebot.features.goals.planner import find_plan
 from homebot.features.goals.problem_builder import GoalClient, Preview, build_problem
 from homebot.messages import Time
@@ -96,7 +96,15 @@ class Achievement:
             operators = await find_plan(problem)
             if operators is None or (problem.missing and not operators):
                 return self._answer(f"cannot be reached: {why_not(problem)}")
-            moves = _merged(operators)
+            moves: list[Move] = []
+            for operator in operators:
+                if operator.step is None:
+                    continue
+                is_drive = operator.step.kind == "drive"
+                needs = operator.needs - operator.takes if is_drive else operator.needs
+                if is_drive and moves and moves[-1].step.place == operator.step.place:
+                    needs |= moves.pop().needs
+                moves.append(Move(operator.step, needs, operator.gives if operator.is_unseen else frozenset()))
             if self._request.is_dry_run:
                 self.claim(moves)
             elif against := await self._fight(moves):
@@ -260,17 +268,3 @@ class Move:
     step: PlanStep
     needs: frozenset[str]
     unseen: frozenset[str] = frozenset()
-
-
-def _merged(operators: Sequence[Operator]) -> list[Move]:
-    """Return the steps of a plan, with one drive for several rooms in a row."""
-    moves: list[Move] = []
-    for operator in operators:
-        if operator.step is None:
-            continue
-        is_drive = operator.step.kind == "drive"
-        needs = operator.needs - operator.takes if is_drive else operator.needs
-        if is_drive and moves and moves[-1].step.place == operator.step.place:
-            needs |= moves.pop().needs
-        moves.append(Move(operator.step, needs, operator.gives if operator.is_unseen else frozenset()))
-    return moves

@@ -19,7 +19,7 @@ from homebot.features.habits import DECIDE_HABIT, SUGGEST_HABITS
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.features.habits.messages import HabitOccasion, HabitProposal, SuggestHabitsResponse
+    from homebot.features.habits.messages import HabitOccasion, SuggestHabitsResponse
 
 _EXAMPLES: Final = """\
   homebot suggest                     what people did again and again in the last 28 days, as routines
@@ -56,7 +56,10 @@ def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
         print(list_text([json_text(fields_of(proposal)) for proposal in answer.proposals]))
         return 0
     for number, proposal in enumerate(answer.proposals, 1):
-        _print(number, proposal)
+        print_line(f"{number:>2}  {printable(proposal.name)}")
+        if proposal.conditions:
+            print_line(f"     if {printable(' and '.join(proposal.conditions))}")
+        print_line(f"     {printable(proposal.proof, 500)}")
         for occasion in proposal.occasions if options.each else ():
             print_line(f"     {_occasion(occasion, answer)}")
     if not answer.proposals:
@@ -66,13 +69,6 @@ def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
     if answer.unnamed:
         print(f"left out: {answer.unnamed} devices without a name of their own; `homebot alias` gives one")
     return 0
-
-
-def _print(number: int, proposal: HabitProposal) -> None:
-    print_line(f"{number:>2}  {printable(proposal.name)}")
-    if proposal.conditions:
-        print_line(f"     if {printable(' and '.join(proposal.conditions))}")
-    print_line(f"     {printable(proposal.proof, 500)}")
 
 
 def _occasion(occasion: HabitOccasion, answer: SuggestHabitsResponse) -> str:

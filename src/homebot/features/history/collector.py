@@ -14,7 +14,7 @@ from homebot.features.history.sealing import MASK
 
 if TYPE_CHECKING:
     from homebot.clock import Clock
-    from homebot.devices.device import Device, DeviceChange, StateChange
+    from homebot.devices.device import DeviceChange, StateChange
     from homebot.devices.value import PlainValue
 
 MAX_WAITING: Final = 100_000
@@ -96,7 +96,13 @@ class Collector(HouseWatcher):
             for collected in self._followed.get(device.id, {}).values():
                 self._end(collected, now)
         else:
-            self._begin_device(device)
+            known, at = self._followed.get(device.id, {}), self._now()
+            for state in device.states:
+                followed = known.get((state.part, state.capability))
+                if followed is None or followed.value is None:
+                    value = state.value.plain()
+                    if state.live or not isinstance(value, float):
+                        self._record(device.id, state.part, state.capability, value, at)
 
     def on_values(self, change: StateChange) -> None:
         """Collect new values of a device."""
@@ -148,15 +154,6 @@ class Collector(HouseWatcher):
             for collected in followed.values():
                 if collected.opened_at and not isinstance(collected.value, float | None):
                     self.batch.states[collected.opened_at, collected.series.number] = StateRow(None, collected.value)
-
-    def _begin_device(self, device: Device) -> None:
-        known, now = self._followed.get(device.id, {}), self._now()
-        for state in device.states:
-            followed = known.get((state.part, state.capability))
-            if followed is None or followed.value is None:
-                value = state.value.plain()
-                if state.live or not isinstance(value, float):
-                    self._record(device.id, state.part, state.capability, value, now)
 
     def _end(self, followed: _CollectedValue, at: int) -> None:
         if followed.opened_at:

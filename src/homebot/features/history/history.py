@@ -68,7 +68,10 @@ class HistoryKeeper:
         create(ReadEnergy, READ_ENERGY.name, self._service.energy, concurrent=True)
         create(GetHealth, "~/health", self.health)
         try:
-            await self._open()
+            while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back
+                await anyio.sleep(math.inf if self._store.kept.is_unusable else _LOOK_EVERY)
+            self._collector = Collector(self._clock, self._settings.series, stored.series, stored.last)
+            self._store.file.write_rest = partial(self._store.write, self._collector)
             self._service.collector = self._collector
             house = HouseView.of(self._node)
             house.add(self._collector)
@@ -93,12 +96,6 @@ class HistoryKeeper:
         losses = {"history_lost": collector.lost, "history_failures": file.failures}
         counted = (*Count.each(counts), *Count.each(losses, Severity.LOSS))
         return HealthResponse(counts=counted, troubles=(file.trouble,) if file.trouble else ())
-
-    async def _open(self) -> None:
-        while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back
-            await anyio.sleep(math.inf if self._store.kept.is_unusable else _LOOK_EVERY)
-        self._collector = Collector(self._clock, self._settings.series, stored.series, stored.last)
-        self._store.file.write_rest = partial(self._store.write, self._collector)
 
     async def _write_batches(self) -> None:
         batch, clock, collector = self._settings.batch, self._clock, self._collector

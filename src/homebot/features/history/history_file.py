@@ -6,7 +6,7 @@ an hour.
 
 import sqlite3
 from array import array
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Final, NamedTuple, TypeVar, final
@@ -126,7 +126,9 @@ class HistoryFile(SqliteFile):
         try:
             with self._used("written") as connection:
                 with connection:
-                    self._write_series(batch.new)
+                    new = [(series.number, *series.place, series.unit) for series in batch.new]
+                    connection.executemany("INSERT OR IGNORE INTO series VALUES (?, ?, ?, ?, ?)", new)
+                    self._counters.update(series.number for series in batch.new if series.place[2] in COUNTERS)
                     rows = [(key_of(at, series), row.until, row.value) for (at, series), row in batch.states.items()]
                     connection.executemany(_UPSERT_STATE, rows)
                     is_over = self._write_values(batch, now)
@@ -146,11 +148,6 @@ class HistoryFile(SqliteFile):
         with self._used("written") as connection, connection:
             count = correct(connection, correction, is_counter=correction.series in self._counters)
             return count, self._last_of_counters().get(correction.series)
-
-    def _write_series(self, new: Iterable[Series]) -> None:
-        rows = [(series.number, *series.place, series.unit) for series in new]
-        self._opened().executemany("INSERT OR IGNORE INTO series VALUES (?, ?, ?, ?, ?)", rows)
-        self._counters.update(series.number for series in new if series.place[2] in COUNTERS)
 
     def _write_values(self, batch: Batch, now: int) -> bool:
         """Write the values of this hour, and seal earlier ones; return whether a day is over."""

@@ -100,7 +100,11 @@ class HistoryService:
         if self.collector is None:
             return ReadEnergyResponse(success=False, message=self._store.kept.problem or _NOT_YET)
         since, until = self._bounds(request.since, request.until, 6 * _DAY)
-        span = Span(round(self._midnight(since) * 1000), round(until * 1000), 1)
+        local = datetime.fromtimestamp(since, self._zone)
+        midnight = local.replace(hour=0, minute=0, second=0, microsecond=0, fold=0)
+        if midnight.timestamp() > since:  # the clocks were set back to midnight
+            midnight -= timedelta(days=1)
+        span = Span(round(midnight.timestamp() * 1000), round(until * 1000), 1)
         try:
             matches = await self._series(self.collector, request.device, request.query)
             counters = [counter for counter in matches.series if counter.place[2] in COUNTERS]
@@ -140,14 +144,6 @@ class HistoryService:
     def _bounds(self, since: Time, until: Time, length: float) -> tuple[float, float]:
         end = until.to_seconds() or self._clock.now()
         return since.to_seconds() or end - length, end
-
-    def _midnight(self, at: float) -> float:
-        """Return the start of the day in the home's time zone, in seconds since the Unix epoch."""
-        local = datetime.fromtimestamp(at, self._zone)
-        midnight = local.replace(hour=0, minute=0, second=0, microsecond=0, fold=0)
-        if midnight.timestamp() > at:  # the clocks were set back to midnight
-            midnight -= timedelta(days=1)
-        return midnight.timestamp()
 
     async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _FoundSeries:
         """Return the series of the devices that fit, main values first unless others are named."""

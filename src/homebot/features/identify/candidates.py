@@ -138,16 +138,13 @@ async def find_candidates(
                 candidates.append(candidate)
             else:
                 left_out.append(KeyValue(key=part_name(device, part), value=problem))
-    _check_count(len(candidates), left_out, goal)
-    return candidates, tuple(left_out)
-
-
-def _check_count(count: int, left_out: list[KeyValue], goal: IdentifyDeviceGoal) -> None:
+    count = len(candidates)
     if count == 0:
         reasons = "; ".join(f"{item.key}: {item.value}" for item in left_out[:_MAX_NAMED])
         raise UsageError(f"nothing of {goal.candidates!r} can be identified; {reasons}")
     if count > MAX_CANDIDATES:
         raise UsageError(f"{count} parts fit {goal.candidates!r}; at most {MAX_CANDIDATES} can be told apart")
+    return candidates, tuple(left_out)
 
 
 async def _rooms_asleep(lookup: DeviceLookup) -> set[str]:

@@ -143,7 +143,7 @@ class Identification:
                     at=self._last_at - self._began, value=seen.value, deviation=seen.variance**0.5, levels=seen.levels
                 )
             )
-            self._publish()
+            self._on_look(IdentifyDeviceFeedback(look=self.looks[-1], none=self.none, candidates=self.states()))
             if self._clock.monotonic() >= self._began + self._goal.seconds:
                 break
         is_sure, index = inquiry.is_sure, inquiry.found
@@ -303,6 +303,3 @@ class Identification:
             deviation=deviation,
             problem=candidate.problem,
         )
-
-    def _publish(self) -> None:
-        self._on_look(IdentifyDeviceFeedback(look=self.looks[-1], none=self.none, candidates=self.states()))

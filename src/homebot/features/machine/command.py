@@ -90,16 +90,16 @@ def _invite(config: Path, machine: str) -> None:
     table = f'[gateways.{machine}]\nclass = "homebot"\ntoken_file = {json.dumps(token_file.name)}\n'
     secret = secrets.token_urlsafe(32)
     add_secret_table(config, table, token_file, secret, lambda _: None, creates=False)
-    code = _Code(home=plan.home, machine=machine, secret=secret, certificate=_certificate(plan.link.cert_file))
+    text = "" if plan.link.cert_file is None else plan.link.cert_file.read_text(encoding="ascii")
+    code = _Code(
+        home=plan.home,
+        machine=machine,
+        secret=secret,
+        certificate="".join(re.findall(r"-----BEGIN CERTIFICATE-----.*?-----END CERTIFICATE-----\n?", text, re.DOTALL)),
+    )
     print(f"{config} has the gateway {machine} now; restart homebot. On {machine}, run")
     print(f"\n  homebot join {plan.link.listen}\n\nwith the address of this computer, and enter this secret code:")
     print(f"\n{code.text}\n")
-
-
-def _certificate(cert_file: Path | None) -> str:
-    """Return the certificate in *cert_file*, without a key that may be in it too."""
-    text = "" if cert_file is None else cert_file.read_text(encoding="ascii")
-    return "".join(re.findall(r"-----BEGIN CERTIFICATE-----.*?-----END CERTIFICATE-----\n?", text, re.DOTALL))
 
 
 def _accept(config: Path, address: str, code: _Code) -> None:

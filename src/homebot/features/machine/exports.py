@@ -107,7 +107,11 @@ class _GatewayExport:
         self._follower, self._number = asked.follower, self._number + 1
         number = self._number
         if is_whole:
-            whole = {**self._waiting.begin(), "services": self._services()}
+            endpoints = self._node.graph.get_endpoints(kind=EntityKind.SERVICE, node=self._names.node)
+            whole = {
+                **self._waiting.begin(),
+                "services": tuple(endpoint.name.rpartition("/")[2] for endpoint in endpoints),
+            }
         elif not self._waiting:
             self._news = anyio.Event()
             with anyio.move_on_after(MAX_QUIET):
@@ -158,10 +162,6 @@ class _GatewayExport:
         if isinstance(response, SubscribeToTopicResponse) and response.success:
             self._waiting.listen(response.data_topic)
         return message_to_cdr(response)
-
-    def _services(self) -> tuple[str, ...]:
-        endpoints = self._node.graph.get_endpoints(kind=EntityKind.SERVICE, node=self._names.node)
-        return tuple(endpoint.name.rpartition("/")[2] for endpoint in endpoints)
 
     def _wake(self) -> None:
         self._news.set()

@@ -98,7 +98,14 @@ def _replay(options: argparse.Namespace) -> int:
             )
         return 0
     diff = command_diff(recording.commands, replayed.commands, replayed.issuers, recording.ends_at)
-    _print_diff(diff, start, names, as_json=options.json)
+    for difference in diff.different:
+        print(
+            json.dumps(_difference_json(difference, start, names))
+            if options.json
+            else difference_text(difference, start, names)
+        )
+    if not options.json:
+        print(_summary_text(diff))
     return 1 if diff.different else 0
 
 
@@ -111,17 +118,6 @@ def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
     if recording.end or not recording.is_whole:
         why = recording.end or "homebot or the recorder stopped before its end"
         print(f"homebot: the recording ends early: {why}", file=sys.stderr)
-
-
-def _print_diff(diff: CommandDiff, start: float, names: Mapping[str, str], *, as_json: bool) -> None:
-    for difference in diff.different:
-        print(
-            json.dumps(_difference_json(difference, start, names))
-            if as_json
-            else difference_text(difference, start, names)
-        )
-    if not as_json:
-        print(_summary_text(diff))
 
 
 def _summary_text(diff: CommandDiff) -> str:
