@@ -191,7 +191,9 @@ class BleGateway(Gateway):
             for value in values:
                 await self.devices.report(key, {value.capability: value.value}, value.part)
         if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
-            await self._report_signal(device, now)
+            device.reported_at = now
+            for part, signal in device.signal_values(self._settings.rssi_at_1m, now).items():
+                await self.devices.report(device.key, signal, part)
 
     def _sender_of(self, advertisement: Advertisement, broadcast: Broadcast | None, now: float) -> KnownDevice | None:
         before = self._keys.get(advertisement.address, advertisement.address)
@@ -202,11 +204,6 @@ class BleGateway(Gateway):
         if device is not None and self._keys.get(device.address) == key:
             del self._keys[device.address]  # a beacon may have another address now
         return device
-
-    async def _report_signal(self, device: KnownDevice, now: float) -> None:
-        device.reported_at = now
-        for part, values in device.signal_values(self._settings.rssi_at_1m, now).items():
-            await self.devices.report(device.key, values, part)
 
     def _admit(
         self, key: str, advertisement: Advertisement, broadcast: Broadcast | None, now: float

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
-from homebot.conventions.description import Availability
+from homebot.conventions.description import Availability, TextEndpoint
 from homebot.conventions.text_codec import TextCodec
 from homebot.devices.part import CommandDescription
 from homebot.errors import WireError
@@ -231,12 +231,7 @@ class AnnouncementRegistry(DeviceRegistry):
         for part in stored.parts.values():
             self._forget_routes(*self.commands.add(part))
         if stored.described.text is not None:
-            text = stored.described.text  # the filters of its convention already cover its messages
-            for announced_part in stored.parts.values():
-                self._texts[text.address] = announced_part
-                if isinstance(announced_part.described.codec, TextCodec):
-                    self.codecs[text.command_address] = announced_part.described.codec
-            self._forget_routes(text.address)
+            self._register_text(stored, stored.described.text)
         return tuple(refused), tuple(replayed)
 
     def _shared_reachability(
@@ -261,14 +256,6 @@ class AnnouncementRegistry(DeviceRegistry):
                     replayed.append((topic_filter, reader))
         return shared
 
-    def _leave_reachability(self, stored: StoredAnnouncement) -> None:
-        for part, shared in stored.reachability.items():
-            shared.members.remove((stored, part))
-            if not shared.members:
-                del self._shared[_shared_key(stored, shared.availability)]
-                for topic_filter, reader in shared.subscriptions:
-                    self._remove_reader(topic_filter, reader)
-
     def _add_reader(
         self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader, refused: list[WireError]
     ) -> bool:
@@ -287,6 +274,14 @@ class AnnouncementRegistry(DeviceRegistry):
         self._readers.remove(topic_filter, reader)
         self._forget_routes(topic_filter)
 
+    def _register_text(self, stored: StoredAnnouncement, text: TextEndpoint) -> None:
+        """Register a text device; the filters of its convention already cover its messages."""
+        for announced_part in stored.parts.values():
+            self._texts[text.address] = announced_part
+            if isinstance(announced_part.described.codec, TextCodec):
+                self.codecs[text.command_address] = announced_part.described.codec
+        self._forget_routes(text.address)
+
     def _leave(self, stored: StoredAnnouncement) -> None:
         for part in stored.parts.values():
             self._forget_routes(*self.commands.remove(part))
@@ -297,7 +292,12 @@ class AnnouncementRegistry(DeviceRegistry):
             del self._texts[text.address]
             self.codecs.pop(text.command_address, None)
             self._forget_routes(text.address)
-        self._leave_reachability(stored)
+        for part_id, shared in stored.reachability.items():
+            shared.members.remove((stored, part_id))
+            if not shared.members:
+                del self._shared[_shared_key(stored, shared.availability)]
+                for state_filter, reader in shared.subscriptions:
+                    self._remove_reader(state_filter, reader)
 
     def _forget_routes(self, *topic_filters: str) -> None:
         for topic_filter in topic_filters:

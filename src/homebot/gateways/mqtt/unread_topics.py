@@ -23,7 +23,11 @@ def unread_notes(
     """
     programs = {_OWN, *(topic_filter.partition("/")[0] for topic_filter in announced)}
     levels = {level for topic in used for level in _levels(topic)}
-    groups = _unread_groups(counts, is_read, levels, programs)
+    groups: Counter[str] = Counter()
+    for topic, count in counts.items():
+        first, second = _levels(topic)
+        if first not in programs and second not in levels and not is_read(topic):
+            groups[second if first in levels else first] += count  # of two levels if others are used below the first
     busy = [(group, count) for group, count in groups.most_common() if count >= _BUSY]
     if busy:
         shown = ", ".join(f"{group[:100]} ({count})" for group, count in busy[:_MAX_SHOWN])
@@ -32,18 +36,6 @@ def unread_notes(
             f"nothing here reads the topics that begin with {shown}{more}, counted for a minute: programs publish "
             "there that announce no devices, or under a prefix that is not configured (docs/conventions.md)"
         )
-
-
-def _unread_groups(
-    counts: Mapping[str, int], is_read: Callable[[str], object], levels: set[str], programs: set[str]
-) -> Counter[str]:
-    """Return the counts of unread topics by their first level, or the first two if others below the first are used."""
-    groups: Counter[str] = Counter()
-    for topic, count in counts.items():
-        first, second = _levels(topic)
-        if first not in programs and second not in levels and not is_read(topic):
-            groups[second if first in levels else first] += count
-    return groups
 
 
 def _levels(topic: str) -> tuple[str, str]:

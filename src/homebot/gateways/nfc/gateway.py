@@ -187,7 +187,27 @@ class NfcGateway(Gateway):
         if seen.uid:
             self.at_reader[seen.uid] = seen
             pointed = await self.finder.find(pointer)
-            await self._publish(seen, pointer, pointed)
+            is_random = len(seen.uid) == _RANDOM_UID and seen.uid.startswith("08")
+            if seen.uid in self._settings.tags or not (is_random or pointer.problems):
+                self.devices.put(self._described(seen, pointer, pointed), f"it was held to {clean_text(seen.reader)}")
+                await self.devices.deliver_raw(seen.uid, seen.content.message if seen.content else b"")
+                await self.devices.report(seen.uid, {"connectivity": True})
+                await self.devices.report(seen.uid, {"scan": seen.uid})
+            if pointer.thing is not None and not pointed.devices:
+                self._publish_thing(pointer.thing, seen)
+            self._taps.publish(
+                TagTap(
+                    tag=seen.uid,
+                    reader=seen.reader,
+                    points_to=pointer.text,
+                    device=pointed.id,
+                    candidates=pointed.candidates,
+                    area=pointer.area,
+                    tapped_at=Time.from_seconds(self.node.graph.clock.now()),
+                )
+            )
+            if self._room_tagger is not None and pointed.id:
+                await self._room_tagger.assign_room(seen.uid, pointed.id, pointer.area)
         self._services.show(seen)
 
     def read(self, seen: TagSeen) -> Pointer:
@@ -203,29 +223,6 @@ class NfcGateway(Gateway):
         if own.device:
             pointer = pointer_of_device(own.device)
         return Pointer(area=own.area).joined(pointer) if own.area else pointer
-
-    async def _publish(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> None:
-        is_random = len(seen.uid) == _RANDOM_UID and seen.uid.startswith("08")
-        if seen.uid in self._settings.tags or not (is_random or pointer.problems):
-            self.devices.put(self._described(seen, pointer, pointed), f"it was held to {clean_text(seen.reader)}")
-            await self.devices.deliver_raw(seen.uid, seen.content.message if seen.content else b"")
-            await self.devices.report(seen.uid, {"connectivity": True})
-            await self.devices.report(seen.uid, {"scan": seen.uid})
-        if pointer.thing is not None and not pointed.devices:
-            self._publish_thing(pointer.thing, seen)
-        self._taps.publish(
-            TagTap(
-                tag=seen.uid,
-                reader=seen.reader,
-                points_to=pointer.text,
-                device=pointed.id,
-                candidates=pointed.candidates,
-                area=pointer.area,
-                tapped_at=Time.from_seconds(self.node.graph.clock.now()),
-            )
-        )
-        if self._room_tagger is not None and pointed.id:
-            await self._room_tagger.assign_room(seen.uid, pointed.id, pointer.area)
 
     def _described(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
         own = self._settings.tags.get(seen.uid, TagSettings())
