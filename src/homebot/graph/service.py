@@ -232,7 +232,8 @@ class HandlerRun:
                 else:
                     outcome = await self._handler
             except BaseException as exc:
-                if self._is_end(exc, is_callers_task=is_callers_task):
+                is_cancelled = self._scope.cancel_called and isinstance(exc, asyncio.CancelledError)
+                if is_cancelled or is_end_of(self.task, exc) or (is_callers_task and _is_cancelled_by_asyncio(exc)):
                     raise
                 if isinstance(exc, asyncio.CancelledError):
                     uncancel()
@@ -240,11 +241,6 @@ class HandlerRun:
             finally:
                 _current.reset(token)
                 self._end(outcome)
-
-    def _is_end(self, error: BaseException, *, is_callers_task: bool) -> bool:
-        """Return whether *error* ends this run: its cancellation, or that of its task."""
-        is_cancelled = self._scope.cancel_called and isinstance(error, asyncio.CancelledError)
-        return is_cancelled or is_end_of(self.task, error) or (is_callers_task and _is_cancelled_by_asyncio(error))
 
     def cancel(self) -> None:
         """Cancel the handler."""
