@@ -33,7 +33,7 @@
 
 import math
 import random
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from datetime import time
 from pathlib import Path
 from typing import Annotated
@@ -84,7 +84,10 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     placed = [_placed(name, table, rooms, seed, house.dialect, source) for name, table in parts.devices.items()]
     people = [_person(name, table, rooms, source) for name, table in parts.people.items()]
     known = {item.device.device_id for item in placed}
-    _check_meters(placed, known, source)
+    for metered in placed:
+        meter = unwrap(metered.device)
+        if isinstance(meter, PowerMeter) and meter.of and meter.of not in known:
+            raise ConfigError(source, f"devices.{meter.device_id}.of", f"there is no device {meter.of!r}")
     errands = [
         errand
         for number, table in enumerate(parts.errands)
@@ -102,13 +105,6 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         forgetful=house.forgetful,
         time=WorldTime(house.pace, None if house.begins is None else _seconds(house.begins)),
     )
-
-
-def _check_meters(placed: Iterable[Placed], known: Collection[str], source: str) -> None:
-    for item in placed:
-        meter = unwrap(item.device)
-        if isinstance(meter, PowerMeter) and meter.of and meter.of not in known:
-            raise ConfigError(source, f"devices.{meter.device_id}.of", f"there is no device {meter.of!r}")
 
 
 def _scheduled(key: str, table: Table, known: Container[str], source: str) -> Iterator[ScheduledCommand]:

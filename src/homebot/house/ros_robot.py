@@ -86,7 +86,17 @@ class RosRobot:
         """Publish until cancelled."""
         while True:
             robot = self.read()
-            self._publish(robot.pose())
+            pose = robot.pose()
+            start = self.dock
+            origin = self._transform("map", "odom", start.x, start.y)
+            driven = self._transform("odom", "base_footprint", pose.x - start.x, pose.y - start.y, yaw=pose.yaw)
+            self._tf.publish(TFMessage(transforms=(origin, driven)))
+            if self._last is None or _has_moved(self._last, pose):
+                self._last = pose
+                covariance = [0.0] * 36
+                covariance[0] = covariance[7] = covariance[35] = _VARIANCE
+                stated = PoseWithCovariance(pose=ros_pose(pose), covariance=covariance)
+                self._amcl.publish(PoseWithCovarianceStamped(header=self.header("map"), pose=stated))
             self._battery.publish(self._battery_state(robot))
             self._woken = anyio.Event()
             with anyio.move_on_after(_DRIVING if robot.drives else _PARKED):
@@ -100,18 +110,6 @@ class RosRobot:
     def header(self, frame: str) -> Header:
         """Return the header of a message in *frame*."""
         return Header(stamp=Time.from_seconds(self._clock.now()), frame_id=frame)
-
-    def _publish(self, pose: MapPose) -> None:
-        start = self.dock
-        origin = self._transform("map", "odom", start.x, start.y)
-        driven = self._transform("odom", "base_footprint", pose.x - start.x, pose.y - start.y, yaw=pose.yaw)
-        self._tf.publish(TFMessage(transforms=(origin, driven)))
-        if self._last is None or _has_moved(self._last, pose):
-            self._last = pose
-            covariance = [0.0] * 36
-            covariance[0] = covariance[7] = covariance[35] = _VARIANCE
-            stated = PoseWithCovariance(pose=ros_pose(pose), covariance=covariance)
-            self._amcl.publish(PoseWithCovarianceStamped(header=self.header("map"), pose=stated))
 
     def _battery_state(self, robot: Robot) -> Any:
         now = self._clock.monotonic()

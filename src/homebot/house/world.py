@@ -140,7 +140,11 @@ class World:
         if not math.isfinite(now):
             raise UsageError(f"a house cannot run back to {now}")
         mark = self.event_log.count
-        self._run(now)
+        while (at := self._queue.next()) is not None and at <= now:
+            self.now = max(self.now, at)
+            if (due := self._queue.pop()) is not None:
+                due[1]()
+        self.now = max(self.now, now)
         return self.event_log.since(mark)
 
     def command(self, device_id: str, command: str, now: float, command_id: str = "") -> tuple[Event, ...]:
@@ -258,13 +262,6 @@ class World:
             raise UsageError(f"there is no device {device_id!r}")
         return self._entries[device_id]
 
-    def _run(self, now: float) -> None:
-        while (at := self._queue.next()) is not None and at <= now:
-            self.now = max(self.now, at)
-            if (due := self._queue.pop()) is not None:
-                due[1]()
-        self.now = max(self.now, now)
-
     def _begin_day(self, day: int) -> None:
         self._household.begin_day(day, str(self._seed))
         for scheduled in self._errands:
@@ -332,7 +329,12 @@ class World:
         if device.watts() != drew:
             self._show_power()
         if (after := entry.real.drive) != before:
-            self._show_drive(before.room, after.room)
+            # a robot sets out, arrives or stops; it cannot operate locks
+            for sensor in self._at_door(before.room, after.room):
+                if isinstance(sensor.real, SimulatedContactSensor):
+                    self._open(sensor)
+            for room in dict.fromkeys((before.room, after.room)):
+                self._show_motion(room)
 
     def _plan_step(self, entry: _PlacedDevice) -> None:
         device = entry.placed.device
@@ -344,14 +346,6 @@ class World:
 
     def _advance(self, device: SimulatedDevice) -> tuple[str, ...]:
         return device.advance(self.now)
-
-    def _show_drive(self, left: str, entered: str) -> None:
-        """Report a robot that sets out, arrives or stops to the sensors; it cannot operate locks."""
-        for entry in self._at_door(left, entered):
-            if isinstance(entry.real, SimulatedContactSensor):
-                self._open(entry)
-        for room in dict.fromkeys((left, entered)):
-            self._show_motion(room)
 
     def _show_motion(self, room: str) -> None:
         drives = sum(entry.real.drive == Drive(room, drives=True) for entry in self._entries.values())
