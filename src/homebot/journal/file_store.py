@@ -149,18 +149,15 @@ class FileStore(JournalStore):
     async def _write(self) -> None:
         with suppress(LinkError):
             while (self._waiting or self._learnt) and not self._kept.is_unusable:
-                await self._write_batch()
-
-    async def _write_batch(self) -> None:
-        async with self._kept.opened(writes=True) as file:
-            oldest, batch = self._clock.now() - self._longest, tuple(islice(self._waiting, _BATCH))
-            before, learnt = self._overrun, tuple(self._learnt.values())
-            self.dropped += await to_thread.run_sync(file.write, batch, learnt, oldest, self._most_bytes)
-            for row in learnt:
-                if self._learnt.get((row.kind, row.name)) is row:
-                    del self._learnt[row.kind, row.name]
-            for _ in range(len(batch) - (self._overrun - before)):  # except entries that were lost meanwhile
-                self._waiting.popleft()
+                async with self._kept.opened(writes=True) as file:
+                    oldest, batch = self._clock.now() - self._longest, tuple(islice(self._waiting, _BATCH))
+                    before, learnt = self._overrun, tuple(self._learnt.values())
+                    self.dropped += await to_thread.run_sync(file.write, batch, learnt, oldest, self._most_bytes)
+                    for row in learnt:
+                        if self._learnt.get((row.kind, row.name)) is row:
+                            del self._learnt[row.kind, row.name]
+                    for _ in range(len(batch) - (self._overrun - before)):  # except entries that were lost meanwhile
+                        self._waiting.popleft()
 
     def _use_memory(self) -> None:
         for note in self._waiting:
