@@ -103,9 +103,13 @@ class MqttOptions:
                 never shows the password.
         """
         parts = _split(url)
+        try:
+            port = parts.port
+        except ValueError:
+            raise UsageError("MQTT address: the port is not a number from 1 to 65535") from None
         options = cls(
             host=parts.hostname or "",
-            port=_port_of(parts),
+            port=_PORTS[parts.scheme] if port is None else port,
             tls=parts.scheme == "mqtts",
             user=None if parts.username is None else unquote(parts.username),
             password=None if parts.password is None else SecretStr(unquote(parts.password)),
@@ -148,11 +152,3 @@ def _split(url: str) -> SplitResult:
             "MQTT address: nothing may follow the port (a /, ? or # in user or password is written %2F, %3F, %23)"
         )
     return parts
-
-
-def _port_of(parts: SplitResult) -> int:
-    try:
-        port = parts.port
-    except ValueError:
-        raise UsageError("MQTT address: the port is not a number from 1 to 65535") from None
-    return _PORTS[parts.scheme] if port is None else port

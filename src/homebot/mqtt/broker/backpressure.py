@@ -117,7 +117,17 @@ class Backpressure:
         if self._is_endless:
             self._close_stalled()
         else:
-            self._mark_overrun()
+            for session in self._slow:
+                session.overrun = True
+                self._state.warn(
+                    "broker.client_too_slow",
+                    f"client {short(session.client_id)!r} is too slow: {session.queued} messages wait for it; "
+                    "messages that do not fit are refused",
+                    client_id=session.client_id,
+                    queued=session.queued,
+                )
+            self.stop()
+            self._go_on()
 
     def _close_stalled(self) -> None:
         state = self._state
@@ -135,19 +145,6 @@ class Backpressure:
                 queued=session.queued,
             )
             state.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
-
-    def _mark_overrun(self) -> None:
-        for session in self._slow:
-            session.overrun = True
-            self._state.warn(
-                "broker.client_too_slow",
-                f"client {short(session.client_id)!r} is too slow: {session.queued} messages wait for it; "
-                "messages that do not fit are refused",
-                client_id=session.client_id,
-                queued=session.queued,
-            )
-        self.stop()
-        self._go_on()
 
     def _over(self) -> None:
         if not self._slow:

@@ -57,7 +57,22 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
     if connect.properties.authentication_data is not None:
         return ReasonCode.PROTOCOL_ERROR
-    verdict = _authenticate(connect, state, address)
+    verdict = state.authentication.check(connect.username, connect.password)
+    applicant = _applicant(connect, state, address)
+    if applicant is not None and verdict.failed:
+        state.counters.logins_failed += 1
+        failures, delay = state.throttle.failed(applicant)
+        if delay:
+            state.warn(
+                "broker.logins_slowed",
+                f"{failures} wrong passwords came from {applicant.host}; the next attempt is answered after "
+                f"{delay:g} s",
+                host=applicant.host,
+                failures=failures,
+                delay=delay,
+            )
+    elif applicant is not None:
+        state.throttle.succeeded(applicant)
     if verdict.failed:
         return verdict
     if not _is_client_id(connect, state):
@@ -67,17 +82,6 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
     if not _can_be_welcomed(connect, state):
         return ReasonCode.PACKET_TOO_LARGE
     return ReasonCode.SUCCESS if connect.will is None else _will_refusal(connect.client_id, connect.will.topic, state)
-
-
-def _authenticate(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
-    """Check user and password, and count wrong ones by address."""
-    verdict = state.authentication.check(connect.username, connect.password)
-    applicant = _applicant(connect, state, address)
-    if applicant is not None and verdict.failed:
-        _record_wrong_password(applicant, state)
-    elif applicant is not None:
-        state.throttle.succeeded(applicant)
-    return verdict
 
 
 def _will_refusal(client_id: str, topic: str, state: BrokerState) -> ReasonCode:
@@ -154,19 +158,6 @@ def _applicant(connect: Connect, state: BrokerState, address: str) -> Applicant 
     if connect.username is None or not state.authentication.required:
         return None
     return Applicant(host_of(address), connect.username, connect.client_id)
-
-
-def _record_wrong_password(applicant: Applicant, state: BrokerState) -> None:
-    state.counters.logins_failed += 1
-    failures, delay = state.throttle.failed(applicant)
-    if delay:
-        state.warn(
-            "broker.logins_slowed",
-            f"{failures} wrong passwords came from {applicant.host}; the next attempt is answered after {delay:g} s",
-            host=applicant.host,
-            failures=failures,
-            delay=delay,
-        )
 
 
 def _can_be_welcomed(connect: Connect, state: BrokerState) -> bool:

@@ -171,20 +171,16 @@ class Replay:
                 self._owe(message, [subscription], now)
             return
         if self._in_tree < len(self._wild):
-            self._add_some()
+            some = self._wild[self._in_tree : self._in_tree + _CHUNK]
+            for place, added in enumerate(some, self._in_tree):
+                self._tree.add(added.levels, place, added)
+            self._in_tree += len(some)
             return
         messages, self._place = self._retained.after(self._place, _CHUNK if len(self._wild) == 1 else _SMALL_CHUNK)
         for message in messages:
             branches = self._tree.matching(message.topic.split("/"))
             matched = sorted(item for branch in branches for item in branch.items())
             self._owe(message, [subscription for _, subscription in matched], now)
-
-    def _add_some(self) -> None:
-        """Add some more filters to the tree."""
-        some = self._wild[self._in_tree : self._in_tree + _CHUNK]
-        for place, subscription in enumerate(some, self._in_tree):
-            self._tree.add(subscription.levels, place, subscription)
-        self._in_tree += len(some)
 
     def _owe(self, message: BrokerMessage, subscriptions: list[SessionSubscription], now: float) -> None:
         if message.order > self._until or message.expired(now):
