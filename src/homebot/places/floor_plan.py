@@ -69,7 +69,13 @@ class FloorPlan:
             box = area.polygon.box
             for column in range(math.floor(box.left - _NEARBY), math.floor(box.right + _NEARBY) + 1):
                 self._by_column.setdefault((area.floor, column), []).append(area)
-        self._check_doors()
+        for door in self.plan.doors:
+            for crossing in self._crossings(door)[:1]:
+                for side, point in zip(door.rooms, crossing, strict=True):
+                    away = self.distance(side, *point) if side in self._polygons else 0.0
+                    if away > _REACH:
+                        reason = f"is {away:.2f} m from {side}; {_REACH} m is the limit"
+                        raise ConfigError(self.plan.source, f"places.doors.{door.name}.position", reason)
 
     @staticmethod
     @lru_cache(maxsize=2)
@@ -192,15 +198,6 @@ class FloorPlan:
             return [(door.position[0], door.position[1])]
         areas = self._of(door.rooms[0]) or self._of(door.rooms[1])
         return [(passage, passage) for passage in _passages(_ends(door, areas))]
-
-    def _check_doors(self) -> None:
-        for door in self.plan.doors:
-            for crossing in self._crossings(door)[:1]:
-                for room, point in zip(door.rooms, crossing, strict=True):
-                    away = self.distance(room, *point) if room in self._polygons else 0.0
-                    if away > _REACH:
-                        reason = f"is {away:.2f} m from {room}; {_REACH} m is the limit"
-                        raise ConfigError(self.plan.source, f"places.doors.{door.name}.position", reason)
 
 
 def _polygons(room: HouseRoom, source: str) -> tuple[Polygon, ...]:

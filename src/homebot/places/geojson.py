@@ -6,7 +6,7 @@ state: ``"homebot": {"frame": "map", "units": "m"}``.
 """
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeAlias, cast
 
 from homebot.errors import ConfigError
@@ -83,12 +83,6 @@ class _File:
                 raise ConfigError(self._source, f"{key}.properties.name", f"{name!r} {problem}")
             cast("list[object]", room["polygon"]).extend(areas)
             corners += [corner for area in areas for ring in area for corner in ring]
-        self._check_extent(corners)
-        rooms = read_places({"rooms": tables}, self._source, self._source, "").rooms
-        self._plan = HousePlan(self._source, (*self._known, *rooms), self._source)
-        return tables
-
-    def _check_extent(self, corners: Collection[Point]) -> None:
         if (
             corners
             and not self._is_in_metres
@@ -96,6 +90,9 @@ class _File:
         ):
             hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
             raise ConfigError(self._source, "homebot", f"the rooms extend less than {_MIN_METRES} m; {hint}")
+        rooms = read_places({"rooms": tables}, self._source, self._source, "").rooms
+        self._plan = HousePlan(self._source, (*self._known, *rooms), self._source)
+        return tables
 
     def doors(self) -> Iterator[_Table]:
         """Yield the tables of doors, which lead to the nearest rooms by default; call :meth:`rooms` first."""

@@ -54,7 +54,16 @@ class Polygon:
         if sum(map(len, rings)) > MAX_CORNERS:
             raise UsageError(f"has {sum(map(len, rings)):,} corners; {MAX_CORNERS:,} is the limit")
         self.rings = tuple(rings)
-        self._check_edges()
+        # edges that cross are refused, in a sweep along the x axis
+        edges = sorted(self.edges(), key=lambda edge: min(edge[0][0], edge[1][0]))
+        active: list[Edge] = []
+        for edge in edges:
+            left = min(edge[0][0], edge[1][0])
+            active = [edge for edge in active if max(edge[0][0], edge[1][0]) >= left]
+            for other in active:
+                if _cross(edge, other):
+                    raise UsageError(f"has edges that cross, near {edge[0][0]:g}, {edge[0][1]:g}")
+            active.append(edge)
         self.area = sum(map(signed_area, rings))
         if self.area < MIN_AREA:
             raise UsageError(f"has an area of {self.area:g} m²; {MIN_AREA:g} m² is the least")
@@ -121,18 +130,6 @@ class Polygon:
         """Yield the edges of all rings; the inside is to their left."""
         for ring in self.rings:
             yield from zip(ring, (*ring[1:], ring[0]), strict=True)
-
-    def _check_edges(self) -> None:
-        """Refuse edges that cross, in a sweep along the x axis."""
-        edges = sorted(self.edges(), key=lambda edge: min(edge[0][0], edge[1][0]))
-        active: list[Edge] = []
-        for edge in edges:
-            left = min(edge[0][0], edge[1][0])
-            active = [edge for edge in active if max(edge[0][0], edge[1][0]) >= left]
-            for other in active:
-                if _cross(edge, other):
-                    raise UsageError(f"has edges that cross, near {edge[0][0]:g}, {edge[0][1]:g}")
-            active.append(edge)
 
 
 def _ring(corners: Sequence[Point], *, is_hole: bool) -> tuple[Point, ...]:

@@ -1,11 +1,11 @@
 """A places file: rooms and devices as the text of a table ``[places]``. Pure."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from itertools import chain
 from typing import get_args
 
 from homebot.places.facts import FactName, OwnerFact
-from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom
+from homebot.places.plan import OUTSIDE, WIDTH, HousePlan, HouseRoom
 from homebot.support.folding import fold
 from homebot.support.toml_text import toml_value
 
@@ -24,9 +24,20 @@ def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, .
     for room in _rooms(plan, chain.from_iterable(facts for _, facts, _ in listed)):
         lines += _room(room, written)
     for door in doors:
-        lines += _door(door)
+        values = door._asdict() | {"width": None if door.width == WIDTH else door.width}
+        lines += _table(
+            "[[places.doors]]", **values | {"position": door.position[0] if len(door.position) == 1 else door.position}
+        )
     for device_id, facts, identifiers in listed:
-        lines += _device(device_id, facts, identifiers)
+        stated = {name: tuple(fact.value for fact in facts if fact.name == name) for name in get_args(FactName)}
+        lines += _table(
+            f"[places.devices.{toml_value(device_id)}]",
+            room=next(iter(stated["area"]), ""),
+            at=next(iter(stated["position"]), ""),
+            aliases=stated["name"],
+            tags=stated["tag"],
+            identifiers=tuple(identifiers),
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -48,25 +59,6 @@ def _room(room: HouseRoom, written: set[frozenset[str]]) -> Iterator[str]:
         polygon = polygon[0]
     yield from _table(
         f"[places.rooms.{toml_value(room.name)}]", floor=room.floor, doors=tuple(doors.values()), polygon=polygon
-    )
-
-
-def _door(door: HouseDoor) -> Iterator[str]:
-    values = door._asdict() | {"width": None if door.width == WIDTH else door.width}
-    return _table(
-        "[[places.doors]]", **values | {"position": door.position[0] if len(door.position) == 1 else door.position}
-    )
-
-
-def _device(device_id: str, facts: Collection[OwnerFact], identifiers: Iterable[str]) -> Iterator[str]:
-    values = {name: tuple(fact.value for fact in facts if fact.name == name) for name in get_args(FactName)}
-    return _table(
-        f"[places.devices.{toml_value(device_id)}]",
-        room=next(iter(values["area"]), ""),
-        at=next(iter(values["position"]), ""),
-        aliases=values["name"],
-        tags=values["tag"],
-        identifiers=tuple(identifiers),
     )
 
 

@@ -90,7 +90,10 @@ class TransformBuffer:
 
     def insert(self, child: str, sample: Sample, authority: str, *, is_static: bool = False) -> bool:
         """Insert a transform of the frame *child*, without a leading slash, as :meth:`set_transform` does."""
-        self._check(child, sample, authority)
+        if problem := self._problem(child, sample):
+            sender, ends = f" from {authority}" if authority else "", (child[:100], sample.parent[:100])
+            raise InvalidArgumentException(f"the transform{sender} from {ends[0]!r} to {ends[1]!r} {problem}")
+        self._frames |= {sample.parent, child}
         if is_static:
             self._static[child] = sample
             self._moving.pop(child, None)
@@ -149,12 +152,6 @@ class TransformBuffer:
     def clear(self) -> None:
         """Remove all transforms except static ones."""
         self._moving = {}
-
-    def _check(self, child: str, sample: Sample, authority: str) -> None:
-        if problem := self._problem(child, sample):
-            sender, ends = f" from {authority}" if authority else "", (child[:100], sample.parent[:100])
-            raise InvalidArgumentException(f"the transform{sender} from {ends[0]!r} to {ends[1]!r} {problem}")
-        self._frames |= {sample.parent, child}
 
     def _problem(self, child: str, sample: Sample) -> str:
         parent, rigid = sample.parent, sample.rigid
