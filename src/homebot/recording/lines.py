@@ -203,7 +203,11 @@ def read_line(text: str | bytes) -> RecordingLine:
     if message_type is None:
         raise UsageError(f"field 'kind': must be one of {', '.join(_KINDS)}, got {str(kind)[:_SHOWN]!r}")
     if message_type is RecordingHeader:
-        _check_format(message)
+        # a newer format is refused before the rest of its header is read, which may differ
+        version = message.get("format") if isinstance(message, dict) else None
+        if type(version) is int and version > FORMAT:
+            problem = f"is {version}, but this homebot reads up to {FORMAT}: replay it with a newer homebot"
+            raise UsageError(f"field 'message.format': {problem}")
     try:
         return RecordingLine(float(at), message_from_json(message_type, message, ignore_unknown=True))
     except TypeMismatchError as exc:
@@ -219,14 +223,6 @@ def _parsed(text: str | bytes) -> object:
         raise UsageError(f"is not JSON: {exc.msg} at character {exc.pos + 1}") from exc
     except (ValueError, RecursionError) as exc:
         raise UsageError(f"is not JSON: {str(exc)[:_SHOWN]}") from exc
-
-
-def _check_format(header: object) -> None:
-    """Refuse a newer version of the format before reading the rest of the header, which may differ."""
-    version = header.get("format") if isinstance(header, dict) else None
-    if type(version) is int and version > FORMAT:
-        problem = f"is {version}, but this homebot reads up to {FORMAT}: replay it with a newer homebot"
-        raise UsageError(f"field 'message.format': {problem}")
 
 
 @final

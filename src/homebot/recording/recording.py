@@ -161,7 +161,11 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     if recording is None:
         raise UsageError(f"{source} is empty, and not a recording")
     recording.commands = [replace(command, result=results.get(command.command.id)) for command in recording.commands]
-    _sort(recording)
+    # the order of one moment stays, because effects follow their causes
+    recording.before.sort(key=lambda one: _RANKS.get(type(one), len(_RANKS)))
+    recording.events.sort(key=lambda event: event.at)
+    recording.commands.sort(key=lambda one: one.at)
+    recording.leases.sort(key=lambda lease: lease[0])
     return recording
 
 
@@ -171,14 +175,6 @@ def _whole_line(text: bytes, repetitions: Repetitions, where: str) -> RecordingL
         return replace(line, message=repetitions.whole(line.message))
     except UsageError as exc:
         raise UsageError(f"{where}: {exc}") from exc
-
-
-def _sort(recording: Recording) -> None:
-    """Sort by time, keeping the order of one moment, because effects follow their causes."""
-    recording.before.sort(key=lambda one: _RANKS.get(type(one), len(_RANKS)))
-    recording.events.sort(key=lambda event: event.at)
-    recording.commands.sort(key=lambda one: one.at)
-    recording.leases.sort(key=lambda lease: lease[0])
 
 
 def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:
