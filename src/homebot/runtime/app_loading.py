@@ -60,7 +60,9 @@ class FreshCode:
         return self._load(name, module_name, class_name, lambda: plugins.run_file(module_name, file.resolve()))
 
     def _load(self, name: str, module_name: str, class_name: str | None, run: Callable[[], ModuleType]) -> type[Any]:
-        self._remove(module_name)
+        loaded = sys.modules.get(module_name)
+        self.prefix = (getattr(loaded, "__package__", "") or module_name) if loaded else module_name
+        self._before = {name: sys.modules.pop(name) for name in _modules_of(self.prefix)}
         try:
             with _without_cache():
                 module = run()
@@ -85,11 +87,6 @@ class FreshCode:
                 if parent in sys.modules:
                     setattr(sys.modules[parent], child, module)
         self._before, self.prefix = {}, ""
-
-    def _remove(self, module_name: str) -> None:
-        module = sys.modules.get(module_name)
-        self.prefix = (getattr(module, "__package__", "") or module_name) if module else module_name
-        self._before = {name: sys.modules.pop(name) for name in _modules_of(self.prefix)}
 
 
 def source_of(kind: type[object]) -> Path | None:

@@ -476,12 +476,7 @@ def _component(
         kind = load(group, wanted)
     except PluginError as exc:
         raise ConfigError(source, f"{key}.class" if "class" in table else key, str(exc)) from exc
-    _check_class(kind, base, wanted, source, key)
-    return PlannedComponent(name, kind, parse_settings(kind.Settings, table, source, key, config.folder))
-
-
-def _check_class(kind: type[object], base: type[ComponentT], wanted: str, source: str, key: str) -> None:
-    """Find mistakes that would otherwise only show at the first start."""
+    # mistakes that would otherwise only show at the first start
     what = "an App" if base.__name__ == "App" else f"a {base.__name__}"
     if not issubclass(kind, base):
         raise ConfigError(source, f"{key}.class", f"{wanted} is not {what}; derive it from {base.__module__}")
@@ -491,3 +486,4 @@ def _check_class(kind: type[object], base: type[ComponentT], wanted: str, source
     settings = getattr(kind, "Settings", None)
     if not isinstance(settings, type) or not issubclass(settings, BaseModel):
         raise ConfigError(source, f"{key}.class", f"{wanted}.Settings is not a pydantic model")
+    return PlannedComponent(name, kind, parse_settings(kind.Settings, table, source, key, config.folder))
