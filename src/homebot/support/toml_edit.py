@@ -35,21 +35,7 @@ def edit_toml(text: str, table: tuple[str, ...], values: Mapping[str, object]) -
 
 def _edited(text: str, table: tuple[str, ...], key: str, value: object) -> str:
     before = tomllib.loads(text)
-    wanted = _changed(before, table, key, value)
-    if wanted == before:
-        return text
-    for candidate in _candidates(text, table, key, value):
-        with suppress(tomllib.TOMLDecodeError):
-            if tomllib.loads(candidate) == wanted:
-                return candidate
-    line = line_of(text, *table, key)
-    where = f"line {line}" if line else f"the table {'.'.join(table)}"
-    raise UsageError(f"{key} of [{'.'.join(table)}] cannot be changed without harm to the text; edit {where} by hand")
-
-
-def _changed(tables: Mapping[str, Any], table: tuple[str, ...], key: str, value: object) -> dict[str, Any]:
-    """Return *tables* with the change; without a *key* only the table is made."""
-    wanted = deepcopy(dict(tables))
+    wanted = deepcopy(dict(before))
     here: Any = wanted
     for name in table:
         here = here.setdefault(name, {})
@@ -59,7 +45,15 @@ def _changed(tables: Mapping[str, Any], table: tuple[str, ...], key: str, value:
         here.pop(key, None)
     else:
         here[key] = value
-    return wanted
+    if wanted == before:
+        return text
+    for candidate in _candidates(text, table, key, value):
+        with suppress(tomllib.TOMLDecodeError):
+            if tomllib.loads(candidate) == wanted:
+                return candidate
+    line = line_of(text, *table, key)
+    where = f"line {line}" if line else f"the table {'.'.join(table)}"
+    raise UsageError(f"{key} of [{'.'.join(table)}] cannot be changed without harm to the text; edit {where} by hand")
 
 
 def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> Iterator[str]:
