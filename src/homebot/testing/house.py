@@ -263,15 +263,12 @@ class TestHouse:
             except ClosedError:
                 return
             for message in messages:
-                self._record_payload(message.topic, message.payload.decode(errors="replace"))
+                if message.topic not in self._received:
+                    self._received[message.topic] = deque(maxlen=KEPT)
+                self._received[message.topic].append(message.payload.decode(errors="replace"))
             self._field.ack(messages)
             self._came.set()
             self._came = anyio.Event()
-
-    def _record_payload(self, topic: str, payload: str) -> None:
-        if topic not in self._received:
-            self._received[topic] = deque(maxlen=KEPT)
-        self._received[topic].append(payload)
 
     def _timeout_text(self, topic: str, within: float) -> str:
         """Describe the messages on other topics, those from homebot to devices first, without its own status."""
