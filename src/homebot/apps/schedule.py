@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from homebot.apps.store import Store
     from homebot.clock import Clock
     from homebot.graph import Node
+    from homebot.words.triggers import SunAngle
 
 JOB_SKIPPED: Final = "app.job_skipped"
 MAX_JOBS: Final = 1000
@@ -179,13 +180,14 @@ class Schedule:
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
         return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, spread)
 
-    def at_elevation(self, degrees: float, handler: RunHandler, name: str | None, *, is_rising: bool) -> Job:
-        """See :meth:`homebot.App.at_elevation`."""
-        from homebot.apps.sun import elevation_time  # noqa: PLC0415 - astral takes 40 ms
+    def at_sun_angle(self, angle: SunAngle, handler: RunHandler, name: str | None) -> Job:
+        """Call *handler* each day when the sun comes above or below an elevation, or past an azimuth."""
+        from homebot.apps.sun import angle_time  # noqa: PLC0415 - astral takes 40 ms
 
         home = self._app.context
-        times = elevation_time(degrees, home.latitude, home.longitude, is_rising=is_rising)
-        text = f"the sun {'rises above' if is_rising else 'falls below'} {degrees:g}°"
+        times = angle_time(angle, home.latitude, home.longitude)
+        way = "comes past" if angle.is_azimuth else "rises above" if angle.is_above else "falls below"
+        text = f"the sun {way} {angle.degrees:g}°"
         return self._add_wall(times, text, handler, name, 0, "single")
 
     def _read_day(self, name: str) -> date | None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from datetime import UTC, date, datetime, timedelta, tzinfo
+from datetime import UTC, date, datetime, time, timedelta, tzinfo
 from typing import Final, final
 
 import astral
@@ -10,8 +10,11 @@ from astral import sun
 
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
+from homebot.words.triggers import SunAngle
 
 _DAY: Final = timedelta(days=1)
+_QUARTER: Final = timedelta(minutes=15)
+_QUARTERS: Final = 96
 _TWO_DAYS: Final = 46 * 3600.0  # about
 _HORIZON: Final = -0.833  # degrees: the upper limb, with refraction, as at sunrise and sunset
 
@@ -71,14 +74,16 @@ def is_sun_up(now: float, latitude: float | None, longitude: float | None) -> bo
     return sun.elevation(place, datetime.fromtimestamp(now, UTC), with_refraction=False) > _HORIZON
 
 
-def sun_elevation(now: float, latitude: float | None, longitude: float | None) -> float:
-    """Return the degrees of the sun above the horizon *now*, in seconds since the Unix epoch, without refraction.
+def sun_angle(now: float, latitude: float | None, longitude: float | None, *, is_azimuth: bool = False) -> float:
+    """Return the degrees of the sun above the horizon, or from the north, *now*, in seconds since the Unix epoch.
+
+    Refraction is left out.
 
     Raises:
         UsageError: The location is unknown.
     """
-    place = _observer("the elevation of the sun", latitude, longitude)
-    return sun.elevation(place, datetime.fromtimestamp(now, UTC), with_refraction=False)
+    place, at = _observer("the angle of the sun", latitude, longitude), datetime.fromtimestamp(now, UTC)
+    return sun.azimuth(place, at) if is_azimuth else sun.elevation(place, at, with_refraction=False)
 
 
 @final
@@ -104,15 +109,45 @@ class ElevationTime:
         return moment.timestamp() if is_of_day else None
 
 
-def elevation_time(
-    degrees: float, latitude: float | None, longitude: float | None, *, is_rising: bool
-) -> ElevationTime:
-    """Return the time at which the rising or setting sun passes so many *degrees*.
+@final
+@dataclass(frozen=True, slots=True)
+class AzimuthTime:
+    """The time at which the sun comes above or below an azimuth, in degrees."""
+
+    place: astral.Observer
+    degrees: float
+    is_above: bool
+
+    def on(self, day: date, zone: tzinfo) -> float | None:
+        """Return the moment on *day*, in seconds since the Unix epoch; None if there is none."""
+        begin = datetime.combine(day, time(), zone)
+        steps = [begin + number * _QUARTER for number in range(_QUARTERS + 1)]
+        sides = [self._is_reached(at) for at in steps]
+        reached = next((place for place in range(1, len(steps)) if sides[place] and not sides[place - 1]), 0)
+        if not reached:
+            return None
+        before, after = steps[reached - 1].timestamp(), steps[reached].timestamp()
+        while after - before > 1.0:
+            middle = (before + after) / 2
+            before, after = (before, middle) if self._is_reached(_at(middle)) else (middle, after)
+        return after if _at(after).astimezone(zone).date() == day else None
+
+    def _is_reached(self, at: datetime) -> bool:
+        return (sun.azimuth(self.place, at) > self.degrees) is self.is_above
+
+
+def _at(moment: float) -> datetime:
+    return datetime.fromtimestamp(moment, UTC)
+
+
+def angle_time(angle: SunAngle, latitude: float | None, longitude: float | None) -> ElevationTime | AzimuthTime:
+    """Return the time at which the sun passes *angle*.
 
     Raises:
         UsageError: The location is unknown.
     """
-    return ElevationTime(_observer("the elevation of the sun", latitude, longitude), degrees, is_rising)
+    place = _observer("the angle of the sun", latitude, longitude)
+    return (AzimuthTime if angle.is_azimuth else ElevationTime)(place, angle.degrees, angle.is_above)
 
 
 def _observer(asked: str, latitude: float | None, longitude: float | None) -> astral.Observer:

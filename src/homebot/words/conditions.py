@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from datetime import time
 from functools import lru_cache
 from itertools import combinations
 from typing import Final, TypeAlias
@@ -10,18 +11,31 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
-from homebot.words.message_values import Comparison, read_comparison
+from homebot.words.message_values import Comparison, MessageValue, read_comparison, read_value
 from homebot.words.own_language import read_in_any_language
 from homebot.words.people import check_known, read_person
-from homebot.words.phrases import CROSSES, ELEVATION, LAST_RUN, LASTING, NOBODY, NOT, STARTED_BY, TIMED_OUT
-from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span
+from homebot.words.phrases import (
+    CHANCE,
+    CROSSES,
+    ELEVATION,
+    HOUSE_SPAN,
+    LAST_RUN,
+    LASTING,
+    NOBODY,
+    NOT,
+    RECENT,
+    STARTED_BY,
+    TIMED_OUT,
+)
+from homebot.words.times import SunSpan, TimeSpan, longest, read_duration, read_span, read_time
 from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
     Becomes,
     Press,
-    SunElevation,
+    SunAngle,
     Trigger,
+    is_length_of_house,
     is_time_or_person,
     read_press,
     read_state,
@@ -40,6 +54,10 @@ _EXAMPLES: Final = {
 }
 
 
+MIN_CHANCE: Final = 2
+MAX_CHANCE: Final = 100
+
+
 @dataclass(frozen=True, slots=True)
 class SunIs:
     """The sun is above the horizon, or below it."""
@@ -56,10 +74,30 @@ class OnDays:
 
 @dataclass(frozen=True, slots=True)
 class Matches:
-    """At least one device matches, or none does."""
+    """At least one device matches, or none does.
+
+    Attributes:
+        is_recent: Whether it has matched for less than the length of *state*.
+    """
 
     state: Becomes
     is_none: bool = False
+    is_recent: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class HouseSpan:
+    """A part of each day of which a text of the house tells an end, or both; it does not hold while one is unknown."""
+
+    begin: time | MessageValue
+    end: time | MessageValue
+
+
+@dataclass(frozen=True, slots=True)
+class Chance:
+    """It holds by chance, once in *count* times."""
+
+    count: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +133,7 @@ class AnyOf:
 
 Condition: TypeAlias = (
     SunIs
-    | SunElevation
+    | SunAngle
     | OnDays
     | TimeSpan
     | SunSpan
@@ -105,6 +143,8 @@ Condition: TypeAlias = (
     | StartedBy
     | TimedOut
     | Comparison
+    | Chance
+    | HouseSpan
     | AnyOf
 )
 """A press holds in the run that it started."""
@@ -121,7 +161,7 @@ def read_condition(text: str) -> Condition:
 
 
 def _read_condition(plain: str) -> Condition:
-    if plain[:1] == "(" and plain[-1:] == ")" and LASTING.match(plain[1:-1]) and len(split_at(plain, "or")) == 1:
+    if plain[:1] == "(" and plain[-1:] == ")" and _is_lasting(plain[1:-1]) and len(split_at(plain, "or")) == 1:
         return read_condition(plain[1:-1])
     parts = split_at(plain, "or")
     if any(map(_stands_alone, parts if len(parts) > 1 else ())) or _denies(parts):
@@ -149,9 +189,14 @@ def exclude_each_other(one: Condition, other: Condition) -> bool:
     match one, other:
         case SunIs(), SunIs():
             return one != other
-        case SunElevation(), SunElevation():
+        case SunAngle(), SunAngle():
             below, above = sorted((one, other))
-            return not below.is_above and above.is_above and below.degrees <= above.degrees
+            return (
+                one.is_azimuth is other.is_azimuth
+                and not below.is_above
+                and above.is_above
+                and below.degrees <= above.degrees
+            )
         case OnDays(), OnDays():
             return one.days.excludes(other.days)
         case ((TimeSpan() | SunSpan()), (TimeSpan() | SunSpan())):
@@ -191,8 +236,32 @@ def _denies(parts: Sequence[str]) -> bool:
 
 def _stands_alone(text: str) -> bool:
     """Return whether the condition *text* is not the state of devices, which one query may join."""
-    is_lasting = text[:1] == "(" and text[-1:] == ")" and LASTING.match(text[1:-1]) is not None
+    is_lasting = text[:1] == "(" and text[-1:] == ")" and _is_lasting(text[1:-1])
     return is_lasting or _of_run(text) is not None or ELEVATION.match(text) is not None or is_time_or_person(text)
+
+
+def _house_span(text: str) -> HouseSpan | None:
+    """Return the span ``between text of quiet start and 7:00``; None for one without a text of the house."""
+    found = HOUSE_SPAN.match(text)
+    if found is None or not any(end.casefold().startswith("text of ") for end in found.values()):
+        return None
+    ends = [
+        read_value(found[key])
+        if found.get(key, "").casefold().startswith("text of ")
+        else read_time(found.get(key, "0:00"))
+        for key in ("begin", "end")
+    ]
+    return HouseSpan(*ends)
+
+
+def _is_lasting(text: str) -> bool:
+    return is_length_of_house(text) or (LASTING.match(text) or RECENT.match(text)) is not None
+
+
+def _count(number: str, text: str) -> int:
+    if not number.isdecimal() or not MIN_CHANCE <= int(number[:4]) <= MAX_CHANCE or len(number) > len(str(MAX_CHANCE)):
+        raise UsageError(f"{text!r}: write a chance like '1 in 3', up to {MAX_CHANCE}")
+    return int(number)
 
 
 def _of_run(text: str) -> Condition | None:
@@ -200,6 +269,10 @@ def _of_run(text: str) -> Condition | None:
     plain = text[len("not ") :] if is_denied else text
     if (found := STARTED_BY.match(plain)) is not None:
         return StartedBy(found["what"], read_trigger(found["what"]), is_denied)
+    if (span := _house_span(plain)) is not None:
+        return HouseSpan(span.end, span.begin) if is_denied else span
+    if (chance := CHANCE.match(text)) is not None:
+        return Chance(_count(chance["count"], text))
     if TIMED_OUT.match(plain) is not None:
         return TimedOut(not is_denied)
     compared = read_comparison(plain)
@@ -215,7 +288,7 @@ def _of_time(text: str) -> Condition | None:
         return SunIs(is_up)
     if (days := read_days_after_word(text)) is not None:
         return OnDays(days)
-    if (elevation := SunElevation.read(text, ELEVATION)) is not None:
+    if (elevation := SunAngle.read(text, ELEVATION)) is not None:
         return elevation
     if (run := LAST_RUN.match(text)) is not None:
         return LastRun(read_duration(run["length"], text), run["sign"] in {"over", "above", "before", "more"})
@@ -231,6 +304,10 @@ def _of_people(text: str) -> Matches | None:
 
 
 def _of_state(text: str) -> Matches:
+    if (recent := RECENT.match(text)) is not None:
+        if NOT.match(text):
+            raise UsageError(f"{text!r}: ask how long it has been so, without the `not`")
+        return Matches(read_state(f"{recent['state']} for {recent['length']}", _EXAMPLES), is_recent=True)
     none = None if read_person(text) else NOT.match(text)
     state = replace(read_state(none["state"] if none else text, _EXAMPLES, is_none=none is not None), is_none=False)
     if none is not None:
@@ -244,7 +321,7 @@ def _denied(condition: Condition) -> Condition:
             return SunIs(not condition.is_up)
         case LastRun():
             return LastRun(condition.seconds, not condition.is_over)
-        case SunElevation():
+        case SunAngle():
             return condition._replace(is_above=not condition.is_above)
         case OnDays() if (others := condition.days.others()) is not None:
             return OnDays(others)

@@ -9,13 +9,13 @@ from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.query.terms import And, Query
 from homebot.errors import UsageError
 from homebot.support.folding import fold
-from homebot.words.phrases import TWO_VALUES
+from homebot.words.phrases import NAMES, TWO_VALUES
 from homebot.words.queries import parse_query
 from homebot.words.tokens import split_at
 from homebot.words.vocabulary import CAPABILITY_WORDS
 
 _PLACE: Final = re.compile(r"\{([^{}]*)\}")
-_EXAMPLE: Final = "write it like {temperature of office}, {name}, {room}, {routine} or {time}"
+_EXAMPLE: Final = "write it like {temperature of office}, {names of open windows}, {name}, {room}, {routine} or {time}"
 
 _ANY: Final = And(())
 
@@ -28,12 +28,13 @@ class MessageValue:
 
     Attributes:
         kind: ``name`` and ``room`` of the first device that matches *words*, or without them of that which started the
-            routine, ``routine`` for its own name, ``time`` for the time of day, or ``value`` of the first device.
+            routine, ``routine`` for its own name, ``time`` for the time of day, ``value`` of the first device, or
+            ``names`` of all that match, with this value of each if there is one.
         words: The query as text, in which names of devices count.
     """
 
     text: str
-    kind: Literal["name", "room", "routine", "time", "value"]
+    kind: Literal["name", "room", "routine", "time", "value", "names"]
     query: Query = _ANY
     capability: str = ""
     words: str = ""
@@ -77,6 +78,13 @@ def read_value(text: str) -> MessageValue:
             return MessageValue(plain, kind)
     for word in ("of", "in"):
         first, *rest = split_at(plain, word)
+        if rest and (listed := NAMES.match(f"{first} of")) is not None:
+            words, told = plain[len(first) + len(" of ") :], listed.get("capability", "")
+            if told and fold(told) not in CAPABILITY_WORDS:
+                raise UsageError(
+                    f"{{{text}}}: {told!r} is no value; write it like {{names with battery of battery<20}}"
+                )
+            return MessageValue(plain, "names", parse_query(words), CAPABILITY_WORDS.get(fold(told), ""), words)
         capability = CAPABILITY_WORDS.get(fold(first), "")
         words = plain[len(first) + len(word) + 1 :].strip()
         match fold(first):

@@ -6,6 +6,8 @@ from homebot.words.tokens import Phrase
 
 # States of devices, as triggers, conditions and steps that wait for one.
 LASTING: Final = Phrase("{state} for {length:length}")
+RECENT: Final = Phrase("{state} for less|under [than] {length:length}")
+CHANCE: Final = Phrase("[by] chance 1 in {count:number}")
 NOT: Final = Phrase("no|not {state}", "none of {state}")
 ALL: Final = Phrase("all|every|each {state}")
 MOTION: Final = Phrase("motion|presence|occupancy [{rest}]")
@@ -15,21 +17,26 @@ LIMIT: Final = Phrase(
 )
 PRESS: Final = Phrase("{query} press|pressed|presses [{value:one}]")
 
-CHANGES: Final = Phrase("{what} changes from {before} to {after}", "{what} changes")
+CHANGES: Final = Phrase(
+    "{what} changes from {before} to {after} for {length:length}",
+    "{what} changes from {before} to {after}",
+    "{what} changes",
+)
 AT_TIME_OF: Final = Phrase("at text of {what}")
 MESSAGE: Final = Phrase("message on {topic} with {value}", "message on {topic}")
 
 # Times.
 STARTS: Final = Phrase("homebot starts")
 ELEVATION: Final = Phrase(
-    "sun elevation|height [is] sign~above|below|over|under|<|<=|>|>= {degrees:amount}",
+    "sun angle~elevation|height|azimuth [is] sign~above|below|over|under|<|<=|>|>= {degrees:amount}",
     "[the] sun is sign~above|below|over|under {degrees:amount}",
 )
 SUN_CROSSES: Final = Phrase(
-    "sun elevation|height [rises|falls|drops] sign~above|below|over|under|<|> {degrees:amount}",
+    "sun angle~elevation|height|azimuth [rises|falls|drops] sign~above|below|over|under|<|> {degrees:amount}",
     "[the] sun rises|falls|drops|sinks sign~above|below|over|under {degrees:amount}",
 )
 CROSSES: Final = Phrase("{what} rises|climbs above|over {limit}", "{what} falls|drops|sinks below|under {limit}")
+HOUSE_SPAN: Final = Phrase("between {begin} and {end}", "after {begin}", "before {end}")
 INTERVAL: Final = Phrase("every {length:length}")
 STARTED_BY: Final = Phrase("started by {what}")
 TIMED_OUT: Final = Phrase("[the] [last] wait timed out")
@@ -37,6 +44,7 @@ TWO_VALUES: Final = Phrase(
     "{first} [is] sign~above|below|over|under {second} change~plus|minus {offset:number}",
     "{first} [is] sign~above|below|over|under {second}",
 )
+NAMES: Final = Phrase("names with {capability} of", "names of")
 LAST_RUN: Final = Phrase(
     "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"
 )

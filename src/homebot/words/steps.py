@@ -167,11 +167,18 @@ class WaitUntil:
 
     Attributes:
         stops: Whether the run is over if that has not come.
+        others: Further states, which must be at the same time.
     """
 
     state: Becomes
     most: float
     stops: bool = False
+    others: tuple[Becomes, ...] = ()
+
+    @property
+    def states(self) -> tuple[Becomes, ...]:
+        """All states that it waits for."""
+        return self.state, *self.others
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,7 +295,11 @@ def _read(plain: str) -> Step:
 def _read_wait(plain: str) -> Wait | WaitUntil | WaitFor | None:
     if (until := WAIT_UNTIL.match(plain)) is not None:
         stops = until.get("end", "").casefold() == "stop"
-        return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain), stops)
+        *parts, last = split_at(until["state"], "until")
+        if not all(part.casefold().endswith(" and") for part in parts):
+            raise UsageError(f"{plain!r}: write several states like 'wait until X and until Y, at most 30m'")
+        state, *others = (read_state(part) for part in (*(part[: -len(" and")] for part in parts), last))
+        return WaitUntil(state, read_duration(until["most"], plain), stops, tuple(others))
     if plain.casefold().startswith("wait until"):
         raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
     if (awaited := WAIT_FOR.match(plain)) is not None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Final, NamedTuple, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import DevicePart
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
@@ -15,7 +15,7 @@ from homebot.support.folding import fold
 from homebot.support.names import find_name
 from homebot.words.amounts import read_amount
 from homebot.words.days import read_days_after_word
-from homebot.words.message_values import Comparison, read_comparison, split_capability
+from homebot.words.message_values import Comparison, MessageValue, read_comparison, read_value, split_capability
 from homebot.words.own_language import read_in_any_language
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import (
@@ -65,6 +65,7 @@ class Becomes:
         lasting: Seconds for which it must match first.
         words: The query as text, in which names of devices count; empty if *query* is all that is meant.
         is_none: Whether it begins when the last device no longer matches, as in ``no motion in hall for 5m``.
+        length: The number of the house by which *lasting* is multiplied, as in ``for {number of pause}m``.
     """
 
     text: str
@@ -72,6 +73,7 @@ class Becomes:
     lasting: float = 0.0
     words: str = ""
     is_none: bool = False
+    length: MessageValue | None = None
 
     @cached_property  # as the next ones: each routine is compared with all others
     def states(self) -> tuple[StateIs, ...]:
@@ -134,25 +136,32 @@ class PersonMoves:
     fact: str
 
 
-class SunElevation(NamedTuple):
-    """The sun is, or comes, above or below so many degrees over the horizon."""
+class SunAngle(NamedTuple):
+    """The sun is, or comes, above or below so many degrees over the horizon, or from the north.
+
+    Attributes:
+        is_azimuth: Whether the degrees are those from the north, clockwise.
+    """
 
     is_above: bool
     degrees: float
+    is_azimuth: bool = False
 
     @classmethod
-    def read(cls, text: str, form: Phrase) -> "SunElevation | None":
-        """Return the elevation in *text* of one of the forms for it; None if it is none.
+    def read(cls, text: str, form: Phrase) -> "SunAngle | None":
+        """Return the angle in *text* of one of the forms for it; None if it is none.
 
         Raises:
             UsageError: It is no number of degrees that the sun may have.
         """
         if (found := form.match(text)) is None:
             return None
-        amount = read_amount(found["degrees"])
-        if amount is None or amount.unit not in {"", "°C"} or not -90 <= float(amount.number) <= 90:
-            raise UsageError(f"{text!r}: write degrees above the horizon, like 'sun elevation below 4°'")
-        return cls(found["sign"] in {"above", "over", ">", ">="}, float(amount.number))
+        amount, is_azimuth = read_amount(found["degrees"]), found.get("angle") == "azimuth"
+        low, high = (0, 360) if is_azimuth else (-90, 90)
+        if amount is None or amount.unit not in {"", "°C"} or not low <= float(amount.number) <= high:
+            words = "'sun azimuth above 180°', from 0 to 360" if is_azimuth else "'sun elevation below 4°'"
+            raise UsageError(f"{text!r}: write degrees like {words}")
+        return cls(found["sign"] in {"above", "over", ">", ">="}, float(amount.number), is_azimuth)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,6 +185,7 @@ class Changes:
         words: The query as text, in which names of devices count.
         before: The text of the value before, in small letters; empty for any.
         after: The text of the new value, likewise.
+        lasting: Seconds for which it must have the new value first.
     """
 
     text: str
@@ -184,6 +194,7 @@ class Changes:
     words: str
     before: str = ""
     after: str = ""
+    lasting: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +248,7 @@ Trigger: TypeAlias = (
     | PersonMoves
     | DaysAndTime
     | SunMoment
-    | SunElevation
+    | SunAngle
     | EachInterval
     | EachHour
     | HomebotStarts
@@ -286,7 +297,7 @@ def _as_limit(text: str, what: str) -> str:
 
 def _read_other(plain: str) -> Trigger | None:
     """Return the trigger *plain* if it is no state of devices."""
-    moment = DaysAndTime.read(plain) or SunMoment.read(plain) or SunElevation.read(plain, SUN_CROSSES)
+    moment = DaysAndTime.read(plain) or SunMoment.read(plain) or SunAngle.read(plain, SUN_CROSSES)
     if moment is not None:
         return moment
     if (message := _read_message(plain)) is not None:
@@ -387,7 +398,8 @@ def _read_change(text: str) -> Changes | None:
     before, after = (fold(found.get(key, "").strip("\"'")) for key in ("before", "after"))
     if before and not capability:
         raise UsageError(f"{text!r}: name the value, like 'front door lock changes from locked to unlocked'")
-    return Changes(text, parse_query(query), capability, query, before, after)
+    lasting = read_duration(found["length"], text) if "length" in found else 0.0
+    return Changes(text, parse_query(query), capability, query, before, after, lasting)
 
 
 def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:
@@ -403,8 +415,9 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     reject_joined(text, "or", "and")
     lasting = LASTING.match(text)
     state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
+    state, of_house, length = _split_length(state) if is_length_of_house(text) else (state, None, length)
     if (person := read_person(state)) is not None:
-        return Becomes(text, person.query, length)
+        return Becomes(text, person.query, length, length=of_house)
     if (none := NOT.match(state)) is not None:
         state, is_none = none["state"], True
     state = _with_value_last(state)
@@ -425,9 +438,9 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
-    found = Becomes(text, query, length, state, is_none)
+    found = Becomes(text, query, length, state, is_none, of_house)
     if not found.capabilities and (chosen := _choice(state)):
-        found = Becomes(text, parse_query(chosen), length, chosen, is_none)
+        found = Becomes(text, parse_query(chosen), length, chosen, is_none, of_house)
     if not found.capabilities:
         raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
     return found
@@ -455,6 +468,23 @@ def _choice(state: str) -> str:
         if capability is not None and capability.kind in {"text", ""} and not capability.is_event:
             return f"{' '.join(words[: place + 1])}={quoted(' '.join(words[place + 1 :]))}"
     return ""
+
+
+_UNITS_OF_LENGTH: Final = {"s": 1.0, "m": 60.0, "h": 3600.0}
+
+
+def is_length_of_house(text: str) -> bool:
+    """Return whether *text* ends with a length that the house tells, such as ``for {number of pause}m``."""
+    return " for {" in text and text[-2:-1] == "}"
+
+
+def _split_length(text: str) -> tuple[str, MessageValue, float]:
+    """Return the state in *text*, the number of the house behind it, and the seconds of its unit."""
+    state, _, length = text.rpartition(" for {")
+    value, unit = read_value(length[:-2]), _UNITS_OF_LENGTH.get(length[-1:], 0.0)
+    if CAPABILITIES.get(value.capability, OWN).kind != "number" or not unit:
+        raise UsageError(f"{text!r}: write a number of the house with s, m or h, like 'for {{number of pause}}m'")
+    return state, value, unit
 
 
 def _limit_hint(text: str) -> str:

@@ -26,18 +26,22 @@ pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant", "recording")]
 
 HOME = {"zone": "UTC", "latitude": 48.0, "longitude": 8.0}
 HELPERS = {"count": {"counter": 0}, "limit": 60, "vacation": False, "mode": ["day", "night"], "oven": {"timer": "5m"}}
+HELPERS |= {"pause": 2, "bell": {"button": True}, "early": {"time": "07:10"}, "note": {"text": "none"}}
 
 TRIGGERS = (
     *("every 30m", "at :15 every hour", "homebot starts", "8:20", "8:20 on 1 Jan", "8:20 from November to March"),
     *("message on home/bell", "message on home/bell with ring", "hall motion changes", "hall motion occupied"),
     *("no motion in hall for 5m", "sun elevation above 0°", "sunrise", "vacation changes", "oven press finished"),
     *("count number rises above 3", "number of count rises above number of limit minus 58"),
-    *("mode option changes from day to night", "vacation on for 5m"),
+    *("mode option changes from day to night", "vacation on for 5m", "vacation on for {number of pause}m"),
+    *("mode option changes from day to night for 5m", "bell press", "sun azimuth above 130°"),
 )
 CONDITIONS = (
     *("hall motion clear for 10m", "vacation off", "mode option = day", "sun elevation below 60°", "sun is up"),
     *("the last run was over 1m ago", "number of limit above number of count", "in January", "after 7:00"),
     *("started by every 10m", "not vacation on", "nobody in hall or vacation off"),
+    *("vacation on for less than 12m", "chance 1 in 2", "sun azimuth below 170°", "after text of early"),
+    *("not between text of early and 8:10", "vacation off for {number of pause}m"),
 )
 STEPS: tuple[object, ...] = (
     *("wait 10s", "wait {number of limit}s", "wait 5s to 20s", "wait for every 10m, at most 1m", "stop"),
@@ -47,6 +51,7 @@ STEPS: tuple[object, ...] = (
         "oven number 5",
         "mode option night",
     ),
+    *("wait until hall motion clear and until vacation on, at most 1m", "notify {names of hall lamp}", "bell press"),
     *("hall lamp on, {number of limit} %", "notify {routine} at {time}: {number of limit}", "vacation on"),
     {"if": ["vacation on"], "do": ["wait 1s"], "else": ["wait 2s"]},
     {"repeat": 2, "do": ["wait 1s"]},

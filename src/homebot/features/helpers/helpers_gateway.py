@@ -19,9 +19,11 @@ from homebot.features.helpers import KEEP_VALUES
 from homebot.features.helpers.messages import KeepHelperValues, KeepHelperValuesRequest
 from homebot.features.helpers.settings import (
     MAX_TIMER_S,
+    ButtonHelper,
     HelperSetting,
     HelpersSettings,
     NumberHelper,
+    TextHelper,
     TimeHelper,
     TimerHelper,
 )
@@ -37,6 +39,7 @@ _SEEN_EVERY: Final = 900.0
 
 _NEVER: Final = math.inf
 _MINUTES: Final = "number"
+_PUSH: Final = "push"
 _PATIENCE_S: Final = 10.0
 
 
@@ -74,11 +77,12 @@ class HelpersGateway(Gateway):
         for name, text in (await self._keep({})).items():
             helper = self._helpers.get(name)
             value = _plain(text)
-            if helper and not helper.seconds and _takes(helper.part, value):
+            if helper and not helper.seconds and helper.first is not None and _takes(helper.part, value):
                 self._values[name] = value
         self._publish()
-        for name in self._helpers:
-            await self._report(name)
+        for name, helper in self._helpers.items():
+            if helper.first is not None:
+                await self._report(name)
         clock = self.node.graph.clock
         while True:
             self._changed = anyio.Event()
@@ -97,6 +101,9 @@ class HelpersGateway(Gateway):
 
     async def _perform(self, command: Command) -> None:
         value, seconds = command.value.plain(), self._helpers[command.key].seconds
+        if command.capability == _PUSH:
+            await self._devices.report(command.key, {"press": "pressed"})
+            return
         if seconds and command.capability == _MINUTES and isinstance(value, float):
             await self._devices.report(command.key, {_MINUTES: value})
             value, seconds = True, 60 * value
@@ -138,6 +145,11 @@ def _helper(setting: HelperSetting) -> _Helper:
             return _Helper(part, first=False, seconds=setting.timer)
         case TimeHelper():
             return _Helper(_part(Capability(name="text", settable=True)), setting.time)
+        case TextHelper():
+            return _Helper(_part(Capability(name="text", settable=True)), setting.text)
+        case ButtonHelper():
+            pressed = Capability(name="press", options=("pressed",))
+            return _Helper(_part(pressed, Capability(name=_PUSH, settable=True, readable=False)), None)
         case NumberHelper():
             step = (0.0, 1.0) if setting.counter is not None else ()
             bounds = (setting.low, setting.high)

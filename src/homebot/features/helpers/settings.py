@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self, cast
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
 
@@ -15,6 +15,7 @@ from homebot.words.times import read_time
 
 _MAX_HELPERS = 100
 _MAX_CHOICES = 50
+_MAX_TEXT = 500
 MAX_TIMER_S = 7 * 86_400
 
 
@@ -85,24 +86,45 @@ class TimeHelper(BaseModel):
     time: Annotated[str, PlainValidator(_time)]
 
 
-HelperSetting = bool | float | tuple[str, ...] | NumberHelper | TimerHelper | TimeHelper
+class ButtonHelper(BaseModel):
+    """A button, ``{ button = true }``, which reports each push as a press."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    button: Literal[True]
+
+
+class TextHelper(BaseModel):
+    """A text, ``{ text = "" }``."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    text: Annotated[str, Field(max_length=_MAX_TEXT)]
+
+
+_TABLES: Mapping[str, type[BaseModel]] = {
+    "timer": TimerHelper,
+    "time": TimeHelper,
+    "button": ButtonHelper,
+    "text": TextHelper,
+}
+"""The tables of helpers by the key that each alone has; others are numbers."""
+
+HelperSetting = bool | float | tuple[str, ...] | NumberHelper | TimerHelper | TimeHelper | ButtonHelper | TextHelper
 """A value that is true or false, a number, texts of which the first is chosen, or a table with limits or a time."""
 
 
 def _setting(value: object) -> HelperSetting:
     """Check a helper here, because the errors of a union would name all of its members."""
     match value:
-        case bool() | NumberHelper() | TimerHelper() | TimeHelper():
+        case bool() | NumberHelper() | TimerHelper() | TimeHelper() | ButtonHelper() | TextHelper():
             return value
         case int() | float() if math.isfinite(value):
             return float(value)
         case dict():
             try:
-                if "timer" in value:
-                    return parse_settings(TimerHelper, value, "", "")
-                if "time" in value:
-                    return parse_settings(TimeHelper, value, "", "")
-                return parse_settings(NumberHelper, value, "", "")
+                table = next((_TABLES[key] for key in _TABLES if key in value), NumberHelper)
+                return cast("HelperSetting", parse_settings(table, value, "", ""))
             except ConfigError as exc:
                 raise ValueError(f"{exc.key}: {exc.reason}".removeprefix(": ")) from exc
         case list() | tuple() if 0 < len(value) <= _MAX_CHOICES and all(

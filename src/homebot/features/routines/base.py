@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, MutableMapping, Sequence
 from contextlib import ExitStack
 from datetime import datetime, time
 from functools import partial
+from random import Random
 from typing import Any, Final, assert_never
 
 import anyio
@@ -31,10 +32,22 @@ from homebot.features.routines.watches import (
     holds_for,
     is_press,
     start_watch,
+    time_of,
 )
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.words.conditions import AnyOf, Condition, LastRun, Matches, OnDays, StartedBy, SunIs, TimedOut
+from homebot.words.conditions import (
+    AnyOf,
+    Chance,
+    Condition,
+    HouseSpan,
+    LastRun,
+    Matches,
+    OnDays,
+    StartedBy,
+    SunIs,
+    TimedOut,
+)
 from homebot.words.message_values import Comparison
 from homebot.words.steps import MAX_TURNS
 from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
@@ -48,7 +61,7 @@ from homebot.words.triggers import (
     PersonMoves,
     Press,
     RobotArrival,
-    SunElevation,
+    SunAngle,
     Trigger,
     ValuePasses,
     read_trigger,
@@ -69,7 +82,7 @@ _RAN_AT: Final = "ran_at"
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 _Conditions = Sequence[tuple[str, Condition]]
-_Timed = DaysAndTime | SunMoment | SunElevation | EachInterval | EachHour | HomebotStarts
+_Timed = DaysAndTime | SunMoment | SunAngle | EachInterval | EachHour | HomebotStarts
 _Watched = _Timed | Press | Changes | ValuePasses | MessageComes | AtTimeOf | PersonMoves | RobotArrival
 
 
@@ -88,6 +101,7 @@ class RoutineBase(App[SettingsT_co]):
         self.commands = node.create_client(CommandDevices, COMMAND_DEVICES)
         self._messages = MessageWatches(node, self.devices)
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+        self._chances = 0
         self._checks = HandlerRuns(node, self.start_task, "conditions", "queued", is_quiet=True)
 
     def watch(self, triggers: Sequence[str], on_start: Callable[[str, object], None]) -> None:
@@ -188,8 +202,8 @@ class RoutineBase(App[SettingsT_co]):
                 return self.daily(trigger.time, start, days=trigger.days, name=name).cancel
             case SunMoment():
                 return self.at(trigger.event, start, offset=trigger.offset, name=name).cancel
-            case SunElevation(is_above=is_rising, degrees=degrees):
-                return self._jobs().at_elevation(degrees, start, name, is_rising=is_rising).cancel
+            case SunAngle():
+                return self._jobs().at_sun_angle(trigger, start, name).cancel
             case HomebotStarts():
                 is_start = self.clock.now() - self.context.began_at < _STARTING_S and self.context.rehearse is None
                 return self.after(_SETTLING_S, start, name=name).cancel if is_start else partial(_cancel, ())
@@ -220,11 +234,17 @@ class RoutineBase(App[SettingsT_co]):
 
     async def _holds(self, condition: Condition, facts: RoutineRunFacts) -> bool:
         match condition:
-            case SunIs() | SunElevation() | OnDays() | TimeSpan() | SunSpan() | LastRun():
+            case SunIs() | SunAngle() | OnDays() | TimeSpan() | SunSpan() | LastRun():
                 return self._is_time(condition)
             case Matches() if condition.state.lasting:
                 devices = await self.devices.find()
-                return holds_for(condition.state, devices, self.clock.now(), is_none=condition.is_none)
+                return holds_for(
+                    condition.state,
+                    devices,
+                    self.clock.now(),
+                    is_none=condition.is_none,
+                    is_recent=condition.is_recent,
+                )
             case Matches():
                 state = condition.state
                 query = query_words(state.words) or query_terms(state.query)
@@ -237,6 +257,14 @@ class RoutineBase(App[SettingsT_co]):
             case Comparison():
                 holds = compared(condition, await self.devices.find())
                 return condition.is_denied if holds is None else holds
+            case HouseSpan():
+                devices = await self.devices.find()
+                begin, end = time_of(condition.begin, devices), time_of(condition.end, devices)
+                return begin is not None and end is not None and TimeSpan(begin, end).has(self.now().time())
+            case Chance():
+                self._chances += 1
+                seed = f"{self.title} {self.clock.now()} {self._chances}"
+                return not Random(seed).randrange(condition.count)  # noqa: S311 - no secret
             case AnyOf():
                 for alternative in condition.conditions:
                     if await self._holds(alternative, facts):
@@ -245,15 +273,16 @@ class RoutineBase(App[SettingsT_co]):
             case _:
                 assert_never(condition)
 
-    def _is_time(self, condition: SunIs | SunElevation | OnDays | TimeSpan | SunSpan | LastRun) -> bool:
+    def _is_time(self, condition: SunIs | SunAngle | OnDays | TimeSpan | SunSpan | LastRun) -> bool:
         """Return whether *condition*, which asks no device, holds now."""
         match condition:
             case SunIs():
                 return self.sun_is_up() is condition.is_up
-            case SunElevation():
-                from homebot.apps.sun import sun_elevation  # noqa: PLC0415 - astral is for routines that ask
+            case SunAngle():
+                from homebot.apps.sun import sun_angle  # noqa: PLC0415 - astral is for routines that ask
 
-                now = sun_elevation(self.clock.now(), self.context.latitude, self.context.longitude)
+                home = self.context
+                now = sun_angle(self.clock.now(), home.latitude, home.longitude, is_azimuth=condition.is_azimuth)
                 return (now > condition.degrees) is condition.is_above
             case OnDays():
                 return condition.days.has(self.now().date())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from datetime import datetime
 from functools import cached_property, partial
@@ -23,17 +23,18 @@ from homebot.devices.command_messages import (
     PerformCommand,
 )
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import DeviceChange, StateChange, target_of
+from homebot.devices.device import Device, DeviceChange, StateChange, target_of
 from homebot.devices.names import CHANGE_ROUTINE, PERFORM_COMMAND
 from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.wording.values import value_text
 from homebot.errors import HomebotError, ServiceError, UsageError
 from homebot.features.routines.program import Back, Branch, ForEach, Line, NextTurn, Skip, conditions_of
-from homebot.features.routines.watches import fitting, follow_matches, value_of
+from homebot.features.routines.watches import fitting, follow_matches, holds_for, value_of
 from homebot.graph import Client, Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
+from homebot.words.message_values import MessageValue
 from homebot.words.steps import (
     Dim,
     Do,
@@ -50,7 +51,7 @@ from homebot.words.steps import (
     read_step,
 )
 from homebot.words.tokens import quoted
-from homebot.words.triggers import Trigger
+from homebot.words.triggers import Becomes, Trigger
 
 if TYPE_CHECKING:
     from homebot.features.routines.checks import HouseChecks
@@ -204,7 +205,7 @@ class RoutineRun:
                     if isinstance(step, WaitFor):
                         await self._owner.wait_for(step.triggers)
                     else:
-                        await anext(follow_matches(self._owner.node, step.state))
+                        await self._until(step.states)
                 self.facts = self.facts._replace(has_timed_out=wait.cancelled_caught)
                 return not (step.stops and wait.cancelled_caught)
             case Undo():
@@ -214,6 +215,15 @@ class RoutineRun:
             case Stop():
                 return False
         return True
+
+    async def _until(self, states: Sequence[Becomes]) -> None:
+        """Wait until all of *states* are at one time."""
+        is_so = False
+        while not is_so:
+            for state in states:
+                await anext(follow_matches(self._owner.node, state))
+            devices, now = await self._owner.devices.find(), self._clock.now()
+            is_so = len(states) == 1 or all(holds_for(state, devices, now, is_none=state.is_none) for state in states)
 
     async def _place_of(self, step: Step, line: int, until: float) -> RunPlace:
         """Return the place of *step*, with the end of a wait that begins now unless it ends at *until*."""
@@ -310,6 +320,8 @@ class RoutineRun:
                 texts.append(self._owner.title)
             elif piece.kind == "time":
                 texts.append(f"{self._owner.now():%H:%M}")
+            elif piece.kind == "names":
+                texts.append(", ".join(_names(piece, devices)) or "none")
             else:
                 texts.append(value_text(piece.capability, value_of(piece, devices)))
         return "".join(texts)
@@ -353,6 +365,13 @@ class RoutineRun:
         for place, outcome in zip(due, outcomes, strict=True):
             if not outcome.succeeded:
                 self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
+
+
+def _names(value: MessageValue, devices: Sequence[Device]) -> Iterator[str]:
+    """Yield the names of the devices of *value*, with what each tells."""
+    for device in fitting(value.words, devices):
+        told = value_text(value.capability, value_of(value, [device])) if value.capability else ""
+        yield f"{device.name or device.id} {told}".rstrip()
 
 
 async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:

@@ -14,7 +14,7 @@ from homebot.support.folding import fold
 from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, single_conditions
 from homebot.words.steps import IT, MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
-from homebot.words.triggers import Becomes, SunElevation, Trigger, read_trigger
+from homebot.words.triggers import Becomes, SunAngle, Trigger, read_trigger
 
 
 def _trigger(text: str) -> str:
@@ -61,8 +61,8 @@ class RoutineSettings(AppSettings):
             match line.step:
                 case Branch():
                     conditions += line.step.conditions
-                case WaitUntil(state=state):
-                    yield line.text, state
+                case WaitUntil() as wait:
+                    yield from ((line.text, state) for state in wait.states)
                 case WaitFor(triggers=triggers):
                     yield from ((line.text, trigger) for trigger in triggers)
                 case Dim(held=held):
@@ -71,9 +71,7 @@ class RoutineSettings(AppSettings):
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""
-        return tuple(
-            text for text, asked in self.asked() if isinstance(asked, SunMoment | SunIs | SunSpan | SunElevation)
-        )
+        return tuple(text for text, asked in self.asked() if isinstance(asked, SunMoment | SunIs | SunSpan | SunAngle))
 
     def written(self) -> dict[str, object]:
         """Return its table as a person would write it: without default values."""

@@ -1,8 +1,10 @@
 """Watches for the triggers of routines: states, presses, and the arrival of robots."""
 
 import math
-from collections.abc import AsyncIterator, Callable, MutableMapping, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, MutableMapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from datetime import time
 from functools import partial
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
@@ -78,7 +80,7 @@ async def _follow_each(
     node: Node, state: Becomes, kept: MutableMapping[str, Any], *, is_new: bool
 ) -> AsyncIterator[Match]:
     clock, due = node.graph.clock, TimerQueue[str, Match]()
-    began = clock.monotonic()
+    began, asked = clock.monotonic(), state
     follow = Follow(node, query=state.query, text=state.text, words=WordsQuery(state.words) if state.words else None)
     while True:
         at = due.next()
@@ -94,6 +96,7 @@ async def _follow_each(
                 kept.pop(key, None)
             elif change.kind == "appeared":
                 now = clock.now()
+                state = _with_length(asked, HouseView.of(node).devices)
                 since = now - (clock.monotonic() - began) if is_new else -math.inf  # by the clock as it is set now
                 matched_at = _matched_at(device, replace(state, query=follow.query), now, since)
                 matched_at = kept.get(key, matched_at) if matched_at == -math.inf else matched_at
@@ -122,6 +125,7 @@ async def _follow_none_left(
         matching = {device.id for device in devices if fits(query, facets_of(device))}
         able = [device for device in devices if fits(lasting(query), facets_of(device))]
         waiting: tuple[float, Match] | None = None
+        asked, state = state, _with_length(state, devices)
         if able and not matching and (key in kept or not is_new):
             since = kept.get(key, _last_change(able, state, clock.now()))
             left = min(state.lasting, since + state.lasting - clock.now())
@@ -140,6 +144,7 @@ async def _follow_none_left(
                     matching.remove(change.device.id)
                     if not matching:
                         kept[key] = clock.now()
+                        state = _with_length(asked, view.devices)
                         waiting = clock.monotonic() + state.lasting, Match(change.device, CURRENT_CAUSE.get())
             if scope.cancelled_caught and waiting is not None:
                 kept.pop(key, None)
@@ -147,6 +152,14 @@ async def _follow_none_left(
                 waiting = None
     finally:
         view.remove(watcher)
+
+
+def _with_length(state: Becomes, devices: Iterable[Device]) -> Becomes:
+    """Return *state* with the length that the house tells now; it never lasts for so long while that is unknown."""
+    if state.length is None:
+        return state
+    number = value_of(state.length, tuple(devices))
+    return replace(state, lasting=state.lasting * max(0.0, number) if isinstance(number, float) else math.inf)
 
 
 def _last_change(devices: Sequence[Device], state: Becomes, unknown: float) -> float:
@@ -167,12 +180,14 @@ def _matched_at(device: Device, state: Becomes, now: float, since: float) -> flo
     return -math.inf if is_new and (is_found_so or device.may_be_old(newest) or at + state.lasting < since) else at
 
 
-def holds_for(state: Becomes, devices: Sequence[Device], now: float, *, is_none: bool) -> bool:
-    """Return whether one of *devices*, or none, has matched *state* for as long as that says."""
+def holds_for(state: Becomes, devices: Sequence[Device], now: float, *, is_none: bool, is_recent: bool = False) -> bool:
+    """Return whether one of *devices*, or none, has matched *state* for as long as that says, or for less."""
     query = WordsQuery(state.words, devices).query if state.words else state.query
+    state = _with_length(state, devices)
     if not is_none:
         matching = [device for device in devices if fits(query, facets_of(device))]
-        return any(_matched_at(device, state, now, -math.inf) + state.lasting <= now for device in matching)
+        ends = [_matched_at(device, state, now, -math.inf) + state.lasting for device in matching]
+        return any((end > now) if is_recent else (end <= now) for end in ends)
     able = [device for device in devices if fits(lasting(query), facets_of(device))]
     is_over = _last_change(able, state, -math.inf) + state.lasting <= now
     return is_over and not any(fits(query, facets_of(device)) for device in able)
@@ -253,7 +268,9 @@ class ValueWatch(HouseWatcher):
     """Calls a function when a device that fits reports another value than before: to be unknown is no change."""
 
     def __init__(self, node: Node, trigger: Changes, on_start: OnStart) -> None:
+        self._node = node
         self._trigger = trigger
+        self._waits: BoundedMap[tuple[str, str, str], anyio.CancelScope] = BoundedMap(_MAX_VALUES)
         self._words = WordsQuery(trigger.words)
         self._on_start = on_start
         self._values: BoundedMap[tuple[str, str, str], PlainValue] = BoundedMap(_MAX_VALUES)
@@ -263,6 +280,8 @@ class ValueWatch(HouseWatcher):
 
     def close(self) -> None:
         """End the calls; idempotent."""
+        for wait in self._waits.values():
+            wait.cancel()
         self._view.remove(self)
 
     def on_device(self, change: DeviceChange) -> None:
@@ -277,7 +296,19 @@ class ValueWatch(HouseWatcher):
         if known is None or not fits(self._words.query, facets_of(known.current())):
             return
         new = [reading for reading in change.readings if self._is_new(change.device, reading)]
-        if new and change.live:
+        if not new or not change.live:
+            return
+        if not self._trigger.lasting:
+            self._on_start(change)
+            return
+        for reading in new:
+            wait = anyio.CancelScope()
+            self._waits[change.device, reading.part, reading.capability] = wait
+            self._node.create_task(partial(self._start_later, wait, change))
+
+    async def _start_later(self, wait: anyio.CancelScope, change: StateChange) -> None:
+        with wait:
+            await anyio.sleep(self._trigger.lasting)
             self._on_start(change)
 
     def _is_new(self, device: str, reading: State | Reading) -> bool:
@@ -286,6 +317,8 @@ class ValueWatch(HouseWatcher):
         key, value = (device, reading.part, reading.capability), reading.value.plain()
         before = self._values.get(key)
         self._values[key] = value
+        if before != value and (wait := self._waits.pop(key, None)) is not None:
+            wait.cancel()
         meant = (self._trigger.before, self._trigger.after)
         is_meant = not any(meant) or meant == (fold(value_text(before)), fold(value_text(value)))
         return before is not None and before != value and is_meant
@@ -471,6 +504,15 @@ def value_of(value: MessageValue, devices: Sequence[Device]) -> PlainValue:
     """Return *value* of the first of *devices* that it means; None while it is unknown."""
     states = [state for device in fitting(value.words, devices) for state in device.states]
     return next((state.value.plain() for state in states if state.capability == value.capability and state.live), None)
+
+
+def time_of(end: time | MessageValue, devices: Sequence[Device]) -> time | None:
+    """Return the time of day *end*, which a text of the house may tell; None while that is none."""
+    if isinstance(end, time):
+        return end
+    with suppress(UsageError):
+        return read_time(value_of(end, devices))
+    return None
 
 
 @final

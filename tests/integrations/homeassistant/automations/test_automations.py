@@ -99,6 +99,7 @@ HOUSE = (
             "visits": ["number"],
             "oven": ["on_off", "press"],
             "wake up": ["text"],
+            "good night": ["press", "push"],
         }.items()
     ),
     device("Household", part("", "x_household", "at_home", "all_at_home")),
@@ -111,7 +112,7 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
     )
 
 
-@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds"])
+@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting"])
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

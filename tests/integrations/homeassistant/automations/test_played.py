@@ -34,6 +34,8 @@ HELPERS: dict[str, Any] = {
     "mode": ["day", "night"],
     "visits": {"counter": 0},
     "oven": {"timer": "10m"},
+    "wake_up": {"time": "07:00"},
+    "good_night": {"button": True},
 }
 DEVICES = {one.name: one for one in HOUSE if one.endpoints[0].gateway != "helpers"}
 FIRST = """
@@ -257,6 +259,64 @@ PLAYS: tuple[Play, ...] = (
          "09:00 10:00"),
     Play("Two speeds by the hour", ["08:10 Bath climate humidity 60"]),
     Play("Motion light by variables", ["08:05 Hall motion illuminance 15", "08:10 Hall motion occupancy true"]),
+    Play("Windows at ten", ["09:10 Bath window contact true", "09:20 Front door contact true"],
+         ["10:00:00 notify Open: Bath window, Front door"], "09:00 10:10"),
+    Play("Windows at ten", ["09:10 Bath window contact true", "09:20 Bath window contact false"],
+         ["10:00:00 notify All closed"], "09:00 10:10"),
+    Play("Windows at ten", [], [], "09:00 09:50"),
+    Play("Low batteries", ["09:10 Bath window battery 9"], ["10:00:00 notify Bath window 9 %"], "09:00 10:10"),
+    Play("Low batteries", ["09:10 Bath window battery 9", "09:20 Bath window contact true"], [], "09:00 10:10"),
+    Play("Shutter by azimuth", ["11:10 Bath climate temperature 23"], ["11:32:02 Living blind position 30"],
+         "11:00 12:00"),
+    Play("Shutter by azimuth", ["11:10 Bath climate temperature 22"], [], "11:00 12:00"),
+    Play("Ten minutes without motion",
+         ["08:05 Hall lamp on_off true", "08:20 Hall motion occupancy true", "08:22 Hall motion occupancy false"],
+         ["08:15:00 Hall lamp on_off False"]),
+    Play("Ten minutes without motion",
+         ["08:05 Hall lamp on_off true", "08:07 Hall motion occupancy true", "08:25 Hall motion occupancy false"],
+         ["08:45:00 Hall lamp on_off False"]),
+    Play("Ten minutes without motion", ["08:07 Hall motion occupancy true", "08:25 Hall motion occupancy false"]),
+    Play("Just came in", ["08:10 Front door contact true", "08:11:59 Hall motion occupancy true"],
+         ["08:11:59 Floor lamp on_off True"]),
+    Play("Just came in", ["08:10 Front door contact true", "08:12 Hall motion occupancy true"]),
+    Play("Off after my own minutes",
+         ["08:02 lux_limit number 15", "08:05 Stairs motion occupancy true", "08:10 Stairs motion occupancy false"],
+         ["08:25:00 Hall lamp on_off False", "lux limit 15.0"]),
+    Play("Off after my own minutes",
+         ["08:02 lux_limit number 15", "08:05 Stairs motion occupancy true", "08:10 Stairs motion occupancy false",
+          "08:20 Stairs motion occupancy true"], ["lux limit 15.0"]),
+    Play("Player fell silent",
+         ["08:05 Kitchen radio playback playing", "08:10 Kitchen radio playback stopped"],
+         ["08:15:00 Kitchen plug on_off False"]),
+    Play("Player fell silent",
+         ["08:05 Kitchen radio playback playing", "08:10 Kitchen radio playback stopped",
+          "08:14 Kitchen radio playback playing"]),
+    Play("Player fell silent",
+         ["08:05 Kitchen radio playback paused", "08:10 Kitchen radio playback stopped"]),
+    Play("Docked after cleaning",
+         ["08:05 Rosie vacuum cleaning", "08:10 Rosie vacuum returning", "08:12 Rosie vacuum docked"],
+         ["08:13:00 notify Rosie was out for 0:01:00 less"]),
+    Play("Docked after cleaning",
+         ["08:05 Rosie vacuum cleaning", "08:10 Rosie vacuum docked", "08:20 Rosie vacuum returning",
+          "08:22 Rosie vacuum docked", "08:22:30 Rosie vacuum cleaning"]),
+    Play("All still",
+         ["08:05 Stairs motion occupancy true", "08:10 Hall motion occupancy true", "08:12 Hall motion occupancy false",
+          "08:15 Stairs motion occupancy false"],
+         ["08:10:00 Hall lamp on_off True", "08:15:00 Hall lamp on_off False"]),
+    Play("All still", ["08:05 Stairs motion occupancy true", "08:10 Hall motion occupancy true"],
+         ["08:10:00 Hall lamp on_off True", "08:40:00 Hall lamp on_off False"]),
+    Play("All still", ["08:05 Stairs motion occupancy true", "08:10 Hall motion occupancy true"],
+         ["08:10:00 Hall lamp on_off True"], "08:00 08:39"),
+    Play("Quiet hours of my own", ["08:10 Bell press single"], ["08:10:00 notify Somebody rings"]),
+    Play("Quiet hours of my own", ["08:05 wake_up text 08:30", "08:10 Bell press single"]),
+    Play("Good night button", ["08:10 good_night push", "08:20 good_night push"],
+         ["08:10:00 Floor lamp on_off False", "08:10:00 Hall lamp on_off False"]),
+    Play("Good night button", ["08:10 vacation on"], ["vacation True"]),
+    Play("Longer on vacation", ["08:10 Front door contact true"],
+         ["08:20:00 notify The door was off, and is open for 0:10:00"]),
+    Play("Longer on vacation", ["08:05 vacation on", "08:10 Front door contact true"],
+         ["08:12:00 notify The door was off, and is open for 0:02:00", "vacation True"]),
+    Play("Longer on vacation", ["08:10 Front door contact true", "08:19 Front door contact false"]),
 )  # fmt: skip
 
 
@@ -290,7 +350,7 @@ def routines() -> Mapping[str, dict[str, Any]]:
     """Return the routines of all files by name."""
     texts = [
         text
-        for name in ("forum", "asked", "unseen", "kinds")
+        for name in ("forum", "asked", "unseen", "kinds", "lasting")
         for text in read((HERE / f"{name}.yaml").read_text()).texts
     ]
     return {table["name"]: table for text in texts for table in tomllib.loads(text)["routines"]}

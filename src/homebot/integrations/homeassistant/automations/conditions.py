@@ -11,7 +11,7 @@ from typing import Final
 
 from homebot.integrations.homeassistant.automations.entities import Automation, Condition
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.states import STATES, sun_moment
+from homebot.integrations.homeassistant.automations.states import STATES, helper_time, sun_moment
 from homebot.integrations.homeassistant.automations.templates import Templates, bracketed
 from homebot.support.located import Located
 from homebot.words.times import read_span
@@ -27,7 +27,7 @@ _BY_SUN: Final[dict[Condition, list[Condition]]] = {
 }
 _OPPOSITES: Final = {"sun is up": "sun is down", "sun is down": "sun is up"}
 _HOUSEHOLD: Final = {"somebody is home": "nobody is home", "nobody is home": "somebody is home"}
-_LASTING: Final = re.compile(r" for [\w.]+\)$")
+_LASTING: Final = re.compile(r" for (?:less than )?[\w.]+\)$")
 _OTHER_SIDE: Final = {"after": "before", "before": "after"}
 _LIMIT: Final = re.compile(r"(?P<value>[^<>]*)(?P<sign>[<>])(?P<number>[-+.e\d]+\))")
 _LIMITS: Final = re.compile(r"[<>][-+.e\d]+ \w+[<>][-+.e\d]+\)$")
@@ -77,7 +77,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
         case "and" | "or" | "not":
             return _joined(joint, _each(automation, fields.items("conditions" if kind else joint)))
         case "time":
-            return _time(fields)
+            return _time(automation, fields)
         case "sun":
             return _sun(fields)
         case "trigger":
@@ -122,15 +122,25 @@ def _sun(fields: UnreadFields) -> list[Condition]:
     return [tuple(texts)] if [*events.values()] == ["sunset", "sunrise"] else [(text,) for text in texts]
 
 
-def _time(fields: UnreadFields) -> list[Condition]:
-    days, after, before = fields.days(), fields.clock_times("after"), fields.clock_times("before")
+def _time(automation: Automation, fields: UnreadFields) -> list[Condition]:
+    days, after, before = fields.days(), *(_moments(automation, fields, key) for key in ("after", "before"))
     match after, before:
         case [begin], [end]:
             texts = [f"between {begin} and {end}"]
         case _:
             texts = [f"{word} {time}" for word, times in (("after", after), ("before", before)) for time in times]
-    spans = [text for text in texts if (span := read_span(text)) and span.begin != span.end]  # others hold always
+    spans = [
+        text for text in texts if "text of " in text or ((span := read_span(text)) and span.begin != span.end)
+    ]  # others hold always
     return [(text,) for text in (*spans, days) if text]
+
+
+def _moments(automation: Automation, fields: UnreadFields, key: str) -> list[str]:
+    """Return the times of day of a field, of which one may be that of a helper."""
+    node = fields.left.get(key)
+    if node is None or not isinstance(node.value, str) or "." not in node.value:
+        return fields.clock_times(key)
+    return [helper_time(automation.entities, fields.text(key))]
 
 
 def any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
@@ -166,7 +176,7 @@ def _opposite(text: str) -> str:
 def _other_time(text: str) -> str:
     """Return the opposite of a condition of time; empty for any other."""
     side, _, moment = text.partition(" ")
-    if text.startswith("sun elevation "):
+    if text.startswith(("sun elevation ", "sun azimuth ")):
         return text.replace(" above ", " below ") if " above " in text else text.replace(" below ", " above ")
     if text.startswith("last run "):
         return text.replace(" over ", " under ") if " over " in text else text.replace(" under ", " over ")

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, TypeAlias, TypeVar, final
@@ -16,6 +16,7 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.integrations.homeassistant.automations.variables import is_constant, resolved
 from homebot.support.folding import fold
 from homebot.support.located import Located
+from homebot.words.opening_kinds import opening_kind
 from homebot.words.tokens import quoted
 
 _ID: Final = re.compile(r"[a-z_]+\.[a-z0-9_]+")
@@ -24,7 +25,10 @@ _ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re
 """Parts of names that mean something else in texts of routines."""
 
 _HELPERS: Final = frozenset(
-    {"input_boolean", "input_number", "input_select", "input_button", "input_datetime", "counter", "timer"}
+    {
+        *("input_boolean", "input_number", "input_select", "input_button", "input_datetime", "input_text"),
+        *("counter", "timer", "schedule"),
+    }
 )
 
 _SENSORS: Final = {"binary_sensor": True, "sensor": False}
@@ -70,11 +74,29 @@ _CONTROLS: Final = {
     "input_number": ("x_setting", "number"),
     "counter": ("x_setting", "number"),
     "input_datetime": ("x_setting", "text"),
+    "input_text": ("x_setting", "text"),
+    "schedule": ("x_setting", "on_off"),
     "time": ("x_setting", "text"),
     "timer": ("x_setting", "on_off"),
     "sensor": ("", "value"),
 }
 """The types of the parts that are entities of a domain, and their capabilities: the first one tells the state."""
+
+_CLASSES: Final = {
+    **{kind: ("contact", kind) for kind in ("door", "garage_door", "window")},
+    "opening": ("contact", ""),
+    **dict.fromkeys(("motion", "presence", "occupancy"), ("occupancy", "")),
+    "moisture": ("water_leak", ""),
+}
+"""The capability of sensors of a class, and the kind of opening that their device must be."""
+
+_BY_KIND: Final = {
+    **dict.fromkeys(("open", "opened", "closed"), "contact"),
+    **dict.fromkeys(("motion", "occupied", "present"), "occupancy"),
+    **dict.fromkeys(("moist",), "water_leak"),
+    **dict.fromkeys(("battery_level",), "battery"),
+}
+"""The capability of a sensor by what a trigger or condition of its device asks, if it has another name."""
 
 _USUAL: Final[Mapping[str, tuple[float, float]]] = {
     "heating_setpoint": (3.0, 40.0),
@@ -165,9 +187,9 @@ class Entities:
 
     def find(self, entity_id: str) -> KnownEntity:
         """Return the entity *entity_id*."""
-        if not _ID.fullmatch(entity_id):
-            raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
         if entity_id not in self.used:
+            if not _ID.fullmatch(entity_id):
+                raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
             device, unit = self._listed.get(entity_id, (None, ""))
             named = [*(self._named.get(entity_id) or self._also_named.get(entity_id, {})).values()]
             persons = [entity for entity in named if entity.part.part.service_type == "x_person"]
@@ -190,6 +212,25 @@ class Entities:
                 raise NotCarriedError(f"{entity_id} {problem}{_advice(entity_id)}")
             self.used[entity_id] = KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
         return self.used[entity_id]
+
+    def find_of_device(self, entity_id: str, device_id: str, domain: str, kind: str) -> KnownEntity:
+        """Return the entity *entity_id*, which may be an id of the registry that only its device explains.
+
+        Args:
+            kind: What an automation asks of it, such as ``is_open``: it tells sensors of one device apart.
+        """
+        if _ID.fullmatch(entity_id) or entity_id in self.used:
+            return self.find(entity_id)
+        device = self.device_of(device_id)
+        possible = [*_possible(device, domain)]
+        words = kind.removeprefix("is_").removeprefix("not_").removeprefix("no_")
+        meant = _BY_KIND.get(words, words)
+        fitting = [entity for entity in possible if entity.capability == meant] or possible
+        if len(fitting) != 1:
+            raise NotCarriedError(f"{device.name} has several entities of {domain}; name the one that is meant")
+        known = KnownEntity(f"{domain}.{slug_of(device.name)}", *fitting[0], self.name_of(device))
+        self.used[entity_id] = known
+        return known
 
     def device_of(self, device_id: str) -> Device:
         """Return the device with the id *device_id* of Home Assistant."""
@@ -249,6 +290,19 @@ class Entities:
     def of_domain(self, domain: str) -> list["KnownEntity"]:
         """Return all entities of *domain*."""
         return [entity for device in self._devices for entity in self._entities_of(device, domain)]
+
+    def of_class(self, domain: str, classes: Collection[str]) -> list["KnownEntity"]:
+        """Return the entities of *domain* whose device is of one of *classes*, or all if these are none."""
+        if domain not in _SENSORS:
+            return [] if classes else self.of_domain(domain)
+        wanted = [_CLASSES.get(name, (name, "")) for name in classes]
+        known = []
+        for device in self._devices:
+            for meant in _possible(device, domain):
+                kinds = {kind for capability, kind in wanted if capability == meant.capability}
+                if meant.capability and (kinds & {"", opening_kind(device)} or not classes):
+                    known.append(KnownEntity(f"{domain}.{slug_of(device.id)}", *meant, self.name_of(device)))
+        return known
 
     def _devices_at(self, kind: str, place: str) -> Iterable[Device]:
         match kind:
@@ -323,6 +377,8 @@ def _advice(entity_id: str) -> str:
     domain, _, name = entity_id.partition(".")
     if domain == "person":
         return "; write it in the table [people]"
+    if domain == "schedule":
+        return f"; write `{name} = false` in [helpers], and routines that turn it on and off at its times"
     return f"; write `{name}` in the table [helpers]" if domain in _HELPERS else ""
 
 
@@ -396,6 +452,10 @@ class StartTrigger(NamedTuple):
                 return self.entity or None
             case ("trigger", "to_state", "state"):
                 return self.state or None
+            case ("trigger", "from_state", "state"):
+                return dict(self.data).get("from")
+            case ("trigger", "for" as field):
+                return dict(self.data).get(field)
             case ("trigger", "event", "data", field) | ("trigger", "payload" | "above" | "below" as field):
                 return dict(self.data).get(field)
         return None

@@ -56,9 +56,9 @@ def parts_of_body(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
     """Return the nodes of *body*, of which statements are choices alone."""
     parts: list[nodes.Node] = []
     for node in body:
-        if not isinstance(node, nodes.Output | nodes.If):
+        if not isinstance(node, nodes.Output | nodes.If | nodes.For):
             raise refused_template(text, "it has statements")
-        parts += [node] if isinstance(node, nodes.If) else node.nodes
+        parts += node.nodes if isinstance(node, nodes.Output) else [node]
     return parts
 
 
@@ -129,7 +129,8 @@ def text_of_parts(text: str, parts: list[nodes.Node]) -> str:
         if isinstance(part, nodes.TemplateData | nodes.Const)
     ]
     if len(texts) == len(parts):
-        return "".join(texts).strip()
+        is_list = len(parts) == 1 and isinstance(getattr(parts[0], "value", None), list)
+        return f"{{{{ {texts[0]} }}}}" if is_list else "".join(texts).strip()
     left = LeftTemplate(text)
     left.parts = parts
     return left
@@ -160,9 +161,13 @@ def rebuilt(node: nodes.Node, change: Callable[[nodes.Node], nodes.Node]) -> nod
 def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
     """Return *body* with the expressions of its ``{% set … %}`` where they are used."""
     known: dict[str, nodes.Node] = {}
+    drawn: set[str] = set()
 
     def put(node: nodes.Node) -> nodes.Node:
         if isinstance(node, nodes.Name) and node.name in known:
+            if node.name in drawn:
+                raise refused_template(node.name, "it is drawn by chance and used twice; draw it in a variable")
+            drawn.update([node.name] if is_drawn(known[node.name]) else [])
             return known[node.name]
         return rebuilt(node, put)
 
@@ -173,6 +178,13 @@ def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
         else:
             rest.append(put(node) if known else node)
     return rest
+
+
+def is_drawn(node: nodes.Node) -> bool:
+    """Return whether *node* is drawn by chance."""
+    return any(
+        inner.name == "random" for inner in (node, *node.find_all(nodes.Filter)) if isinstance(inner, nodes.Filter)
+    )
 
 
 def joined_pieces(node: nodes.Expr) -> list[nodes.Node]:

@@ -9,6 +9,8 @@ from collections.abc import Iterable, Iterator
 from typing import Final, final
 
 from homebot.errors import UsageError
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes, tree_of
+from homebot.integrations.homeassistant.formats.jinja.values import TemplateError
 from homebot.support.located import Located
 
 _TEMPLATE: Final = re.compile(r"\{[{%#]")
@@ -105,7 +107,7 @@ class UnreadFields:
         """Return a truth value, also as YAML 1.1 spells it: ``off`` and ``no``."""
         if (node := self.take(key)) is None:
             return default
-        if (flag := _FLAGS.get(str(node.value).casefold())) is None:
+        if (flag := _FLAGS.get(str(constant_of(node).value).casefold())) is None:
             raise _wrong(node, key, "is neither true nor false")
         return flag
 
@@ -155,9 +157,34 @@ def items_of(node: Located | None, what: str) -> list[Located]:
     """Return the elements of a list, also of lists in it, or a value that stands for a list of one."""
     if node is None or node.value is None:
         return []
+    node = constant_of(node)
     if node.tag:
         raise _wrong(node, what, "is not here")
     return [inner for item in node.value for inner in items_of(item, what)] if isinstance(node.value, list) else [node]
+
+
+def constant_of(node: Located) -> Located:
+    """Return *node* with the list or truth value that its template is by itself."""
+    if not isinstance(node.value, str) or not node.value.lstrip().startswith("{{"):
+        return node
+    try:
+        output = tree_of(node.value.strip()).body
+        parts = output[0].nodes if len(output) == 1 and isinstance(output[0], nodes.Output) else []
+        is_value = len(parts) == 1 and isinstance(parts[0], nodes.List | nodes.Tuple | nodes.Const)
+        value = parts[0].as_const() if is_value else None
+    except (TemplateError, nodes.Impossible):
+        return node
+    if isinstance(value, list | tuple):
+        return node._replace(value=[_located(inner, node.line) for inner in value])
+    return node._replace(value=value) if isinstance(value, bool) else node
+
+
+def _located(value: object, line: int) -> Located:
+    if isinstance(value, dict):
+        return Located({str(key): _located(inner, line) for key, inner in value.items()}, line)
+    if isinstance(value, list | tuple):
+        return Located([_located(inner, line) for inner in value], line)
+    return Located(value, line)
 
 
 def walk(node: Located) -> Iterator[dict[str, Located]]:

@@ -14,6 +14,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import value_name
+from homebot.integrations.homeassistant.automations.template_lists import entity_list, names_text
 from homebot.integrations.homeassistant.automations.template_times import is_now
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 
@@ -49,6 +50,9 @@ def without_unit(text: str, unit: str) -> str:
 
 def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
     """Return a value for a message, and its unit, which homebot writes itself."""
+    listed = node.node if isinstance(node, nodes.Filter) and node.name == "join" else node
+    if (known := entity_list(listed)) is not None and known.is_named:
+        return names_text(automation, known), ""
     while isinstance(node, nodes.Filter) and node.name in _FORMS:
         assert node.node is not None  # noqa: S101 - only the filter of a block has none
         node = node.node

@@ -45,7 +45,7 @@ from homebot.support.located import Located
 from homebot.words.automations import ImportedRoutines, Load, Refusal, RoutineCheck
 from homebot.words.routine_text import routine_text
 from homebot.words.steps import MAX_ROUNDS, MAX_RUNS, Do, Stop, Wait, WaitFor, WaitUntil, read_step
-from homebot.words.triggers import read_trigger
+from homebot.words.triggers import read_state, read_trigger
 
 Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
@@ -239,12 +239,27 @@ class Actions:
         """Return the steps of the script that is called; none if another service is."""
         called = fields.left.get(key)
         domain, _, name = str(called.value if called else "").partition(".")
+        given = UnreadFields(Located({}, 0), "data")
+        if (domain, name) == ("script", "turn_on"):
+            called_with = UnreadFields(Located(dict(fields.left), 0), "action")
+            data = called_with.inner("data", "service_data")
+            ids = [
+                text for place in (called_with.inner("target"), data, called_with) for text in place.texts("entity_id")
+            ]
+            name = ids[0].removeprefix("script.") if len(ids) == 1 else ""
+            given = data.inner("variables")
+            data.end()
         if key not in {"service", "action"} or domain != "script" or name not in self._scripts:
             return []
         if name in self._in_scripts:
             raise NotCarriedError(f"script.{name} calls itself")
-        fields.take(key)
-        script, given = UnreadFields(self._scripts[name], "script"), fields.inner("data", "service_data")
+        if called is not None and called.value == "script.turn_on":
+            fields.left.clear()
+            self._automation.notes.append(f"script.{name} is awaited, where Home Assistant goes on at once")
+        else:
+            fields.take(key)
+            given = fields.inner("data", "service_data")
+        script = UnreadFields(self._scripts[name], "script")
         inputs = script.take("fields")
         for field in ("description", "icon", "mode", "max"):
             script.take(field)
@@ -263,6 +278,12 @@ class Actions:
 
     def _delay(self, fields: UnreadFields) -> list[Step]:
         node = fields.left.get("delay")
+        if node is not None and (ways := templates_of(self._automation).ways(node)):
+            fields.take("delay")
+            choice: list[Step] = []
+            for held, value in reversed(ways):
+                choice = _choice(held, self._delay(UnreadFields(Located({"delay": value}, 0), "delay")), choice)
+            return choice
         self._automation.has_waited = True
         if node is not None and (ends := random_ends(node)):
             least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
@@ -296,7 +317,7 @@ class Actions:
         else:
             node = fields.take(kind)
             held = templates_of(self._automation).conditions(template_text(node))
-            return self._waited(_awaited(held, end, is_limited=bool(most)))
+            return self._waited(_awaited(held, end))
         return self._waited([text])
 
     def _waited(self, steps: list[Step]) -> list[Step]:
@@ -410,23 +431,26 @@ def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: S
     return [{**choice, "else": [*otherwise]} if otherwise else choice]
 
 
-def _awaited(held: Sequence[Condition], end: str, *, is_limited: bool) -> list[Step]:
-    """Return the steps that wait until *held*: for the state of one device, or for the next change of several."""
+def _awaited(held: Sequence[Condition], end: str) -> list[Step]:
+    """Return the steps that wait until *held*: for states at one time, or for the next change to one of several."""
     texts = [text for condition in held for text in condition]
     states = [text.replace("(name=", "name=").removesuffix(")") if "(name=" in text else text for text in texts]
     if not texts or not all("name=" in text or text.endswith((" is home", " is away")) for text in texts):
         raise NotCarriedError("action wait_template: a routine waits for states; write a loop with `until`")
-    if len(states) == 1:
-        return [f"wait until {states[0].replace('not ', 'no ', 1) if states[0].startswith('not ') else states[0]}{end}"]
+    if all(len(condition) == 1 for condition in held):
+        positive = [state.replace("not ", "no ", 1) if state.startswith("not ") else state for state in states]
+        text = f"wait until {' and until '.join(positive)}{end}"
+        step = read_step(text)
+        if not isinstance(step, WaitUntil) or step.states != tuple(map(read_state, positive)):
+            raise NotCarriedError("action wait_template: these states cannot be written as one step")
+        return [text]
+    if len(held) > 1:
+        raise NotCarriedError("action wait_template: `or` beside `and`; wait for one after the other")
     text = f"wait for {' or '.join(states)}{end}"
     step = read_step(text)
     if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, states)):
         raise NotCarriedError("action wait_template: these states cannot be written as one step")
-    if len(held) == 1:
-        return _choice(denied(held), [text], [])
-    if is_limited:
-        raise NotCarriedError("action wait_template: several states with `timeout`; wait for one after the other")
-    return [{"while": texts_of(denied(held)), "do": [text]}]
+    return _choice(denied(held), [text], [])
 
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
@@ -525,7 +549,8 @@ def _table(
     if mode not in _MODES:
         raise NotCarriedError(f"mode: {mode!r}")
     enabled = fields.flag("initial_state", default=True)
-    constants: Mapping[str, object] = {}
+    automation.constants["this.entity_id"] = f"automation.{slug_of(name)}"
+    constants: Mapping[str, object] = automation.constants
     for key in ("trigger_variables", "variables"):
         if (node := fields.take(key)) is not None:
             constants = automation.define(node)

@@ -20,7 +20,7 @@ from homebot.support.numbers import to_number
 from homebot.words.message_values import read_comparison
 from homebot.words.people import read_move, read_person
 from homebot.words.queries import parse_query
-from homebot.words.triggers import read_state
+from homebot.words.triggers import AtTimeOf, read_state, read_trigger
 from homebot.words.vocabulary import ADJECTIVES
 
 _Meaning: TypeAlias = tuple[str, Operator, PlainValue]
@@ -92,6 +92,15 @@ def sun_moment(fields: UnreadFields, event: str, key: str) -> str:
     return f"{event} - {offset[1:]}" if offset.startswith("-") else f"{event} + {offset}" if offset else event
 
 
+def helper_time(entities: Entities, entity_id: str) -> str:
+    """Return the time of day that a helper tells."""
+    entity = entities.find(entity_id)
+    text = f"text of name={text_value(entity.name)}"
+    if not entity.has("text") or not isinstance(read_trigger(f"at {text}"), AtTimeOf):
+        raise NotCarriedError(f"{entity_id} has no time of day in homebot; write the time itself")
+    return text
+
+
 def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: str = "state") -> list[str]:
     """Return each of *states* of an entity in the words of routines; *key* is the field that names them."""
     if not states:
@@ -103,7 +112,7 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
     if entity_id.startswith("group.") and entities.knows_people and _HOUSEHOLD.keys() >= {*states}:
         entities.notes.append(f"{entity_id} is taken as all of [people]")
         return [_HOUSEHOLD[state] for state in states]
-    return [_state_text(entities.find(entity_id), state, key) for state in states]
+    return [state_text(entities.find(entity_id), state, key) for state in states]
 
 
 def number_of(entities: Entities, entity_id: str, attribute: str) -> tuple[KnownEntity, str, float]:
@@ -175,16 +184,35 @@ def attribute_text(entities: Entities, entity_id: str, attribute: str, text: str
     return attribute_of(entities, entity_id, attribute, value)[1:-1]
 
 
-def elevation_text(sign: str, degrees: float) -> str:
-    """Return the condition, which is a trigger too, that the sun is above or below so many degrees."""
-    return f"sun elevation {'above' if sign[0] == '>' else 'below'} {degrees:.12g}°"
-
-
-def _state_text(entity: KnownEntity, state: str, key: str) -> str:
+def state_text(entity: KnownEntity, state: str, key: str) -> str:
+    """Return *state* of an entity in the words of routines; *key* is the field that names it."""
     if entity.part.part.service_type == "x_person":
         return _person_text(entity, state, key)
-    capability, operator, value = _meaning(entity, state)
-    return _text(entity, [StateIs(capability, operator, fold(value) if isinstance(value, str) else value)])
+    meanings = _meanings_of_player(entity, state) or [_meaning(entity, state)]
+    return _text(
+        entity,
+        [StateIs(name, sign, fold(value) if isinstance(value, str) else value) for name, sign, value in meanings],
+    )
+
+
+SUN_ANGLES: Final = frozenset({"elevation", "azimuth"})
+"""The attributes of ``sun.sun`` that a routine asks for."""
+
+
+def sun_angle_text(attribute: str, sign: str, degrees: float) -> str:
+    """Return the condition, which is a trigger too, that the sun is above or below so many degrees."""
+    return f"sun {attribute} {'above' if sign[0] == '>' else 'below'} {degrees:.12g}°"
+
+
+def each_state(entities: Entities, entity_id: str) -> list[str]:
+    """Return that an entity is in a state, for each state that it may have."""
+    entity = entities.find(entity_id)
+    name = entity.capability or next(iter(entity.controls), "")
+    kind = CAPABILITIES.get(name, OWN).kind
+    values: Sequence[PlainValue] = (True, False) if kind == "bool" else [*map(fold, entity.options(name))]
+    if not values or not entity.has(name) or kind == "number":
+        raise NotCarriedError(f"{entity_id}: how long it has its value; a routine knows that of states alone")
+    return [_text(entity, [StateIs(name, "=", value)]) for value in values]
 
 
 def _of_states(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
@@ -208,7 +236,7 @@ def _person_text(entity: KnownEntity, state: str, key: str) -> str:
     return text
 
 
-def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
+def _of_limits(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
     given: tuple[tuple[Operator, str], ...] = ((">", "above"), ("<", "below"))
     others = [(sign, fields.text(side)) for sign, side in given if _is_entity(fields, side)]
     if others:
@@ -217,7 +245,7 @@ def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list
             for entity_id in _ids(fields)
             for sign, other in others
         ]
-    limits = [(operator, number) for operator, key in given for number in fields.numbers(key)]
+    limits = [(operator, number) for operator, side in given for number in fields.numbers(side)]
     attribute, template = fields.text("attribute", ""), fields.take("value_template")
     if not limits:
         raise NotCarriedError("`above` or `below` is missing")
@@ -226,7 +254,10 @@ def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list
         if found is None:
             raise NotCarriedError("value_template: it calculates; routines compare a value itself with a limit")
         attribute = found["attribute"] or ""
-    return [[_limit_of(entities, entity_id, attribute, limits)] for entity_id in _ids(fields)]
+    ids = _ids(fields)
+    if key == "state" and ids == ["sun.sun"] and attribute in SUN_ANGLES:  # a condition holds within both
+        return [[_limit_of(entities, "sun.sun", attribute, [limit])] for limit in limits]
+    return [[_limit_of(entities, entity_id, attribute, limits)] for entity_id in ids]
 
 
 def _is_entity(fields: UnreadFields, key: str) -> bool:
@@ -235,10 +266,10 @@ def _is_entity(fields: UnreadFields, key: str) -> bool:
 
 
 def _limit_of(entities: Entities, entity_id: str, attribute: str, limits: Sequence[tuple[Operator, float]]) -> str:
-    if (entity_id, attribute) == ("sun.sun", "elevation"):
+    if entity_id == "sun.sun" and attribute in SUN_ANGLES:
         if len(limits) > 1:
-            raise NotCarriedError("the elevation of the sun between two limits; write two conditions")
-        return elevation_text(*limits[0])
+            raise NotCarriedError(f"the {attribute} of the sun between two limits; write a trigger and a condition")
+        return sun_angle_text(attribute, *limits[0])
     if entity_id == "zone.home" and entities.knows_people:
         if limits in ([(">", 0.0)], [("<", 1.0)]):
             return "somebody is home" if limits[0][0] == ">" else "nobody is home"
@@ -254,7 +285,9 @@ def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[s
 
 
 def _of_device(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
-    kind, _, _ = fields.text("type"), fields.take("domain"), fields.take("device_id")
+    kind, domain, device_id = fields.text("type"), fields.text("domain", ""), fields.text("device_id", "")
+    for entity_id in fields.texts_of("entity_id"):
+        entities.find_of_device(entity_id, device_id, domain, kind)
     if "above" in fields or "below" in fields:  # a measurement
         return _of_limits(entities, fields, key)
     word = kind.removeprefix("is_").removeprefix("turned_")
@@ -310,17 +343,31 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
 
 
-def state_capability(entity: KnownEntity, state: str) -> str:
-    """Return the capability that has *state* in the same word; empty for none."""
+def _meanings_of_player(entity: KnownEntity, state: str) -> list[_Meaning]:
+    """Return the values of a media player that has stopped and is on, or of one that is only stopped; else none."""
+    if entity.domain != "media_player" or not entity.has("playback") or state not in {"idle", "standby", "off"}:
+        return []
+    stopped: _Meaning = ("playback", "=", "stopped")
+    if not entity.has("on_off"):
+        return [stopped]
+    return [stopped, ("on_off", "=", True)] if state == "idle" else []
+
+
+def state_value(entity: KnownEntity, state: str) -> tuple[str, str, list[str]]:
+    """Return the capability that has *state*, its value there, and what else must be so; empty for other states."""
+    if entity.domain == "media_player" and state in {"idle", "standby", "off"} and entity.has("playback"):
+        also = [StateIs("on_off", "=", state == "idle")] if entity.has("on_off") else []
+        return "playback", "stopped", [_text(entity, also)] if also else []
     capability, operator, value = _meaning(entity, state)
-    return capability if operator == "=" and value == state else ""
+    return (capability, state, []) if operator == "=" and value == state else ("", "", [])
 
 
 def _flag_of(entity: KnownEntity, state: str) -> str:
     """Return the capability that is true or false in *state*, ``on`` or ``off``; empty for none."""
     if entity.domain == "binary_sensor":
         return entity.capability
-    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot a playing one is on as well
+    is_playing_or_idle = entity.domain == "media_player" and state == "on" and entity.has("playback")
+    # in homebot a playing one is on as well
     return "on_off" if "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle else ""
 
 

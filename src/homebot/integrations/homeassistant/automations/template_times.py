@@ -7,12 +7,10 @@ from datetime import date, timedelta
 from itertools import pairwise
 from typing import Any, Final
 
-from homebot.integrations.homeassistant.automations.entities import NEVER, Automation, Condition
+from homebot.integrations.homeassistant.automations.entities import NEVER, Condition
 from homebot.integrations.homeassistant.automations.expressions import (
-    path_of,
     refused_template,
     shown_tree,
-    states_path,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.template_numbers import holds
@@ -155,25 +153,6 @@ def _holds_whole(number: int, sign: str, value: int) -> bool:
     return number == value if sign == "==" else holds(number, sign, value)
 
 
-def last_changed(node: nodes.Node | None) -> str:
-    """Return the entity if *node* is the time in seconds since its last change; else empty."""
-    while isinstance(node, nodes.Filter) and node.name in {"int", "float"}:
-        node = node.node
-    match node:
-        case nodes.Call(node=nodes.Getattr(node=nodes.Sub(left=now, right=last), attr="total_seconds"), args=[]):
-            pass
-        case nodes.Sub(
-            left=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[now]),
-            right=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[last, *_]),
-        ):
-            pass
-        case _:
-            return ""
-    if not is_now(now) or not isinstance(last, nodes.Getattr) or last.attr != "last_changed":
-        return ""
-    return states_path(last.node)
-
-
 def random_ends(node: Located) -> tuple[Located, Located] | None:
     """Return a length with the least and the most of the only ``range(1, 30) | random`` in it; None for another."""
     if isinstance(node.value, dict):
@@ -195,34 +174,3 @@ def random_ends(node: Located) -> tuple[Located, Located] | None:
 
 
 _RANDOM: Final = re.compile(r"\brange\( *(?:(?P<least>\d+) *, *)?(?P<most>\d+) *\) *\| *random\b")
-
-
-def since_last_run(automation: Automation, node: nodes.Node | None) -> bool:
-    """Return whether *node* is the time in seconds since this automation ran."""
-    while isinstance(node, nodes.Filter) and node.name in {"int", "float"}:
-        node = node.node
-    match node:
-        case nodes.Call(node=nodes.Getattr(node=nodes.Sub(left=now, right=last), attr="total_seconds"), args=[]):
-            return is_now(now) and is_last_run(automation, last)
-        case nodes.Sub(
-            left=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[now]),
-            right=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[last, *_]),
-        ):
-            return is_now(now) and is_last_run(automation, last)
-    return False
-
-
-def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
-    """Return whether *node* is the time of the last run of *automation*."""
-    while isinstance(node, nodes.Filter) and node.name in {"default", "d", "as_timestamp"}:
-        node = node.node
-    match node:
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"),
-            args=[nodes.Const(value=entity), nodes.Const(value="last_triggered")],
-        ):
-            return str(entity).removeprefix("automation.") in automation.own_ids
-        case nodes.Getattr(node=nodes.Getattr(attr="attributes") as inner, attr="last_triggered"):
-            path = path_of(inner)[:-1]
-            return path == ("this",) or (path[:2] == ("states", "automation") and path[2] in automation.own_ids)
-    return False

@@ -10,6 +10,7 @@ from homebot.devices.query.terms import Operator
 from homebot.integrations.homeassistant.automations.entities import NEVER, Automation, Condition, StartTrigger
 from homebot.integrations.homeassistant.automations.expressions import (
     LeftTemplate,
+    constant_number,
     constants_in,
     expression_of,
     filtered,
@@ -21,6 +22,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
     refused_template,
     shown_tree,
     state_entity,
+    states_path,
     template_tree,
     text_of_parts,
     texts_in,
@@ -31,14 +33,18 @@ from homebot.integrations.homeassistant.automations.expressions import (
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.messages import is_value, value_text, without_unit
 from homebot.integrations.homeassistant.automations.states import (
+    SUN_ANGLES,
     UNKNOWN,
     attribute_of,
-    elevation_text,
+    each_state,
     known_texts,
     limits_text,
     number_of,
     state_texts,
+    sun_angle_text,
 )
+from homebot.integrations.homeassistant.automations.template_elapsed import Elapsed, elapsed_limit, is_last_run
+from homebot.integrations.homeassistant.automations.template_lists import counted_list, list_of_loop, names_text
 from homebot.integrations.homeassistant.automations.template_numbers import (
     SIGNS,
     holds,
@@ -51,11 +57,8 @@ from homebot.integrations.homeassistant.automations.template_numbers import (
 from homebot.integrations.homeassistant.automations.template_times import (
     clock_of_today,
     days_of,
-    is_last_run,
     is_now,
-    last_changed,
     of_time,
-    since_last_run,
     unit_of_now,
 )
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
@@ -136,13 +139,16 @@ class Templates:
         for node in self._parts_of(text):
             if isinstance(node, nodes.If):
                 raise refused_template(text, "it has statements")
-            if isinstance(node, nodes.TemplateData | nodes.Const):
+            if isinstance(node, nodes.For):
+                known, with_states = list_of_loop(node)
+                pieces.append(names_text(self._automation, known, with_states=with_states))
+            elif isinstance(node, nodes.TemplateData | nodes.Const):
                 piece = str(node.data if isinstance(node, nodes.TemplateData) else node.value)
                 if "{" in piece or "}" in piece:
                     raise refused_template(text, "braces in a message mean a value")
                 pieces.append(without_unit(piece, unit))
                 unit = ""
-            else:
+            elif not _is_unit(node):
                 value, unit = value_text(self._automation, node)
                 pieces.append(value)
         return "".join(pieces).strip()
@@ -157,7 +163,7 @@ class Templates:
                 parts = self._parts_of(text)
             except NotCarriedError:
                 continue
-            is_message = path[-1] in {"message", "title"}
+            is_message = path[-1:] in {("message",), ("title",)}
             for place, node in enumerate(parts):
                 if ways := self._ways_of(node, text, is_message=is_message):
                     return [
@@ -186,6 +192,11 @@ class Templates:
             case nodes.CondExpr():
                 no: list[nodes.Node] = [] if node.expr2 is None else joined_pieces(node.expr2)
                 return [(self._read(self._of_its_state(node.test)), joined_pieces(node.expr1)), ([], no)]
+            case nodes.Filter(name="random", node=several) if drawn := _drawn(several):
+                return [
+                    ([(f"chance 1 in {len(drawn) - place}",)] if place < len(drawn) - 1 else [], joined_pieces(value))
+                    for place, value in enumerate(drawn)
+                ]
             case nodes.Filter(name="int" | "float" | "round", node=nodes.CondExpr() as choice) if (
                 choice.expr2 is not None
             ):
@@ -219,7 +230,7 @@ class Templates:
         ]
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
-        for read in (days_of, self._known, self._tested, _any_light):
+        for read in (days_of, self._known, self._tested, _any_light, self._counted):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -302,6 +313,24 @@ class Templates:
                 return [known_texts(self._automation.entities, entity)]
         return None
 
+    def _counted(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that any, or none, of several entities is in a state; None for another expression."""
+        sign, most = "gt", 0.0
+        match node:
+            case nodes.Compare(expr=counted, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]):
+                known = counted_list(counted)
+            case _:
+                known = counted_list(node)
+        if known is None:
+            return None
+        any_of_them = self._any_of([[(f"({text})",)] for text in known.texts(self._automation)])
+        match sign, most:
+            case ("gt" | "ne", 0) | ("gteq", 1):
+                return any_of_them
+            case ("eq" | "lteq", 0) | ("lt", 1):
+                return self._denied(any_of_them)
+        raise refused_template(shown_tree(node), "routines ask whether any is so, or none, and not how many")
+
     def _by_a_state(self) -> list[Condition]:
         """Return the condition that a state started it: any other trigger has none, and ends with an error."""
         return self.started_by([trigger for trigger in self._automation.triggers if trigger.entity])
@@ -325,9 +354,9 @@ class Templates:
             return self._any_of(ways)
         if is_now(left) and (clock := clock_of_today(right)) and sign in SIGNS:
             return of_time("clock", SIGNS[sign], clock)
-        if not isinstance(right, nodes.Const | nodes.Neg) or (
-            is_of_two(left) and not since_last_run(self._automation, left) and not last_changed(left)
-        ):
+        if (elapsed := elapsed_limit(left, sign, right)) is not None:
+            return self._since(elapsed)
+        if not isinstance(right, nodes.Const | nodes.Neg) or is_of_two(left):
             return [(two_values_text(self._automation, left, sign, right),)]
         (value,) = constants_in(right)
         if sign == "eq":
@@ -344,6 +373,12 @@ class Templates:
                     [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
                 )
             case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
+                return self._started_where(lambda trigger: trigger.value(path) == value)
+            case ("trigger", "from_state", "state"):
+                if any(trigger.value(path) is None for trigger in self._automation.triggers):
+                    raise refused_template(
+                        shown_tree(left), "not each trigger has one state before; write it as `from`"
+                    )
                 return self._started_where(lambda trigger: trigger.value(path) == value)
             case ("trigger", "to_state", "state"):
                 if any(trigger.entity and not trigger.state for trigger in self._automation.triggers):
@@ -363,6 +398,23 @@ class Templates:
             ):
                 return [(attribute_of(self._automation.entities, entity, str(attribute), value),)]
         raise refused_template(shown_tree(left))
+
+    def _since(self, elapsed: Elapsed) -> list[Condition]:
+        """Return the condition that something is so long ago, or not."""
+        is_over, seconds = elapsed.sign[0] == ">", elapsed.seconds
+        if is_last_run(self._automation, elapsed.last):
+            if seconds <= 0:
+                return [] if is_over else [NEVER]
+            return [(f"last run {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
+        entity = states_path(elapsed.last.node) if isinstance(elapsed.last, nodes.Getattr) else ""
+        if not entity or path_of(elapsed.last)[-1] != "last_changed":
+            raise refused_template(
+                shown_tree(elapsed.last), "a routine knows how long a state lasts, and when it ran itself"
+            )
+        if seconds <= 0:
+            return [] if is_over else [NEVER]
+        lasting = f"{'' if is_over else 'less than '}{seconds:.12g}s"
+        return [tuple(f"({text} for {lasting})" for text in each_state(self._automation.entities, entity))]
 
     def _started_where(self, holds: Callable[[StartTrigger], bool]) -> list[Condition]:
         if any(not trigger.entity for trigger in self._automation.triggers):
@@ -385,12 +437,6 @@ class Templates:
     def _limited(self, left: nodes.Expr, sign: Operator, value: object) -> list[Condition]:
         if unit := unit_of_now(left):
             return of_time(unit, sign, value)
-        if (changed := last_changed(left)) and sign[0] == ">" and type(value) in (int, float):
-            texts = known_texts(self._automation.entities, changed)
-            if len(texts) > 1:
-                return [tuple(f"{text[:-1]} for {value}s)" for text in texts)]
-        if since_last_run(self._automation, left) and type(value) in (int, float):
-            return [(f"last run {'over' if sign[0] == '>' else 'under'} {value}s ago",)]
         if type(value) not in (int, float):
             raise refused_template(shown_tree(left), "it compares a text")
         number = number_of_tree(left)
@@ -398,8 +444,8 @@ class Templates:
         sign = sign if number.factor > 0 else _TURNED[sign]
         if number.is_whole:
             sign, limit = whole_limit(sign, limit)
-        if (number.entity, number.attribute) == ("sun.sun", "elevation"):
-            return [(elevation_text(sign, limit),)]
+        if number.entity == "sun.sun" and number.attribute in SUN_ANGLES:
+            return [(sun_angle_text(number.attribute, sign, limit),)]
         if number.entity == "zone.home" and not number.attribute:
             return [(people_text(self._automation, sign, limit),)]
         entity, capability, factor = number_of(self._automation.entities, number.entity, number.attribute)
@@ -407,6 +453,32 @@ class Templates:
         if number.default is not None and holds(number.default * factor, sign, limit):
             return [(f"not ({limits_text(entity, capability, [(_DENIED[sign], limit)])})",)]
         return [(f"({limits_text(entity, capability, [(sign, limit)])})",)]
+
+
+def _is_unit(node: nodes.Node) -> bool:
+    """Return whether *node* is the unit of a value, which homebot writes itself."""
+    match node:
+        case nodes.Call(node=nodes.Name(name="state_attr"), args=[_, nodes.Const(value="unit_of_measurement")]):
+            return True
+    return path_of(node)[-2:] == ("attributes", "unit_of_measurement")
+
+
+_MAX_DRAWN: Final = 20
+"""Values of which one is drawn, each of which is written."""
+
+
+def _drawn(node: nodes.Node | None) -> list[nodes.Expr]:
+    """Return the values in *node*, of which one is drawn; none if they are not known, or too many."""
+    match node:
+        case nodes.List() | nodes.Tuple():
+            return node.items[:_MAX_DRAWN] if len(node.items) <= _MAX_DRAWN else []
+        case nodes.Const(value=list(values)) if len(values) <= _MAX_DRAWN:
+            return [*map(nodes.Const, values)]
+        case nodes.Call(node=nodes.Name(name="range"), args=args):
+            numbers = [int(constant_number(value)) for value in args]
+            span = range(*numbers[:3]) if numbers and 0 not in numbers[2:3] else range(0)
+            return [*map(nodes.Const, span)] if len(span) <= _MAX_DRAWN else []
+    return []
 
 
 def keeps_state(text: str) -> bool:

@@ -1,0 +1,72 @@
+"""Messages to people in automations, as steps of routines. Pure."""
+
+from typing import Final
+
+from homebot.integrations.homeassistant.automations.conditions import templates_of
+from homebot.integrations.homeassistant.automations.entities import Automation
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.words.steps import Notify, read_step
+
+_COMMANDS: Final = ("command_", "request_location_update", "remove_channel", "delete_alert", "update_", "TTS")
+"""Messages to the app of Home Assistant that are no messages to people, by their beginnings."""
+
+
+def _is_clearing(data: UnreadFields) -> bool:
+    """Return whether a message only clears an earlier one.
+
+    Raises:
+        NotCarriedError: It is a command to the phone.
+    """
+    node = data.left.get("message")
+    text = str(node.value).strip() if node else ""
+    if text.startswith(_COMMANDS):
+        raise NotCarriedError(f"message {text!r}: a command to the phone; leave it out, or write a message")
+    if text == "clear_notification":
+        data.left.clear()
+        return True
+    return False
+
+
+def message_steps(automation: Automation, name: str, data: UnreadFields) -> list[str] | None:
+    """Return the steps of a service that tells people something; None for another one."""
+    domain = name.partition(".")[0]
+    if domain == "tts":
+        return [_spoken(automation, name, data)]
+    if domain == "notify" and _is_clearing(data):
+        automation.notes.append("messages of homebot are not cleared")
+        return []
+    return [_message(automation, name, data)] if domain == "notify" or name == _PERSISTENT else None
+
+
+_PERSISTENT: Final = "persistent_notification.create"
+
+
+def _spoken(automation: Automation, name: str, data: UnreadFields) -> str:
+    """Return the message for a text that is spoken."""
+    for key in ("media_player_entity_id", "cache", "language", "options"):
+        data.take(key)
+    automation.notes.append(f"{name} becomes a message to people: homebot does not speak")
+    return _message(automation, name, data)
+
+
+def _message(automation: Automation, name: str, data: UnreadFields) -> str:
+    title, message = (_message_text(automation, data, key) for key in ("title", "message"))
+    if not message:
+        raise NotCarriedError(f"{name}: `message` is missing")
+    data.take("notification_id")
+    for key in ("data", "target"):
+        if data.take(key) is not None:
+            automation.notes.append(f"`{key}` of the message is left out")
+    data.end()
+    text = f"notify {' '.join(': '.join(filter(None, (title, message))).split())}"
+    if not isinstance(read_step(text), Notify):
+        raise NotCarriedError(f"{name}: {message!r} is no message for a step")
+    return text
+
+
+def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:
+    node = data.left.get(key)
+    if node is None or node.tag or not isinstance(node.value, str):
+        return data.text(key, "")
+    data.take(key)
+    return templates_of(automation).message(node.value)

@@ -1,0 +1,189 @@
+"""Values that calls of services set, as steps of routines. Pure."""
+
+import colorsys
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from homebot.conventions.light_color import to_hue_saturation, white_rgb
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.errors import UsageError
+from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.service_tables import (
+    SERVICE_FIELDS,
+    SERVICE_WORDS,
+    SETTINGS,
+    Setting,
+)
+from homebot.integrations.homeassistant.automations.template_numbers import step_length, step_number
+from homebot.units import parse_duration
+from homebot.words.colors import COLORS
+from homebot.words.steps import Do, read_step
+
+
+def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterator[Setting]:
+    """Yield the values that a service sets."""
+    keys = [key for key in SERVICE_FIELDS.get(name, ()) if key in data]
+    if name == "timer.start" and "duration" in data:
+        yield Setting("number", value=_minutes(automation, data))
+    elif name in SERVICE_WORDS:
+        capabilities, _, words = SERVICE_WORDS[name].partition(" ")
+        yield Setting(capabilities, words)
+    elif not keys:
+        data.end()  # it names the field that is there instead
+        raise NotCarriedError(f"data: `{SERVICE_FIELDS[name][0]}` is missing")
+    for key in keys:
+        row = SETTINGS[key]
+        if row.capabilities == "muted":
+            yield row._replace(value=str(data.flag(key, default=True)))
+            continue
+        if CAPABILITIES[row.capabilities.split()[0]].kind == "bool":
+            yield row._replace(value=str(data.flag(key, default=True)).lower())
+            continue
+        if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
+            yield row._replace(value=data.text(key))
+            continue
+        node = data.left[key]
+        if isinstance(node.value, str) and "{{" in node.value and not key.startswith("brightness_step"):
+            data.take(key)
+            text, factor = step_number(automation, node.value)
+            if not math.isclose(factor * row.factor, 1.0) or key == "color_temp":
+                raise NotCarriedError(f"data: `{key}` is calculated; a step takes a number of the house as it is")
+            yield row._replace(value=text)
+            continue
+        for number in data.numbers(key):
+            value = number * row.factor
+            if key.startswith("brightness_step"):
+                yield row._replace(words=f"{value:+.3g} %")
+            else:
+                yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
+    if name == "light.turn_on" and (color := _color(data)) is not None:
+        yield Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
+
+
+def _minutes(automation: Automation, data: UnreadFields) -> str | float:
+    """Return the minutes of a timer."""
+    if text := step_length(automation, data.left["duration"]):
+        data.take("duration")
+        if not text.endswith("}m"):
+            raise NotCarriedError("data: `duration` of a timer is a number of the house in minutes")
+        return text[:-1]
+    return parse_duration(data.duration("duration") or "0s") / 60
+
+
+def _of_light(key: str, number: float) -> int:
+    """Return the brightness in per cent, or the colour temperature in K."""
+    value = 1_000_000 / max(1.0, number) if key == "color_temp" else number
+    if key.startswith("brightness") and not 0 < value <= 100:
+        raise NotCarriedError(f"data: `{key}` is {value:g} %")
+    return max(1, round(value))
+
+
+def _color(data: UnreadFields) -> tuple[float, float] | None:
+    if name := data.text("color_name", ""):
+        if name not in COLORS:
+            raise NotCarriedError(f"data: homebot knows no colour {name!r}")
+        hue, saturation = COLORS[name]
+        return hue, saturation
+    match data.numbers("hs_color"), data.numbers("rgb_color"):
+        case [], []:
+            return None
+        case [hue, saturation], []:
+            return hue, saturation
+        case [], [red, green, blue]:
+            hue, saturation, _ = colorsys.rgb_to_hsv(red / 255, green / 255, blue / 255)
+            return 360 * hue, 100 * saturation
+    raise NotCarriedError("data: a colour has two numbers in `hs_color`, or three in `rgb_color`")
+
+
+def steps_of_entity(name: str, entity: KnownEntity, settings: Sequence[Setting], over: str) -> list[str]:
+    """Return the steps that set *settings*; the mode of a heating is one of its own."""
+    if name == "climate.set_temperature":
+        mode = next((str(setting.value) for setting in settings if setting.capabilities == "thermostat_mode"), "")
+        settings = [_of_mode(entity, setting, mode) for setting in settings]
+        return [_step_of(entity, [setting], over) for setting in settings]
+    if name == "fan.turn_on" and len(settings) > 1:
+        settings = settings[1:]
+    if name == "light.turn_on":  # what a lamp cannot do, Home Assistant leaves out
+        settings = [_as_color(entity, setting) for setting in settings]
+        settings = [one for one in settings if one.capabilities not in _OF_LAMPS or entity.takes(one.capabilities)]
+    if any(setting.words.startswith(("+", "-")) for setting in settings) and settings[0].words == "on":
+        settings = settings[1:]  # a step of brightness turns it on
+    return [_step_of(entity, settings, over)]
+
+
+def _of_mode(entity: KnownEntity, setting: Setting, mode: str) -> Setting:
+    """Return the target temperature of the mode that is set with it, if a device has one for each."""
+    wanted = {"heat": "heating_setpoint", "cool": "cooling_setpoint"}.get(mode, "")
+    is_of_mode = wanted in setting.capabilities.split() and entity.takes(wanted)
+    return setting._replace(capabilities=wanted) if is_of_mode else setting
+
+
+def _as_color(entity: KnownEntity, setting: Setting) -> Setting:
+    """Return a white as the colour of a lamp that has colours alone."""
+    if setting.capabilities != "color_temperature" or entity.takes("color_temperature") or not entity.takes("color"):
+        return setting
+    if isinstance(setting.value, str):
+        raise NotCarriedError(f"{entity.name} takes no color_temperature; write its colour")
+    hue, saturation = to_hue_saturation("rgb", white_rgb(setting.value), (0, 0))
+    return Setting("color", f"color {hue:.0f} {saturation:.0f}")
+
+
+_OF_LAMPS: Final = frozenset({"level", "color", "color_temperature"})
+
+
+def _step_of(entity: KnownEntity, settings: Sequence[Setting], over: str) -> str:
+    """Return the step that sets *settings*."""
+    names = [_taken(entity, setting) for setting in settings]
+    words = [_words(entity, *name_and_setting) for name_and_setting in zip(names, settings, strict=True)]
+    taking = [
+        part
+        for part in entity.device.parts
+        if any(can.name in names and can.settable for can in part.part.capabilities)
+    ]
+    target = entity.name if len(taking) == 1 else f"{entity.device.id}#{entity.part.id}"
+    return step_text(target, [*words, *([f"over {over}"] if over else [])])
+
+
+def _taken(entity: KnownEntity, setting: Setting) -> str:
+    """Return the capability of *setting* that an entity takes."""
+    able = [capability for capability in setting.capabilities.replace("|", " ").split() if entity.takes(capability)]
+    if not able or (len(able) > 1 and "|" not in setting.capabilities):
+        raise NotCarriedError(f"{entity.name} takes {' and '.join(able) or f'no {setting.capabilities}'}")
+    return able[0]
+
+
+def _words(entity: KnownEntity, name: str, setting: Setting) -> str:
+    """Return the words of *setting* if its value is possible."""
+    value, options, bounds = setting.value, entity.options(name), entity.bounds(name)
+    if CAPABILITIES[name].kind == "bool" and name == "muted":
+        return "mute" if str(value).casefold() in {"true", "on", "yes"} else "unmute"
+    if not isinstance(value, str):
+        if bounds and not bounds[0] <= value <= bounds[-1]:
+            raise NotCarriedError(f"{entity.name} takes {name} from {bounds[0]:g} to {bounds[-1]:g}, not {value:g}")
+        return setting.words.format(name=name, value=f"{value:.12g}")
+    words = setting.words.format(name=name, value=value)
+    capability, _, option = words.partition(" ")
+    if capability == name != "color" and option and options and option not in options:
+        raise NotCarriedError(f"{entity.name} has no {name} {option!r}, only {', '.join(options)}")
+    return words
+
+
+_VALUE: Final = re.compile(r"\{[^{}]*\}")
+"""A number of the house in a step."""
+
+
+def step_text(target: str, words: Sequence[str]) -> str:
+    """Return a step that homebot reads as a command to *target*."""
+    count = len([word for word in words[1:] if not word.startswith("over ")])
+    for text in (f"{target} {', '.join(words)}", *([f"{target}: {words[0]}"] if len(words) == 1 else [])):
+        try:
+            step = read_step(text)
+        except UsageError:
+            continue
+        command = _VALUE.sub("1", words[0])
+        if isinstance(step, Do) and (step.target, step.command, len(step.values)) == (target, command, count):
+            return text
+    raise NotCarriedError(f"{target!r} and {', '.join(words)!r} cannot be written as a step")

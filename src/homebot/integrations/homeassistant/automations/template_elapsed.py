@@ -1,0 +1,95 @@
+"""Times since the last change of an entity, or since the last run, in the templates of automations. Pure."""
+
+import math
+from typing import Final, NamedTuple
+
+from homebot.devices.query.terms import Operator
+from homebot.integrations.homeassistant.automations.entities import Automation
+from homebot.integrations.homeassistant.automations.expressions import constant_number, path_of
+from homebot.integrations.homeassistant.automations.template_numbers import SIGNS
+from homebot.integrations.homeassistant.automations.template_times import is_now
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
+
+_SAME_TIME: Final = frozenset({"as_timestamp", "as_datetime", "as_local", "float", "default", "d"})
+"""Functions and filters after which a time is the same."""
+
+_UNITS: Final = {"weeks": 604_800.0, "days": 86_400.0, "hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+_ROUNDED: Final = {">": 0.5, "<=": 0.5, ">=": -0.5, "<": -0.5}
+_TURNED: Final[dict[str, Operator]] = {">": "<", "<": ">", ">=": "<=", "<=": ">="}
+
+
+class Elapsed(NamedTuple):
+    """A limit of the seconds since the time *last*."""
+
+    last: nodes.Node
+    sign: Operator
+    seconds: float
+
+
+def elapsed_limit(left: nodes.Expr, sign: str, right: nodes.Expr) -> Elapsed | None:
+    """Return the limit of the time since another one that ``left sign right`` is; None for another comparison."""
+    if sign not in SIGNS:
+        return None
+    operator, shift, rounding = SIGNS[sign], 0.0, ""
+    while isinstance(left, nodes.Filter) and left.name in {"int", "float", "round"} and left.node is not None:
+        rounding = left.name if left.name != "float" and not rounding else rounding
+        left = left.node
+    if rounding == "round":
+        shift = _ROUNDED[operator]
+    elif rounding == "int" and operator in {">", "<="}:  # the whole part is above 10 from 11 on
+        shift = 1.0
+    terms = [*_terms(left, 1.0), *((-factor, node) for factor, node in _terms(right, 1.0))]
+    now = sum(factor for factor, node in terms if node is not None and _is_now(node))
+    others = [(factor, node) for factor, node in terms if node is not None and not _is_now(node)]
+    if not now or len(others) != 1 or not math.isclose(now, -others[0][0]):
+        return None
+    limit = (shift - sum(factor for factor, node in terms if node is None)) / now
+    return Elapsed(others[0][1], operator if now > 0 else _TURNED[operator], limit)
+
+
+def _is_now(node: nodes.Node) -> bool:
+    return is_now(node) or (isinstance(node, nodes.Call) and node.node == nodes.Name("utcnow", "load"))
+
+
+def _terms(node: nodes.Node, factor: float) -> list[tuple[float, nodes.Node | None]]:
+    """Return the times whose sum *node* is, with their factors; a number of seconds has no node."""
+    match node:
+        case nodes.Const(value=int() | float() as value) if not isinstance(value, bool):
+            return [(factor * value, None)]
+        case nodes.Call(node=nodes.Name(name="timedelta"), args=[], kwargs=given):
+            return [(factor * _UNITS[one.key] * constant_number(one.value), None) for one in given if one.key in _UNITS]
+        case nodes.Call(node=nodes.Name(name=name), args=[inner, *_]) if name in _SAME_TIME:
+            return _terms(inner, factor)
+        case nodes.Filter(name=name, node=inner) if inner is not None and name in {*_SAME_TIME, "int"}:
+            return _terms(inner, factor)
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="total_seconds" | "timestamp"), args=[]):
+            return _terms(inner, factor)
+        case nodes.Getattr(node=nodes.Sub() as inner, attr="seconds"):
+            return _terms(inner, factor)
+        case nodes.Add(left=left, right=right):
+            return [*_terms(left, factor), *_terms(right, factor)]
+        case nodes.Sub(left=left, right=right):
+            return [*_terms(left, factor), *_terms(right, -factor)]
+        case nodes.Mul(left=inner, right=nodes.Const(value=int() | float() as value)):
+            return _terms(inner, factor * value)
+        case nodes.Div(left=inner, right=nodes.Const(value=int() | float() as value)) if value:
+            return _terms(inner, factor / value)
+    return [(factor, node)]
+
+
+def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
+    """Return whether *node* is the time of the last run of *automation*."""
+    while isinstance(node, nodes.Filter | nodes.Or):
+        node = node.left if isinstance(node, nodes.Or) else node.node
+    match node:
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"),
+            args=[nodes.Const(value=entity), nodes.Const(value="last_triggered")],
+        ):
+            return str(entity).removeprefix("automation.") in automation.own_ids
+        case nodes.Call(node=nodes.Name(name="state_attr"), args=[inner, nodes.Const(value="last_triggered")]):
+            return path_of(inner) == ("this", "entity_id")
+        case nodes.Getattr(node=nodes.Getattr(attr="attributes") as inner, attr="last_triggered"):
+            path = path_of(inner)[:-1]
+            return path == ("this",) or (path[:2] == ("states", "automation") and path[2] in automation.own_ids)
+    return False
