@@ -368,7 +368,7 @@ class RoutineRun:
 
 
 def _names(value: MessageValue, devices: Sequence[Device]) -> Iterator[str]:
-    """Yield the names of the devices of *value*, with what each tells."""
+    """Yield the names of the devices of *value*, with the value of each."""
     for device in fitting(value.words, devices):
         told = value_text(value.capability, value_of(value, [device])) if value.capability else ""
         yield f"{device.name or device.id} {told}".rstrip()

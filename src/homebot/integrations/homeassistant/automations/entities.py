@@ -32,7 +32,7 @@ _HELPERS: Final = frozenset(
 )
 
 _SENSORS: Final = {"binary_sensor": True, "sensor": False}
-"""Whether they measure what is true or false."""
+"""Whether they measure a truth value."""
 
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "press": ("action",),
@@ -96,7 +96,7 @@ _BY_KIND: Final = {
     **dict.fromkeys(("moist",), "water_leak"),
     **dict.fromkeys(("battery_level",), "battery"),
 }
-"""The capability of a sensor by what a trigger or condition of its device asks, if it has another name."""
+"""The capability of a sensor by the word for it in a trigger or condition of its device, if it has another name."""
 
 _USUAL: Final[Mapping[str, tuple[float, float]]] = {
     "heating_setpoint": (3.0, 40.0),
@@ -217,7 +217,7 @@ class Entities:
         """Return the entity *entity_id*, which may be an id of the registry that only its device explains.
 
         Args:
-            kind: What an automation asks of it, such as ``is_open``: it tells sensors of one device apart.
+            kind: The state that an automation asks for, such as ``is_open``: it tells sensors of one device apart.
         """
         if _ID.fullmatch(entity_id) or entity_id in self.used:
             return self.find(entity_id)
@@ -364,6 +364,12 @@ def _has_event(device: Device) -> bool:
     return any(can.name in EVENTS for part in device.parts for can in part.part.capabilities)
 
 
+def capability_of_class(name: str) -> str:
+    """Return the capability that all sensors of a class have, and no other ones; empty if the device counts too."""
+    capability, kind = _CLASSES.get(name, (name, ""))
+    return "" if kind or capability not in CAPABILITIES or name == "opening" else capability
+
+
 def _fact(device: Device, name: str) -> str:
     return next((fact.value for fact in device.facts if fact.name == name), "")
 
@@ -454,7 +460,7 @@ class StartTrigger(NamedTuple):
                 return self.state or None
             case ("trigger", "from_state", "state"):
                 return dict(self.data).get("from")
-            case ("trigger", "for" as field):
+            case ("trigger", "for" | "platform" as field):
                 return dict(self.data).get(field)
             case ("trigger", "event", "data", field) | ("trigger", "payload" | "above" | "below" as field):
                 return dict(self.data).get(field)

@@ -74,7 +74,7 @@ ADVICE: Final = {
     "geo_location": "; homebot knows only who is at home: 'Anna arrives'",
     "sentence": "; a routine of a button does the same",
 }
-"""What to write instead of a trigger, by its kind or event."""
+"""The text to write instead of a trigger, by its kind or event."""
 
 _SENDERS: Final = {
     "zha_event": ("device_ieee", "command"),

@@ -206,7 +206,11 @@ def filtered(chosen: nodes.Filter, value: nodes.Expr) -> nodes.Node:
 
 
 def folded(node: nodes.Node) -> nodes.Node:
-    """Return the value of *node* if it is a constant."""
+    """Return the value of *node* if it is a constant; not of one that may grow beyond its text."""
+    if any(True for _ in node.find_all((nodes.Pow, nodes.Mul))) and any(
+        isinstance(inner.value, str | list) for inner in node.find_all(nodes.Const)
+    ):
+        return node
     try:
         return nodes.Const(node.as_const()) if isinstance(node, nodes.Expr) else node
     except (nodes.Impossible, RuntimeError):

@@ -1,6 +1,6 @@
-"""Fields of automations, each of which is read once: what is left over is refused, as it would be lost. Pure.
+"""Fields of automations, each of which is read once; a rest is refused. Pure.
 
-All readers of this package raise :class:`NotCarriedError` for what no routine can do, or homebot does not know.
+All readers of this package raise :class:`NotCarriedError` for all that no routine can do or homebot does not know.
 """
 
 import math

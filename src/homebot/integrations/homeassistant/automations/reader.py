@@ -128,8 +128,11 @@ class Actions:
         names = [name for name in cast("dict[str, Located]", variables.value) if name in self._automation.expressions]
         for name in names:
             text = self._automation.expressions[name]
-            is_used_later = any(name in str(node) for node in nodes[1:]) and name not in str(nodes[0])
-            if is_used_later and keeps_state(text):
+            uses = [number for number, node in enumerate(nodes) if name in str(node)]
+            is_kept = bool(uses) and keeps_state(text)
+            if len(uses) > 1 and not is_kept and (chosen := templates_of(self._automation).ways(Located(text, 0))):
+                return [], self._by_value(name, chosen, constants, nodes)
+            if is_kept and 0 not in uses:
                 held = templates_of(self._automation).conditions(text)
                 rest = {key: value for key, value in self._automation.expressions.items() if key != name}
                 ways = []
@@ -138,6 +141,26 @@ class Actions:
                     ways.append(self._branch([resolved(node, {**constants, name: value}) for node in nodes]))
                 return [], _choice(held, *ways)
         return self._read([resolved(other, constants) for other in nodes])
+
+    def _by_value(
+        self,
+        name: str,
+        ways: Sequence[tuple[list[Condition], Located]],
+        constants: Mapping[str, object],
+        nodes: Sequence[Located],
+    ) -> list[Step]:
+        """Read *nodes* for each value between which the template of a variable chooses, which it keeps."""
+        rest = {key: value for key, value in self._automation.expressions.items() if key != name}
+        choice: list[Step] = []
+        for held, value in reversed(ways):
+            self._automation.expressions, known = dict(rest), dict(constants)
+            if isinstance(value.value, str) and "{" in value.value:
+                self._automation.expressions[name] = value.value
+            else:
+                known[name] = value
+            if NEVER not in held:
+                choice = _choice(held, self._branch([resolved(node, known) for node in nodes]), choice)
+        return choice
 
     def _steps(self, fields: UnreadFields) -> Sequence[Step]:
         if (older := fields.take("service_template")) is not None:
@@ -190,6 +213,8 @@ class Actions:
         fields.left.clear()
         choice: Sequence[Step] = []
         for conditions, node in reversed(ways):
+            if NEVER in conditions:
+                continue
             way = UnreadFields(node, "action")
             steps = self._service(way, kind)
             way.end()
@@ -278,12 +303,6 @@ class Actions:
 
     def _delay(self, fields: UnreadFields) -> list[Step]:
         node = fields.left.get("delay")
-        if node is not None and (ways := templates_of(self._automation).ways(node)):
-            fields.take("delay")
-            choice: list[Step] = []
-            for held, value in reversed(ways):
-                choice = _choice(held, self._delay(UnreadFields(Located({"delay": value}, 0), "delay")), choice)
-            return choice
         self._automation.has_waited = True
         if node is not None and (ends := random_ends(node)):
             least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
@@ -292,6 +311,12 @@ class Actions:
         if node is not None and (length := step_length(self._automation, node)):
             fields.take("delay")
             return [f"wait {length}"]
+        if node is not None and (ways := templates_of(self._automation).ways(node)):
+            fields.take("delay")
+            choice: list[Step] = []
+            for held, value in reversed(ways):
+                choice = _choice(held, self._delay(UnreadFields(Located({"delay": value}, 0), "delay")), choice)
+            return choice
         length = fields.duration("delay")
         return [f"wait {length}"] if length else []
 
@@ -567,7 +592,12 @@ def _table(
             if given is not None and not isinstance(given.value, str | int):
                 raise NotCarriedError(f"id: {plain(given)} is not a text")
         trigger_id = str(number if given is None else given.value)
-        automation.triggers += [trigger._replace(id=trigger_id) for trigger in chain(*known)]
+        named = node.value if isinstance(node.value, dict) else {}
+        kinds = [named[key].value for key in ("trigger", "platform") if key in named]
+        automation.triggers += [
+            trigger._replace(id=trigger_id, data=(*trigger.data, *(("platform", str(kind)) for kind in kinds)))
+            for trigger in chain(*known)
+        ]
     held = [*_needs(automation), *conditions_of(automation, conditions)]
     reader = Actions(automation, mode, scripts)
     first, steps = reader.all_of(actions)

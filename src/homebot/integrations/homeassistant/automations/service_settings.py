@@ -15,7 +15,7 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     SERVICE_FIELDS,
     SERVICE_WORDS,
     SETTINGS,
-    Setting,
+    ServiceSetting,
 )
 from homebot.integrations.homeassistant.automations.template_numbers import step_length, step_number
 from homebot.units import parse_duration
@@ -23,14 +23,14 @@ from homebot.words.colors import COLORS
 from homebot.words.steps import Do, read_step
 
 
-def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterator[Setting]:
+def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterator[ServiceSetting]:
     """Yield the values that a service sets."""
     keys = [key for key in SERVICE_FIELDS.get(name, ()) if key in data]
     if name == "timer.start" and "duration" in data:
-        yield Setting("number", value=_minutes(automation, data))
+        yield ServiceSetting("number", value=_minutes(automation, data))
     elif name in SERVICE_WORDS:
         capabilities, _, words = SERVICE_WORDS[name].partition(" ")
-        yield Setting(capabilities, words)
+        yield ServiceSetting(capabilities, words)
     elif not keys:
         data.end()  # it names the field that is there instead
         raise NotCarriedError(f"data: `{SERVICE_FIELDS[name][0]}` is missing")
@@ -60,7 +60,7 @@ def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterat
             else:
                 yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
     if name == "light.turn_on" and (color := _color(data)) is not None:
-        yield Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
+        yield ServiceSetting("color", f"color {color[0]:.0f} {color[1]:.0f}")
 
 
 def _minutes(automation: Automation, data: UnreadFields) -> str | float:
@@ -98,7 +98,7 @@ def _color(data: UnreadFields) -> tuple[float, float] | None:
     raise NotCarriedError("data: a colour has two numbers in `hs_color`, or three in `rgb_color`")
 
 
-def steps_of_entity(name: str, entity: KnownEntity, settings: Sequence[Setting], over: str) -> list[str]:
+def steps_of_entity(name: str, entity: KnownEntity, settings: Sequence[ServiceSetting], over: str) -> list[str]:
     """Return the steps that set *settings*; the mode of a heating is one of its own."""
     if name == "climate.set_temperature":
         mode = next((str(setting.value) for setting in settings if setting.capabilities == "thermostat_mode"), "")
@@ -114,27 +114,27 @@ def steps_of_entity(name: str, entity: KnownEntity, settings: Sequence[Setting],
     return [_step_of(entity, settings, over)]
 
 
-def _of_mode(entity: KnownEntity, setting: Setting, mode: str) -> Setting:
+def _of_mode(entity: KnownEntity, setting: ServiceSetting, mode: str) -> ServiceSetting:
     """Return the target temperature of the mode that is set with it, if a device has one for each."""
     wanted = {"heat": "heating_setpoint", "cool": "cooling_setpoint"}.get(mode, "")
     is_of_mode = wanted in setting.capabilities.split() and entity.takes(wanted)
     return setting._replace(capabilities=wanted) if is_of_mode else setting
 
 
-def _as_color(entity: KnownEntity, setting: Setting) -> Setting:
+def _as_color(entity: KnownEntity, setting: ServiceSetting) -> ServiceSetting:
     """Return a white as the colour of a lamp that has colours alone."""
     if setting.capabilities != "color_temperature" or entity.takes("color_temperature") or not entity.takes("color"):
         return setting
     if isinstance(setting.value, str):
         raise NotCarriedError(f"{entity.name} takes no color_temperature; write its colour")
     hue, saturation = to_hue_saturation("rgb", white_rgb(setting.value), (0, 0))
-    return Setting("color", f"color {hue:.0f} {saturation:.0f}")
+    return ServiceSetting("color", f"color {hue:.0f} {saturation:.0f}")
 
 
 _OF_LAMPS: Final = frozenset({"level", "color", "color_temperature"})
 
 
-def _step_of(entity: KnownEntity, settings: Sequence[Setting], over: str) -> str:
+def _step_of(entity: KnownEntity, settings: Sequence[ServiceSetting], over: str) -> str:
     """Return the step that sets *settings*."""
     names = [_taken(entity, setting) for setting in settings]
     words = [_words(entity, *name_and_setting) for name_and_setting in zip(names, settings, strict=True)]
@@ -147,7 +147,7 @@ def _step_of(entity: KnownEntity, settings: Sequence[Setting], over: str) -> str
     return step_text(target, [*words, *([f"over {over}"] if over else [])])
 
 
-def _taken(entity: KnownEntity, setting: Setting) -> str:
+def _taken(entity: KnownEntity, setting: ServiceSetting) -> str:
     """Return the capability of *setting* that an entity takes."""
     able = [capability for capability in setting.capabilities.replace("|", " ").split() if entity.takes(capability)]
     if not able or (len(able) > 1 and "|" not in setting.capabilities):
@@ -155,7 +155,7 @@ def _taken(entity: KnownEntity, setting: Setting) -> str:
     return able[0]
 
 
-def _words(entity: KnownEntity, name: str, setting: Setting) -> str:
+def _words(entity: KnownEntity, name: str, setting: ServiceSetting) -> str:
     """Return the words of *setting* if its value is possible."""
     value, options, bounds = setting.value, entity.options(name), entity.bounds(name)
     if CAPABILITIES[name].kind == "bool" and name == "muted":

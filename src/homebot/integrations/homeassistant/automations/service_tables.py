@@ -95,7 +95,7 @@ SERVICE_FIELDS: Final = {
 SERVICES: Final = SERVICE_WORDS.keys() | SERVICE_FIELDS.keys()
 
 
-class Setting(NamedTuple):
+class ServiceSetting(NamedTuple):
     """A value of a service.
 
     Attributes:
@@ -111,34 +111,34 @@ class Setting(NamedTuple):
 
 
 SETTINGS: Final = {
-    "brightness_pct": Setting("level", "{value} %"),
-    "brightness": Setting("level", "{value} %", 100 / 255),
-    "brightness_step_pct": Setting("level", "{value} %"),
-    "brightness_step": Setting("level", "{value} %", 100 / 255),
-    "tilt_position": Setting("tilt", "{name} {value} %"),
-    "value": Setting("number", "{name} {value}"),
-    "is_volume_muted": Setting("muted"),
-    "color_temp_kelvin": Setting("color_temperature", "{value} K"),
-    "kelvin": Setting("color_temperature", "{value} K"),
-    "color_temp": Setting("color_temperature", "{value} K"),
-    "position": Setting("position", "{value} %"),
-    "percentage": Setting("fan_speed", "{name} {value} %"),
-    "humidity": Setting("humidity_setpoint"),
-    "temperature": Setting("heating_setpoint cooling_setpoint"),
-    "volume_level": Setting("volume", "{name} {value} %", 100.0),
-    "hvac_mode": Setting("thermostat_mode"),
-    "preset_mode": Setting("preset_mode"),
-    "option": Setting("option"),
-    "source": Setting("option"),
-    "effect": Setting("effect"),
-    "direction": Setting("direction"),
-    "oscillating": Setting("oscillation"),
-    "time": Setting("text", "{value}"),
-    "mode": Setting("humidifier_mode"),
-    "operation_mode": Setting("water_heater_mode"),
-    "fan_mode": Setting("fan_mode"),
-    "fan_speed": Setting("fan_mode"),
-    "swing_mode": Setting("swing_mode"),
+    "brightness_pct": ServiceSetting("level", "{value} %"),
+    "brightness": ServiceSetting("level", "{value} %", 100 / 255),
+    "brightness_step_pct": ServiceSetting("level", "{value} %"),
+    "brightness_step": ServiceSetting("level", "{value} %", 100 / 255),
+    "tilt_position": ServiceSetting("tilt", "{name} {value} %"),
+    "value": ServiceSetting("number", "{name} {value}"),
+    "is_volume_muted": ServiceSetting("muted"),
+    "color_temp_kelvin": ServiceSetting("color_temperature", "{value} K"),
+    "kelvin": ServiceSetting("color_temperature", "{value} K"),
+    "color_temp": ServiceSetting("color_temperature", "{value} K"),
+    "position": ServiceSetting("position", "{value} %"),
+    "percentage": ServiceSetting("fan_speed", "{name} {value} %"),
+    "humidity": ServiceSetting("humidity_setpoint"),
+    "temperature": ServiceSetting("heating_setpoint cooling_setpoint"),
+    "volume_level": ServiceSetting("volume", "{name} {value} %", 100.0),
+    "hvac_mode": ServiceSetting("thermostat_mode"),
+    "preset_mode": ServiceSetting("preset_mode"),
+    "option": ServiceSetting("option"),
+    "source": ServiceSetting("option"),
+    "effect": ServiceSetting("effect"),
+    "direction": ServiceSetting("direction"),
+    "oscillating": ServiceSetting("oscillation"),
+    "time": ServiceSetting("text", "{value}"),
+    "mode": ServiceSetting("humidifier_mode"),
+    "operation_mode": ServiceSetting("water_heater_mode"),
+    "fan_mode": ServiceSetting("fan_mode"),
+    "fan_speed": ServiceSetting("fan_mode"),
+    "swing_mode": ServiceSetting("swing_mode"),
 }
 
 

@@ -14,7 +14,7 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     DROPPED,
     LEFT_OUT,
     SERVICES,
-    Setting,
+    ServiceSetting,
 )
 from homebot.support.located import Located
 
@@ -83,12 +83,12 @@ def _entities_of(automation: Automation, target: "_Target", domain: str) -> list
     return known
 
 
-def _is_of_lights(name: str, settings: Sequence[Setting], over: str) -> bool:
+def _is_of_lights(name: str, settings: Sequence[ServiceSetting], over: str) -> bool:
     """Return whether a service only switches lights on or off, as homebot does with all of a room."""
     return name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
 
 
-def _of_rooms(automation: Automation, target: "_Target", settings: Sequence[Setting]) -> Iterator[str]:
+def _of_rooms(automation: Automation, target: "_Target", settings: Sequence[ServiceSetting]) -> Iterator[str]:
     """Yield the steps for the lights of rooms, or of the house."""
     if not target.areas:
         yield step_text("all lights", [settings[0].words])

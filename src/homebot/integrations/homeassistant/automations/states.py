@@ -354,7 +354,7 @@ def _meanings_of_player(entity: KnownEntity, state: str) -> list[_Meaning]:
 
 
 def state_value(entity: KnownEntity, state: str) -> tuple[str, str, list[str]]:
-    """Return the capability that has *state*, its value there, and what else must be so; empty for other states."""
+    """Return the capability that has *state*, its value there, and further states; empty for other states."""
     if entity.domain == "media_player" and state in {"idle", "standby", "off"} and entity.has("playback"):
         also = [StateIs("on_off", "=", state == "idle")] if entity.has("on_off") else []
         return "playback", "stopped", [_text(entity, also)] if also else []

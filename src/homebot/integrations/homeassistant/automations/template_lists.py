@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import Operator
-from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
+from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, capability_of_class
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
     constants_in,
@@ -51,6 +51,8 @@ class EntityList(NamedTuple):
         Raises:
             NotCarriedError: It asks for no state, or homebot knows none of the entities.
         """
+        if not self.ids and (of_class := self._of_classes()):
+            return of_class
         entities = [*map(automation.entities.find, self.ids)]
         if not self.ids:
             entities = automation.entities.of_class(self.domain, self.classes)
@@ -58,6 +60,16 @@ class EntityList(NamedTuple):
         if not entities or not (self.states or self.limit):
             raise NotCarriedError(f"template: no state of entities of {self.domain or 'the list'} that homebot knows")
         return [text for entity in entities for text in self._of(entity)]
+
+    def _of_classes(self) -> list[str]:
+        """Return the states of any device of the classes, also of later ones; none if only some of them count."""
+        known = [capability_of_class(name) for name in self.classes]
+        if self.domain not in {"sensor", "binary_sensor"} or not known or "" in known:
+            return []
+        if self.limit is not None:
+            return [f"{name}{self.limit[0]}{self.limit[1]:.12g}" for name in known]
+        flags = {"on": "true", "off": "false"}
+        return [f"{name}={flags[state]}" for name in known for state in self.states if state in flags]
 
     def _of(self, entity: KnownEntity) -> list[str]:
         if self.limit is not None:
@@ -192,11 +204,12 @@ def names_text(automation: Automation, known: EntityList, *, with_states: bool =
     """Return the value of a message with the names of the entities of *known*."""
     automation.notes.append("a list of names is written with commas, and `none` without any")
     texts = [*dict.fromkeys(known.texts(automation))]
+    of_class = [*filter(None, map(capability_of_class, known.classes))]
     query = texts[0] if len(texts) == 1 else f"({' or '.join(texts)})"
     if not with_states:
         return f"{{names of {query}}}"
     entities = [*map(automation.entities.find, known.ids)] or automation.entities.of_class(known.domain, known.classes)
-    capabilities = {entity.capability for entity in entities}
+    capabilities = {*of_class} or {entity.capability for entity in entities}
     if len(capabilities) != 1 or "" in capabilities:
         raise NotCarriedError("template: a list of entities with their states, which are of several kinds")
     return f"{{names with {capabilities.pop().replace('_', ' ')} of {query}}}"

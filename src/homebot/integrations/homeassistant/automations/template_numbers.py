@@ -158,6 +158,8 @@ def step_number(automation: Automation, text: str) -> tuple[str, float]:
     node, factor = expression_of(text), 1.0
     while True:
         match node:
+            case nodes.Name(name=name) if name in automation.expressions:
+                node = expression_of(automation.expressions[name])
             case nodes.Filter(name="float" | "int" | "round", node=inner) if inner is not None:
                 node = inner
             case nodes.Mul(left=inner, right=nodes.Const(value=int() | float() as times)) if times:

@@ -71,6 +71,7 @@ _SWAPPED: Final = {"gt": "lt", "lt": "gt", "gteq": "lteq", "lteq": "gteq", "eq":
 _DENIED: Final[Mapping[str, Operator]] = {">": "<=", "<": ">=", ">=": "<", "<=": ">"}
 _TURNED: Final[Mapping[str, Operator]] = {">": "<", "<": ">", ">=": "<=", "<=": ">="}
 _LIMITS: Final = (("trigger", "above"), ("trigger", "below"))
+_Ways: TypeAlias = list[tuple[list[Condition], list[nodes.Node]]]
 _NodeT = TypeVar("_NodeT", bound=nodes.Node)
 
 
@@ -94,7 +95,10 @@ class Templates:
         expression = expression_of(text)
         if isinstance(expression, nodes.Name) and expression.name in self._automation.expressions:
             expression = expression_of(self._automation.expressions[expression.name])
-        return self._read(self._of_its_state(self._inlined(expression)))
+        expression = self._of_its_state(self._inlined(expression))
+        if isinstance(expression, nodes.Const):  # a template is rendered to a text, which is true or not
+            return [] if str(expression.value).strip().casefold() in _TRUE else [NEVER]
+        return self._read(expression)
 
     def passed(self, text: str, entity: str, side: str, limit: float) -> str:
         """Return the trigger that the difference in *text*, with the state of *entity*, is above or below *limit*."""
@@ -197,6 +201,14 @@ class Templates:
                     ([(f"chance 1 in {len(drawn) - place}",)] if place < len(drawn) - 1 else [], joined_pieces(value))
                     for place, value in enumerate(drawn)
                 ]
+            case (
+                nodes.Getitem(node=known, arg=asked)
+                | nodes.Call(node=nodes.Getattr(node=known, attr="get"), args=[asked, *_])
+            ) if table := _table_of(known):
+                default = node.args[1:] if isinstance(node, nodes.Call) else []
+                key_of = self._of_its_state(asked)
+                by_key: _Ways = [(self._compared(key_of, "eq", key), [value]) for key, value in table]
+                return [*by_key, ([], [*default])] if default else [*by_key, ([NEVER], [])]
             case nodes.Filter(name="int" | "float" | "round", node=nodes.CondExpr() as choice) if (
                 choice.expr2 is not None
             ):
@@ -217,6 +229,8 @@ class Templates:
         triggers = self._automation.triggers
         paths = {path for path in paths if any(trigger.value(path) is not None for trigger in triggers)}
         paths |= {("trigger", "entity_id")} if is_state and all(trigger.entity for trigger in triggers) else set()
+        if not paths and not is_message and (by_option := self._by_option(node)):
+            return by_option
         if not paths or (is_message and is_value(self._automation, node)):
             return []
         groups: dict[tuple[str | None, ...], list[StartTrigger]] = {}
@@ -229,7 +243,22 @@ class Templates:
             for group in groups.values()
         ]
 
+    def _by_option(self, node: nodes.Node) -> list[tuple[list[Condition], list[nodes.Node]]]:
+        """Return the texts that *node* is for each option of the only entity in it; none for another expression."""
+        entities = {entity for inner in (node, *node.find_all(nodes.Call)) if (entity := state_entity(inner))}
+        if len(entities) != 1 or (entity := min(entities)).partition(".")[0] not in {"input_select", "select"}:
+            return []
+        options = self._automation.entities.find(entity).options("option")
+
+        def put(inner: nodes.Node, option: str) -> nodes.Node:
+            if state_entity(inner) == entity:
+                return nodes.Const(option)
+            return rebuilt(inner, lambda other: put(other, option))
+
+        return [([self._state(entity, option)], [folded(put(node, option))]) for option in options]
+
     def _read(self, node: nodes.Expr) -> list[Condition]:
+        node = cast("nodes.Expr", folded(node))
         for read in (days_of, self._known, self._tested, _any_light, self._counted):
             if (special := read(node)) is not None:
                 return special
@@ -240,7 +269,7 @@ class Templates:
                 return self._any_of([self._read(node.left), self._read(node.right)])
             case nodes.Not():
                 return self._denied(self._read(node.node))
-            case nodes.Const(value=bool(value)):
+            case nodes.Const(value=value):
                 return [] if value else [NEVER]
             case nodes.Compare(expr=left, ops=ops):
                 conditions: list[Condition] = []
@@ -297,6 +326,11 @@ class Templates:
                     if entity := state_entity(left) if states <= UNKNOWN and states - {""} else "":
                         return [known_texts(self._automation.entities, entity)]
                 paths = {path_of(left), path_of(right)}
+                by = {trigger.entity for trigger in self._automation.triggers}
+                if ("trigger", "from_state", "state") in paths and {state_entity(left), state_entity(right)} & by - {
+                    ""
+                }:
+                    return self._by_a_state()
                 if paths == {("trigger", "to_state", "state"), ("trigger", "from_state", "state")}:
                     return self._by_a_state()
             case nodes.Compare(expr=left, ops=[nodes.Operand(op="in", expr=right)]) if path_of(left) == (
@@ -356,6 +390,8 @@ class Templates:
             return of_time("clock", SIGNS[sign], clock)
         if (elapsed := elapsed_limit(left, sign, right)) is not None:
             return self._since(elapsed)
+        if not isinstance(right, nodes.Const | nodes.Neg) and sign == "ne":
+            return [tuple(two_values_text(self._automation, left, way, right) for way in ("gt", "lt"))]
         if not isinstance(right, nodes.Const | nodes.Neg) or is_of_two(left):
             return [(two_values_text(self._automation, left, sign, right),)]
         (value,) = constants_in(right)
@@ -368,7 +404,7 @@ class Templates:
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
         path = path_of(left)
         match path:
-            case ("trigger", "id") | ("trigger", "payload") | ("trigger", "event", "data", _):
+            case ("trigger", "id" | "payload" | "platform") | ("trigger", "event", "data", _):
                 return self.started_by(
                     [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
                 )
@@ -463,8 +499,19 @@ def _is_unit(node: nodes.Node) -> bool:
     return path_of(node)[-2:] == ("attributes", "unit_of_measurement")
 
 
+_TRUE: Final = frozenset({"true", "yes", "on", "enable", "1"})
+
 _MAX_DRAWN: Final = 20
 """Values of which one is drawn, each of which is written."""
+
+
+def _table_of(node: nodes.Node) -> list[tuple[nodes.Expr, nodes.Expr]]:
+    """Return the keys and values of a mapping that is written as it is; none for another expression."""
+    if isinstance(node, nodes.Dict):
+        return [(pair.key, pair.value) for pair in node.items]
+    if isinstance(node, nodes.Const) and isinstance(node.value, dict):
+        return [(nodes.Const(key), nodes.Const(value)) for key, value in node.value.items()]
+    return []
 
 
 def _drawn(node: nodes.Node | None) -> list[nodes.Expr]:

@@ -1,5 +1,6 @@
 """Values that are written elsewhere: variables, inputs of blueprints, and parts in other files. Pure."""
 
+from ast import literal_eval
 from collections.abc import Callable, Mapping
 from typing import Final, Self
 
@@ -9,6 +10,8 @@ from homebot.integrations.homeassistant.formats.jinja.values import TemplateErro
 from homebot.support.located import Located
 
 _MAX_DEPTH: Final = 20
+_MAX_LIST: Final = 10_000
+"""Characters of a list that a template makes."""
 
 
 def resolved(node: Located, constants: Mapping[str, object]) -> Located:
@@ -37,9 +40,21 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
     if program.names - constants.keys():
         return node._replace(value=BoundTemplate.of(value, plain_values))
     try:
-        return node._replace(value=program.render(plain_values).strip()) if program.names else node
+        return _rendered(node, program.render(plain_values).strip()) if program.names else node
     except TemplateError:
         return node
+
+
+def _rendered(node: Located, text: str) -> Located:
+    """Return *node* with the value *text*, which may be a list."""
+    if text[:1] != "[" or len(text) > _MAX_LIST:
+        return node._replace(value=text)
+    try:
+        values = literal_eval(text)
+    except (ValueError, SyntaxError):
+        return node._replace(value=text)
+    is_plain = all(isinstance(value, str | int | float) for value in values)
+    return node._replace(value=[Located(value, node.line) for value in values] if is_plain else text)
 
 
 class BoundTemplate(str):
