@@ -1,0 +1,653 @@
+"""Automations with the houses for which they were published do what their authors expect; in virtual time.
+
+A writer who had not seen the reader wrote both, and the plays.
+"""
+
+import json
+import tomllib
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import anyio
+import pytest
+
+from homebot.cli.yaml_loader import load_located
+from homebot.clock import read_zone
+from homebot.devices import Devices
+from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
+from homebot.devices.gateway_messages import Command
+from homebot.devices.names import COMMAND_DEVICES
+from homebot.errors import UsageError
+from homebot.features.routines.text import read_routines
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
+from homebot.graph import Node
+from homebot.integrations.homeassistant.automations import HomeAssistantAutomations
+from homebot.integrations.homeassistant.gateway.entities import HomeAssistantEntities
+from homebot.support.located import Located
+from homebot.testing import VirtualHouse, virtual_house_of
+from homebot.words.automations import ImportedRoutines
+
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
+
+read_zone("UTC")  # read from the disk before any loop runs
+PUBLISHED = Path(__file__).parent / "published"
+FILES = {str(path.relative_to(PUBLISHED)): path.read_text("utf-8") for path in PUBLISHED.rglob("*.*")}
+HOME = {"zone": "UTC", "latitude": 52.52, "longitude": 13.4}
+PLACED = {"input_boolean": False, "schedule": False, "counter": {"counter": 0}, "timer": {"timer": "10m"}}
+HELPERS: dict[str, Any] = {
+    **PLACED, "input_button": {"button": True}, "input_datetime": {"time": "07:00"}, "input_number": 0.0,
+    "input_text": {"text": "none"},
+}  # fmt: skip
+FIRST = {
+    "light": "off", "switch": "off", "binary_sensor": "off", "cover": "closed", "lock": "locked", "sensor": "20",
+    "climate": "heat", "vacuum": "docked", "fan": "off", "alarm_control_panel": "disarmed", "person": "home",
+    "number": "6", "scene": "unknown", "media_player": "off",
+}  # fmt: skip
+FEATURES = {"climate": 401, "light": 44, "fan": 49}
+"""What entities of these domains can do, if the house does not say it."""
+
+
+HOUSEHOLDS = {"everyone_left_and_first_home", "heating_schedule", "vacuum_when_nobody_home"}
+"""The houses whose automations ask for the household: here of Anna, by her phone."""
+
+
+class Play(NamedTuple):
+    """What happens in the house of a file, and what its automations do then.
+
+    Attributes:
+        first: States at the beginning, as in *events*, by commas.
+        events: Each a time, an entity, its state, and perhaps attributes; or a helper, and a command.
+        expected: Each the time, the entity, and the capability with its value, or a message.
+        time: The begin and the end.
+    """
+
+    name: str
+    first: str
+    events: Sequence[str]
+    expected: Sequence[str] = ()
+    time: str = "10:00 11:00"
+    day: str = "2026-01-14"
+
+
+PLAYS: tuple[Play, ...] = (
+    Play(
+        "hallway_motion_lux_timeout",
+        "hallway_lux_threshold number 15, sensor.hallway_motion_illuminance 8",
+        [
+            "20:00 binary_sensor.hallway_motion on",
+            "20:00:20 sensor.hallway_motion_illuminance 45",
+            "20:01 binary_sensor.hallway_motion off",
+            "20:02 binary_sensor.hallway_motion on",
+            "20:02:30 binary_sensor.hallway_motion off",
+        ],
+        ["20:00:00 light.hallway_ceiling level 70", "20:04:30 light.hallway_ceiling on_off False"],
+        "19:50 21:00",
+    ),
+    Play(
+        "hallway_motion_lux_timeout",
+        "hallway_lux_threshold number 15, sensor.hallway_motion_illuminance 8",
+        [
+            "20:00 binary_sensor.hallway_motion on",
+            "20:01 binary_sensor.hallway_motion off",
+            "20:02 binary_sensor.hallway_motion on",
+            "20:02:30 binary_sensor.hallway_motion off",
+        ],
+        [
+            "20:00:00 light.hallway_ceiling level 70",
+            "20:02:00 light.hallway_ceiling level 70",
+            "20:04:30 light.hallway_ceiling on_off False",
+        ],
+        "19:50 21:00",
+    ),
+    Play(
+        "hallway_motion_lux_timeout",
+        "hallway_lux_threshold number 15, sensor.hallway_motion_illuminance 3",
+        ["20:00 binary_sensor.hallway_motion on"],
+        ["20:00:00 light.hallway_ceiling level 70", "20:30:00 light.hallway_ceiling on_off False"],
+        "19:50 21:00",
+    ),
+    Play(
+        "hallway_motion_lux_timeout",
+        "hallway_lux_threshold number 15, sensor.hallway_motion_illuminance 15",
+        [
+            "20:00 binary_sensor.hallway_motion on",
+            "20:01 binary_sensor.hallway_motion unavailable",
+            "20:01 sensor.hallway_motion_illuminance 4",
+            "20:01:30 binary_sensor.hallway_motion on",
+        ],
+        [],
+        "19:50 21:00",
+    ),
+    Play(
+        "bathroom_motion_day_night",
+        "sensor.bathroom_humidity 55",
+        ["23:10 binary_sensor.bathroom_presence on", "23:12 binary_sensor.bathroom_presence off"],
+        [
+            "23:10:00 light.bathroom_mirror color_temperature 2200",
+            "23:10:00 light.bathroom_mirror level 8",
+            "23:17:00 light.bathroom_ceiling on_off False",
+            "23:17:00 light.bathroom_mirror on_off False",
+        ],
+        "23:00 23:30",
+    ),
+    Play(
+        "bathroom_motion_day_night",
+        "sensor.bathroom_humidity 55",
+        [
+            "06:30 binary_sensor.bathroom_presence on",
+            "06:33 binary_sensor.bathroom_presence off",
+            "06:37 binary_sensor.bathroom_presence on",
+            "06:40 binary_sensor.bathroom_presence off",
+        ],
+        [
+            *(
+                f"{at}:00 light.bathroom_{lamp} {value}"
+                for at in ("06:30", "06:37")
+                for lamp in ("ceiling", "mirror")
+                for value in ("color_temperature 4000", "level 100")
+            ),
+            "06:45:00 light.bathroom_ceiling on_off False",
+            "06:45:00 light.bathroom_mirror on_off False",
+        ],
+        "06:20 07:00",
+    ),
+    Play(
+        "bathroom_motion_day_night",
+        "sensor.bathroom_humidity 80, light.guest_bathroom_mirror on",
+        [
+            "07:00 binary_sensor.bathroom_presence on",
+            "07:10 binary_sensor.bathroom_presence off",
+            "07:16 sensor.bathroom_humidity 70",
+        ],
+        [
+            f"07:00:00 light.bathroom_{lamp} {value}"
+            for lamp in ("ceiling", "mirror")
+            for value in ("color_temperature 4000", "level 100")
+        ],
+        "06:50 08:00",
+    ),
+    Play(
+        "bathroom_motion_day_night",
+        "bathroom_manual on, sensor.bathroom_humidity 55",
+        ["12:00 binary_sensor.bathroom_presence on", "12:05 binary_sensor.bathroom_presence off"],
+        [],
+        "11:50 12:30",
+    ),
+    Play(
+        "ben_arrives_garage",
+        "person.ben not_home, binary_sensor.bens_pixel_android_auto on",
+        [
+            "18:05 person.ben home",
+            "18:05:30 cover.garage_door open",
+            "18:06 binary_sensor.garage_motion on",
+            "18:07 binary_sensor.garage_motion off",
+        ],
+        [
+            "18:05:00 cover.garage_door movement open",
+            "18:05:00 light.driveway on_off True",
+            "18:05:00 light.garage on_off True",
+            "18:10:00 cover.garage_door movement closed",
+            "18:10:00 light.driveway on_off False",
+            "18:10:00 light.garage on_off False",
+        ],
+        "18:00 19:00",
+    ),
+    Play(
+        "ben_arrives_garage",
+        "person.ben work, binary_sensor.bens_pixel_android_auto on",
+        ["12:00 person.ben home", "12:01 binary_sensor.garage_motion on"],
+        ["12:00:00 cover.garage_door movement open"],
+        "11:50 12:40",
+    ),
+    Play(
+        "ben_arrives_garage",
+        "person.ben not_home, person.anna not_home",
+        [
+            "17:00 person.ben home",
+            "17:30 binary_sensor.bens_pixel_android_auto on",
+            "18:00 person.ben work",
+            "18:10 person.anna home",
+        ],
+        [],
+        "16:50 19:00",
+    ),
+    Play(
+        "blinds_sun_position",
+        "shading on, sensor.weather_station_temperature 26, sensor.weather_station_illuminance 52000, "
+        "cover.living_south open, cover.office_south open",
+        [],
+        [
+            "09:34:11 cover.living_south position 30",
+            "09:34:11 cover.office_south position 30",
+            "09:34:41 cover.living_south tilt 50",
+        ],
+        "08:00 13:00",
+        "2026-06-14",
+    ),
+    Play(
+        "bathroom_fan_humidity",
+        "sensor.bathroom_humidity 55, sensor.hallway_humidity 45",
+        ["07:00 sensor.bathroom_humidity 62", "07:02 sensor.bathroom_humidity 80", "07:20 sensor.bathroom_humidity 49"],
+        ["07:00:00 fan.bathroom fan_speed 99.99", "07:25:00 fan.bathroom on_off False"],
+        "06:50 07:50",
+    ),
+    Play(
+        "bathroom_fan_humidity",
+        "sensor.bathroom_humidity 50, sensor.hallway_humidity 45",
+        ["23:00 sensor.bathroom_humidity 60", "23:05 sensor.hallway_humidity 44"],
+        ["23:05:00 fan.bathroom fan_speed 33.33"],
+        "22:50 23:30",
+    ),
+    Play(
+        "bathroom_fan_humidity",
+        "sensor.bathroom_humidity 55, sensor.hallway_humidity 45",
+        ["12:00 fan.bathroom on"],
+        ["13:00:00 fan.bathroom on_off False"],
+        "11:50 13:30",
+    ),
+    Play(
+        "bathroom_fan_humidity",
+        "sensor.bathroom_humidity 55, sensor.hallway_humidity 45, sensor.cellar_humidity 60",
+        [
+            "10:00 sensor.bathroom_humidity 48",
+            "11:00 sensor.hallway_humidity unavailable",
+            "11:10 sensor.hallway_humidity 45",
+            "11:20 sensor.cellar_humidity 95",
+        ],
+        [],
+        "09:50 12:00",
+    ),
+    Play(
+        "kitchen_timer_motion",
+        "kitchen_minutes number 4, house_mode option Evening",
+        [
+            "19:00 binary_sensor.kitchen_motion on",
+            "19:05 binary_sensor.kitchen_motion_table on",
+            "19:06 binary_sensor.kitchen_motion off",
+            "19:07 binary_sensor.kitchen_motion_table off",
+            "19:09 binary_sensor.kitchen_motion on",
+            "19:10 binary_sensor.kitchen_motion off",
+        ],
+        ["19:00:00 light.kitchen level 90", "19:14:00 light.kitchen on_off False"],
+        "18:50 19:30",
+    ),
+    Play(
+        "kitchen_timer_motion",
+        "kitchen_minutes number 4, house_mode option Night",
+        ["23:30 binary_sensor.kitchen_motion on", "23:31 binary_sensor.kitchen_motion off", "23:32 light.kitchen off"],
+        ["23:30:00 light.kitchen level 30"],
+        "23:20 23:50",
+    ),
+    Play(
+        "kitchen_timer_motion",
+        "kitchen_minutes number 10",
+        ["12:00 light.kitchen on", "12:01 binary_sensor.kitchen_motion on", "12:02 binary_sensor.kitchen_motion off"],
+        ["12:12:00 light.kitchen on_off False"],
+        "11:50 12:30",
+    ),
+    Play(
+        "kitchen_timer_motion",
+        "kitchen_minutes number 4",
+        [
+            "13:00 binary_sensor.kitchen_motion on",
+            "13:01 binary_sensor.kitchen_motion off",
+            "13:20 binary_sensor.hall_motion on",
+        ],
+        [],
+        "12:50 13:40",
+    ),
+    Play(
+        "blueprint_motion_lux",
+        "sensor.pantry_illuminance 10",
+        ["18:00 binary_sensor.pantry_motion on", "18:00:40 binary_sensor.pantry_motion off"],
+        ["18:00:00 light.pantry level 100", "18:02:10 light.pantry on_off False"],
+        "17:50 18:30",
+    ),
+    Play(
+        "blueprint_motion_lux",
+        "",
+        [
+            "12:00 binary_sensor.stairs_motion on",
+            "12:01 binary_sensor.stairs_motion off",
+            "12:02:30 binary_sensor.stairs_motion on",
+            "12:02:50 binary_sensor.stairs_motion off",
+        ],
+        [
+            "12:00:00 light.stairs_down level 35",
+            "12:00:00 light.stairs_up level 35",
+            "12:02:30 light.stairs_down level 35",
+            "12:02:30 light.stairs_up level 35",
+            "12:04:50 light.stairs_down on_off False",
+            "12:04:50 light.stairs_up on_off False",
+        ],
+        "11:50 12:30",
+    ),
+    Play(
+        "blueprint_motion_lux",
+        "sensor.pantry_illuminance 20",
+        [
+            "18:00 binary_sensor.pantry_motion on",
+            "18:00:01 sensor.pantry_illuminance 120",
+            "18:01 binary_sensor.pantry_motion off",
+            "18:01:30 binary_sensor.pantry_motion on",
+            "18:02 binary_sensor.pantry_motion off",
+        ],
+        ["18:00:00 light.pantry level 100", "18:02:30 light.pantry on_off False"],
+        "17:50 18:30",
+    ),
+    Play(
+        "blueprint_motion_lux",
+        "sensor.pantry_illuminance 25, party on",
+        ["10:00 binary_sensor.pantry_motion on", "10:10 binary_sensor.stairs_motion on"],
+        [],
+        "09:50 10:40",
+    ),
+    Play(
+        "heating_schedule",
+        "temp_comfort number 21, temp_eco number 17, heating_season on, climate.living_room heat temperature=17",
+        ["06:30 heating_living_room on", "08:30 heating_living_room off"],
+        [
+            "06:30:00 climate.living_room heating_setpoint 21",
+            "06:30:00 climate.living_room thermostat_mode heat",
+            "08:30:00 climate.living_room heating_setpoint 17",
+            "08:30:00 climate.living_room thermostat_mode heat",
+        ],
+        "06:20 09:00",
+    ),
+    Play(
+        "heating_schedule",
+        "temp_comfort number 21, temp_eco number 17, heating_season on, heating_living_room on, climate.living_room heat temperature=21",
+        ["18:00 temp_comfort number 22.5", "18:05 temp_eco number 16"],
+        ["18:00:00 climate.living_room heating_setpoint 22.5", "18:00:00 climate.living_room thermostat_mode heat"],
+        "17:50 18:30",
+    ),
+    Play(
+        "heating_schedule",
+        "temp_comfort number 21, temp_eco number 17, heating_living_room on, anna not_home, climate.living_room heat temperature=21",
+        ["10:00 heating_season on"],
+        ["10:00:00 climate.living_room heating_setpoint 17", "10:00:00 climate.living_room thermostat_mode heat"],
+        "09:50 10:30",
+    ),
+    Play(
+        "heating_schedule",
+        "temp_comfort number 21, temp_eco number 17, heating_season on, climate.living_room heat temperature=17, binary_sensor.living_window on",
+        [
+            "06:30 heating_living_room on",
+            "08:00 binary_sensor.living_window off",
+            "09:00 heating_living_room off",
+            "11:00 heating_bathroom on",
+        ],
+        [],
+        "06:20 11:30",
+    ),
+    Play(
+        "device_triggers_terrace",
+        "switch.infrared_heater on, sensor.living_temperature 18.5",
+        ["10:00 binary_sensor.terrace_door_contact on", "10:08 binary_sensor.terrace_door_contact off"],
+        ["10:01:00 switch.infrared_heater on_off False", "10:08:00 switch.infrared_heater on_off True"],
+        "09:50 10:30",
+    ),
+    Play(
+        "device_triggers_terrace",
+        "switch.infrared_heater on, sensor.living_temperature 20",
+        ["10:00 binary_sensor.terrace_door_contact on", "10:08 binary_sensor.terrace_door_contact off"],
+        ["10:01:00 switch.infrared_heater on_off False"],
+        "09:50 10:30",
+    ),
+    Play(
+        "device_triggers_terrace",
+        "switch.infrared_heater on, sensor.living_temperature 15",
+        [
+            "10:00 binary_sensor.terrace_door_contact on",
+            "10:30 binary_sensor.terrace_door_contact off",
+            "11:00 light.terrace on",
+        ],
+        ["10:01:00 switch.infrared_heater on_off False", "11:00:00 light.terrace level 80"],
+        "09:50 11:30",
+    ),
+    Play(
+        "device_triggers_terrace",
+        "light.terrace on",
+        [
+            "12:00 binary_sensor.terrace_door_contact on",
+            "12:05 binary_sensor.terrace_door_contact off",
+            "13:00 switch.infrared_heater on",
+            "13:10 binary_sensor.terrace_door_contact on",
+            "13:10:50 binary_sensor.terrace_door_contact off",
+            "14:00 binary_sensor.front_door_contact on",
+            "14:30 light.terrace off",
+        ],
+        [],
+        "11:50 15:00",
+    ),
+    Play(
+        "washing_machine_power", "washer_state option Done", ["11:20 binary_sensor.washer_door on"], [], "11:10 11:40"
+    ),
+    Play(
+        "everyone_left_and_first_home",
+        "alarm_control_panel.house armed_away, anna not_home",
+        ["17:30 anna home"],
+        [
+            "17:30:01 alarm_control_panel.house alarm disarmed",
+            "17:30:01 climate.bedroom preset_mode home",
+            "17:30:01 climate.living_room preset_mode home",
+        ],
+        "17:20 18:00",
+    ),
+    Play("everyone_left_and_first_home", "guest_mode on", ["09:30 anna not_home"], [], "09:20 10:00"),
+    Play(
+        "vacuum_when_nobody_home",
+        "vacuum.rosie cleaning, anna not_home",
+        ["12:00 anna home"],
+        ["12:00:01 vacuum.rosie vacuum returning"],
+        "11:50 12:30",
+    ),
+    Play("vacuum_when_nobody_home", "anna not_home", ["10:30 anna home", "16:00 anna not_home"], [], "10:00 16:30"),
+    Play(
+        "ev_solar_charging",
+        "binary_sensor.wallbox_car_connected on, charge_mode option Solar",
+        ["13:02 charge_mode option Fast"],
+        ["13:02:00 number.wallbox_current number 16", "13:02:00 switch.wallbox_charging on_off True"],
+        "12:50 13:30",
+    ),
+    Play("ev_solar_charging", "charge_mode option Solar", ["13:02 charge_mode option Fast"], [], "12:50 13:30"),
+    Play("start_and_house_mode", "house_mode option Night", [], [], "06:20 06:40"),
+)
+
+
+class House(NamedTuple):
+    """A house from a file.
+
+    Attributes:
+        listed: Its entities, as the file lists them.
+        helpers: The table ``[helpers]``.
+        people: The table ``[people]``.
+    """
+
+    listed: Sequence[dict[str, Any]]
+    helpers: dict[str, Any]
+    people: dict[str, Any]
+
+
+class HousesGateway(MemoryGateway):
+    """The devices of a house, with the states of Home Assistant; it records each command with its time."""
+
+    def __init__(self, node: Node, house: House) -> None:
+        super().__init__(node, MemoryGatewaySettings(act=True))
+        self.done: list[tuple[float, str]] = []
+        self._entities = HomeAssistantEntities(1000)
+        self._attributes: dict[str, dict[str, Any]] = {}
+        self._keys: dict[str, str] = {}
+        self._ids: dict[tuple[str, str], str] = {}
+        self._trackers: dict[str, str] = {}
+        for entity in house.listed:
+            entity_id, attributes = (
+                entity["entity_id"],
+                {"friendly_name": entity["name"], **entity.get("attributes", {})},
+            )
+            domain = entity_id.partition(".")[0]
+            if domain in FEATURES and "supported_features" not in attributes:
+                attributes["supported_features"] = FEATURES[domain]
+            self._attributes[entity_id] = attributes
+            self._put(entity_id, FIRST.get(domain, "unknown"), {})
+        self._entities.regroup()
+        for entity in house.listed:
+            if key := self._entities.key_of(entity["entity_id"]):
+                described, own = self._entities.describe(key), self._attributes[entity["entity_id"]]
+                self._keys[entity["entity_id"]] = place = own.get("device_id", key)
+                for part in described.parts:
+                    self._ids[place, part.id] = entity["entity_id"]
+                area = entity.get("area", "")
+                device = GatewayDevice(place, described.name, described.parts, described.metadata, area=area)
+                if place not in self.devices.keys:
+                    self.devices.put(device, "it is played")
+        for name in house.people:
+            tracker = HomeAssistantEntities(1)
+            tracker.put(f"device_tracker.{name}", {"s": "home", "a": {"friendly_name": f"{name} phone"}}, is_new=True)
+            tracker.regroup()
+            described = tracker.describe(tracker.key_of(f"device_tracker.{name}"))
+            self._trackers[name] = described.parts[0].id
+            self.devices.put(GatewayDevice(name, described.name, described.parts), "it is played")
+
+    def _put(self, entity_id: str, state: str, given: dict[str, Any]) -> None:
+        self._attributes[entity_id] |= given
+        self._entities.put(entity_id, {"s": state, "a": self._attributes[entity_id]}, is_new=True)
+
+    async def begin(self) -> None:
+        for entity_id in self._keys:
+            await self.tell(f"{entity_id} {FIRST.get(entity_id.partition('.')[0], 'unknown')}")
+        for name in self._trackers:
+            await self.tell(f"{name} home")
+
+    async def tell(self, line: str) -> None:
+        """Report the state of an entity."""
+        entity_id, state, *given = line.split(" ")
+        if entity_id not in self._keys:
+            await self.devices.report(entity_id, {"place": state}, self._trackers[entity_id])
+            return
+        self._put(entity_id, state, {key: json.loads(value) for key, _, value in (one.partition("=") for one in given)})
+        key = self._entities.key_of(entity_id)
+        (entity,) = self._entities.of(key)
+        place = self._keys[entity_id]
+        self.devices.report_reachable(place, reachable=entity.is_available)
+        if values := entity.read(is_change=True):
+            await self.devices.report(place, values, entity.entry.part_id)
+
+    async def _perform(self, command: Command) -> None:
+        await super()._perform(command)
+        value = command.value.plain()
+        if command.capability == "fan_speed":
+            await self.devices.report(command.key, {"on_off": value != 0.0}, command.part)
+        text = f"{value:.4g}" if isinstance(value, float) else str(value)
+        entity = self._ids.get((command.key, command.part), command.key)
+        self.done.append((self.node.graph.clock.now(), f"{entity} {command.capability} {text}"))
+
+
+@cache
+def house_of(name: str) -> House:
+    listed = json.loads(FILES[f"{name}.house.json"])
+    helpers: dict[str, Any] = {}
+    for entity in listed:
+        domain, _, own = entity["entity_id"].partition(".")
+        options = entity.get("attributes", {}).get("options")
+        if domain == "input_select":
+            helpers[own] = options
+        elif domain in HELPERS:
+            helpers[own] = HELPERS[domain]
+    people = {"anna": {"trackers": ["anna phone"]}} if name in HOUSEHOLDS else {}
+    left_out = {*HELPERS, "input_select", *(["person"] if people else [])}
+    shown = [entity for entity in listed if entity["entity_id"].partition(".")[0] not in left_out]
+    return House(shown, helpers, people)
+
+
+def config_of(name: str) -> dict[str, Any]:
+    house = house_of(name)
+    people = {"people": house.people} if house.people else {}
+    return {"home": HOME, "helpers": house.helpers, "notify": {}, **people}
+
+
+def load(name: str) -> Located:
+    if name not in FILES:
+        raise UsageError(f"there is no {name}")
+    return load_located(FILES[name])
+
+
+_read: dict[str, ImportedRoutines] = {}
+
+
+async def imported(name: str) -> ImportedRoutines:
+    """Return the routines of the file *name* in its house."""
+    if name not in _read:
+        async with (
+            virtual_house_of(config=config_of(name)) as house,
+            Node(house.runtime.graph, "homeassistant", namespace="/gateway") as node,
+            anyio.create_task_group() as tasks,
+        ):
+            gateway = HousesGateway(node, house_of(name))
+            await tasks.start(gateway.serve)
+            await house.run_for("20s")
+            devices = tuple(await Devices(node).find())
+            tasks.cancel_scope.cancel()
+        _read[name] = HomeAssistantAutomations().read(
+            load(f"{name}.yaml"),
+            f"{name}.yaml",
+            devices,
+            lambda text, origin: read_routines(text, origin)[0],
+            load=load,
+        )
+    return _read[name]
+
+
+async def happens(line: str, house: VirtualHouse, gateway: HousesGateway, helpers: dict[str, Any]) -> None:
+    first, _, rest = line.partition(" ")
+    if first in helpers:
+        commands = gateway.node.create_client(CommandDevices, COMMAND_DEVICES)
+        assert (await commands.call(CommandDevicesRequest(target=first.replace("_", " "), command=rest))).success, line
+    else:
+        await gateway.tell(line)
+
+
+def stamped(lines: Sequence[tuple[float, str]]) -> Iterator[str]:
+    for at, text in lines:
+        yield f"{datetime.fromtimestamp(at, UTC):%H:%M:%S} {text}"
+
+
+@pytest.mark.parametrize("play", PLAYS, ids=lambda play: f"{play.name}, {len(play.expected)}")
+async def test_an_automation_does_what_its_author_expects(play: Play) -> None:
+    found = await imported(play.name)
+    config = config_of(play.name) | tomllib.loads("\n".join(found.texts))
+    begin, end = play.time.split()
+    async with (
+        virtual_house_of(config=config, start=f"{play.day} {begin}") as house,
+        Node(house.runtime.graph, "homeassistant", namespace="/gateway") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = HousesGateway(node, house_of(play.name))
+        await tasks.start(gateway.serve)
+        await gateway.begin()
+        for line in filter(None, play.first.split(", ")):
+            await happens(line, house, gateway, house_of(play.name).helpers)
+        await house.run_for("30s")
+        gateway.done.clear()
+        for event in play.events:
+            at, _, line = event.partition(" ")
+            await house.run_until(at)
+            await happens(line, house, gateway, house_of(play.name).helpers)
+        await house.run_until(end)
+        told = [
+            (one.time.timestamp(), f"notify {one.message}")
+            for one in house.notifications
+            if not one.app.endswith("alerts")
+        ]
+        tasks.cancel_scope.cancel()
+    assert sorted(stamped([*gateway.done, *told])) == sorted(play.expected)
+
+
+def test_each_file_is_also_played_so_that_it_does_nothing_or_less() -> None:
+    counts = {name: {len(play.expected) for play in PLAYS if play.name == name} for name, *_ in PLAYS}
+    assert len(counts) >= 12
+    assert all(min(each) < max(each) or each == {0} for each in counts.values())
