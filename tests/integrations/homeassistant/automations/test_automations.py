@@ -377,3 +377,20 @@ def test_repeats_in_repeats_are_loops_with_a_limit(count: str, depth: int, probl
     found = read(f"- {{alias: A, triggers: [{{trigger: time, at: '7:00'}}], actions: [{action}]}}")
     assert problem in "".join(one.problem for one in found.refused)
     assert bool(found.refused) is bool(problem)
+
+
+@pytest.mark.parametrize(("mode", "count", "carried"), [("queued", 2, 0), ("parallel", 2, 2), ("queued", 1, 1)])
+def test_a_script_that_waits_is_carried_over_unless_several_would_run_it_in_turn(
+    mode: str, count: int, carried: int
+) -> None:
+    """Home Assistant has one run after the other; each routine has steps of its own."""
+    automations = "".join(
+        f"  - {{alias: A{number}, trigger: {{platform: time, at: '{number}:00'}}, action: {{service: script.blink}}}}\n"
+        for number in range(1, count + 1)
+    )
+    lamp = "{service: light.toggle, entity_id: light.hall_lamp}"
+    found = read(
+        f"automation:\n{automations}script:\n  blink: {{mode: {mode}, sequence: [{lamp}, {{delay: 5}}, {lamp}]}}"
+    )
+    assert len(found.texts) == carried
+    assert all("call it by one" in refusal.problem for refusal in found.refused)

@@ -480,6 +480,7 @@ class Automation:
         has_waited: Whether its actions waited so far.
         own_ids: The ends of the ids that it may have in Home Assistant.
         expressions: Templates of its variables, until the first step.
+        calling: The texts of all automations of its file.
     """
 
     entities: Entities
@@ -491,6 +492,12 @@ class Automation:
     has_waited: bool = False
     own_ids: frozenset[str] = frozenset()
     expressions: dict[str, str] = field(default_factory=dict)
+    calling: Sequence[str] = ()
+
+    def calls_of(self, script: str) -> int:
+        """Return the number of automations that call a script."""
+        called = re.compile(rf"\bscript\.{re.escape(script)}\b")
+        return sum(1 for text in self.calling if called.search(text))
 
     def define(self, variables: Located) -> Mapping[str, object]:
         """Define *variables*, and return the values of all that are known by now."""

@@ -286,8 +286,9 @@ class Actions:
             given = fields.inner("data", "service_data")
         script = UnreadFields(self._scripts[name], "script")
         inputs = script.take("fields")
-        for field in ("description", "icon", "mode", "max"):
+        for field in ("description", "icon", "max"):
             script.take(field)
+        mode = script.text("mode", "single")
         known, expressions = dict(self._automation.constants), dict(self._automation.expressions)
         missing = {field: Located(UNDEFINED, 0) for field in _fields_of(inputs) if field not in given}
         constants = self._automation.define(Located({**missing, **given.left}, 0))
@@ -297,6 +298,12 @@ class Actions:
         steps = self._branch([resolved(node, constants) for node in script.items("sequence")])
         self._in_scripts.pop()
         script.end()
+        waits = any(isinstance(step, Wait | WaitFor | WaitUntil) for step in _single(steps))
+        if waits and mode != "parallel" and self._automation.calls_of(name) > 1:
+            raise NotCarriedError(
+                f"script.{name}: it waits, and several automations call it in turn; call it by one, or write its steps "
+                "without a wait"
+            )
         self._automation.constants, self._automation.expressions = known, expressions
         self._automation.forget_values()
         return steps
@@ -513,10 +520,11 @@ class HomeAssistantAutomations:
         refused: list[Refusal] = []
         apps: set[str] = set()
         entities = Entities(devices)
+        written_nodes = [str(plain(node)) for node in nodes]
         for node, name in zip(nodes, aliases, strict=True):
             entities.used.clear()
             entities.notes.clear()
-            automation = Automation(entities, names)
+            automation = Automation(entities, names, calling=written_nodes)
             written: list[str] = []
             with automation.in_line(node.line):
                 plain_node = from_blueprint(node, blueprint, load) if _has(node, "use_blueprint") else node

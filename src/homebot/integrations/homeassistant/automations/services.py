@@ -1,8 +1,8 @@
 """Calls of services as steps of routines. Pure."""
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
-from typing import NamedTuple
+from itertools import chain, pairwise
+from typing import Final, NamedTuple, cast
 
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
@@ -13,13 +13,16 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     DEVICE_DATA,
     DROPPED,
     LEFT_OUT,
+    SERVICE_WORDS,
     SERVICES,
+    SETTINGS,
     ServiceSetting,
 )
+from homebot.integrations.homeassistant.automations.states import state_text
 from homebot.support.located import Located
 
 
-def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> list[str]:
+def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> list[str | dict[str, object]]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
     device_id = fields.texts_of("device_id")[:1] if key == "device_id" else []
     name = _service_name(fields, key)
@@ -39,12 +42,20 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         automation.notes.append(f"{name} is left out")
         return []
     if target.is_to_notify and (messages := message_steps(automation, name, data)) is not None:
-        return messages
+        return [*messages]
     if name in {"automation.turn_on", "automation.turn_off"}:
         data.take("stop_actions")
         data.end()
         words = name.rpartition("_")[2]
         return [f"routine {automation.names.routine(entity)} {words}" for entity in target.entities]
+    if name in _NEXT:
+        is_cycle = data.flag("cycle", default=True)
+        data.end()
+        return [
+            step
+            for entity in _entities_of(automation, target, domain)
+            for step in _next(name, entity, is_cycle=is_cycle)
+        ]
     if name not in SERVICES:
         raise NotCarriedError(f"the service {name} has no counterpart in routines{ADVICE.get(domain, '')}")
     target.check(name)
@@ -66,6 +77,38 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         return [*_of_rooms(automation, target, settings)]
     known = _entities_of(automation, target, domain)
     return [text for entity in known for text in steps_of_entity(name, entity, settings, over)]
+
+
+_NEXT: Final = {
+    f"{domain}.{service}"
+    for domain in ("input_select", "select")
+    for service in ("select_next", "select_previous", "select_first", "select_last")
+} | {"media_player.media_play_pause"}
+"""Services whose effect depends on the state of their entity."""
+
+
+def _next(name: str, entity: KnownEntity, *, is_cycle: bool) -> Sequence[str | dict[str, object]]:
+    """Return the steps to the next state of an entity: a choice by the state that it has."""
+    if name == "media_player.media_play_pause":
+        play, pause = (_by_words(entity, f"media_player.media_{way}") for way in ("play", "pause"))
+        return [{"if": [state_text(entity, "playing", "state")], "do": pause, "else": play}]
+    options = [*entity.options("option")]
+    steps = {option: steps_of_entity("", entity, [SETTINGS["option"]._replace(value=option)], "") for option in options}
+    if not options:
+        raise NotCarriedError(f"{name}: homebot knows no options of {entity.id}")
+    if name.endswith(("first", "last")):
+        return steps[options[0 if name.endswith("first") else -1]]
+    order = options if name.endswith("next") else options[::-1]
+    choice: Sequence[object] = steps[order[0]] if is_cycle else []
+    for option, following in reversed([*pairwise(order)]):
+        step = {"if": [state_text(entity, option, "state")], "do": steps[following]}
+        choice = [{**step, "else": [*choice]} if choice else step]
+    return cast("list[str | dict[str, object]]", choice)
+
+
+def _by_words(entity: KnownEntity, service: str) -> list[str]:
+    capabilities, _, text = SERVICE_WORDS[service].partition(" ")
+    return steps_of_entity(service, entity, [ServiceSetting(capabilities, text)], "")
 
 
 def _entities_of(automation: Automation, target: "_Target", domain: str) -> list[KnownEntity]:
