@@ -381,6 +381,8 @@ def _is_of_helpers(device: Device) -> bool:
 def _advice(entity_id: str) -> str:
     """Return how the house gets to know an entity of its kind; empty if nothing special helps."""
     domain, _, name = entity_id.partition(".")
+    if domain == "group":
+        return "; name its entities in place of the group"
     if domain == "person":
         return "; write it in the table [people]"
     if domain == "schedule":

@@ -158,14 +158,15 @@ DEVICE_DATA: Final = frozenset({"brightness_pct", "position", "hvac_mode", "pres
 
 
 ADVICE: Final = {
-    "camera": "; homebot sends no pictures",
+    "camera": "; homebot sends no pictures: leave it out",
     "mqtt": "; command the device itself, or write an app, see docs/apps.md",
     "pyscript": "; write an app, see docs/apps.md",
     "python_script": "; write an app, see docs/apps.md",
     "remote": "; command the device itself",
     "scene": "; write the scene in homebot, see docs/scenes.md",
+    "todo": "; send a message by `notify` instead",
     "weather": "; use a sensor of the forecast",
-    "media_player": "; homebot plays no media",
+    "media_player": "; homebot plays no media: set its source by `media_player.select_source`",
     "shell_command": "; write an app, see docs/apps.md",
     "rest_command": "; write an app, see docs/apps.md",
     "script": "; write the routine of its steps, or import it from the file with `script:`",
