@@ -145,7 +145,7 @@ def _of_two_states(asked: _AskedState) -> _AskedState:
     """Return *asked* without the state before: of two it can only be the other."""
     if len(asked.before) == 1 and not asked.states and not asked.attribute and asked.before[0] in _OPPOSITES:
         asked = asked._replace(states=[_OPPOSITES[asked.before[0]]])
-    if asked.states and {*asked.before} >= {_OPPOSITES.get(state, "") for state in asked.states}:
+    if asked.states and {*asked.before} == {_OPPOSITES.get(state, "") for state in asked.states}:
         return asked._replace(before=[])
     return asked
 
