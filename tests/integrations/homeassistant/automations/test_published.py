@@ -463,6 +463,29 @@ PLAYS: tuple[Play, ...] = (
         "2026-06-14",
     ),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
+    Play(
+        "thirsty_plants",
+        "sensor.monstera_moisture 21",
+        ["14:00 sensor.monstera_moisture 19"],
+        [
+            "15:00:00 light.plant_shelf color (0.0, 100.0)",
+            "15:00:00 light.plant_shelf level 40",
+            "15:00:00 notify 🌱 Monstera is thirsty: Moisture is down to 19 %.",
+            "15:05:00 light.plant_shelf on_off False",
+        ],
+        "13:50 15:30",
+    ),
+    Play(
+        "thirsty_plants",
+        "sensor.monstera_moisture 22, sensor.basil_moisture 25",
+        [
+            "12:00 sensor.monstera_moisture 15",
+            "12:50 sensor.monstera_moisture 60",
+            "21:30 sensor.basil_moisture 15",
+        ],
+        [],
+        "11:50 22:40",
+    ),
     Play("presence_simulation_random", "", [], [], "17:45 18:25"),
 )
 

@@ -32,6 +32,9 @@ _NAMED: Final[Mapping[tuple[str, ...], str]] = {
 }
 """The values of messages that are names."""
 
+NAME_PATHS: Final = frozenset(path for path, text in _NAMED.items() if text == "{name}" and "entity_id" not in path)
+"""The values of a trigger that are the name of its entity."""
+
 _FORMS: Final = frozenset({"float", "int", "round", "title", "lower", "upper", "string", "default", "d"})
 """Filters that only shape a value of a message."""
 
@@ -61,6 +64,7 @@ def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
     match path:
         case ("trigger", "to_state", "state"):
             entities = {trigger.entity for trigger in automation.triggers}
+            note_length(automation)
             if len(entities) == 1 and "" not in entities:
                 return _state_value(automation, entities.pop(), "")
     match node:
@@ -96,6 +100,12 @@ def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
         case nodes.Getattr(attr="state") if entity := states_path(node.node):
             return _state_value(automation, entity, "")
     raise refused_template(shown_tree(node), "a message has states, {name}, {room}, {routine} and {time}")
+
+
+def note_length(automation: Automation) -> None:
+    """Add the note that a state that lasted may have changed since it started."""
+    if any("for" in dict(trigger.data) for trigger in automation.triggers):
+        automation.notes.append("after `for` a message has the value of now, and not that from before it")
 
 
 def is_value(automation: Automation, node: nodes.Node) -> bool:

@@ -29,6 +29,7 @@ from homebot.integrations.homeassistant.automations.entities import (
     Entities,
     KnownEntity,
     NamesOfIds,
+    StartTrigger,
     slug_of,
 )
 from homebot.integrations.homeassistant.automations.expressions import round_limit
@@ -215,11 +216,21 @@ class Actions:
         for conditions, node in reversed(ways):
             if NEVER in conditions:
                 continue
-            way = UnreadFields(node, "action")
+            way, triggers = UnreadFields(node, "action"), self._automation.triggers
+            self._automation.triggers = self._started(conditions)
             steps = self._service(way, kind)
+            self._automation.triggers = triggers
             way.end()
             choice = _choice(conditions, steps, choice)
         return choice
+
+    def _started(self, conditions: Sequence[Condition]) -> list[StartTrigger]:
+        """Return the triggers that may have started a branch with *conditions*."""
+        triggers = self._automation.triggers
+        for condition in conditions:
+            if all(text.startswith("started by ") for text in condition):
+                triggers = [trigger for trigger in triggers if f"started by {trigger.text}" in condition]
+        return triggers
 
     def _kept_scene(self, fields: UnreadFields, key: str) -> Sequence[Step] | None:
         """Return the steps of a scene that keeps the values of entities, or brings them back; None for another call."""

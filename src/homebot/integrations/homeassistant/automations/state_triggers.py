@@ -98,12 +98,17 @@ def state_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
 
 def _facts_of(trigger: StartTrigger, asked: _AskedState) -> Iterator[tuple[str, str]]:
     """Yield the state before and the length of a trigger, as far as these are known."""
-    if asked.lasting and "{" not in asked.lasting:
-        yield "for", str(timedelta(seconds=parse_duration(asked.lasting.removeprefix(" for "))))
+    yield from length_facts(asked.lasting)
     if len(asked.before) == 1:
         yield "from", asked.before[0]
     elif trigger.entity.partition(".")[0] in _OF_TWO_STATES and trigger.state in _OPPOSITES:
         yield "from", _OPPOSITES[trigger.state]
+
+
+def length_facts(lasting: str) -> Iterator[tuple[str, str]]:
+    """Yield the length of a trigger as Home Assistant writes it, if it is known."""
+    if lasting and "{" not in lasting:
+        yield "for", str(timedelta(seconds=parse_duration(lasting.removeprefix(" for "))))
 
 
 def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> list[StartTrigger]:

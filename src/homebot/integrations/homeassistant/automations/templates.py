@@ -31,7 +31,13 @@ from homebot.integrations.homeassistant.automations.expressions import (
     without_sets,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
-from homebot.integrations.homeassistant.automations.messages import is_value, value_text, without_unit
+from homebot.integrations.homeassistant.automations.messages import (
+    NAME_PATHS,
+    is_value,
+    note_length,
+    value_text,
+    without_unit,
+)
 from homebot.integrations.homeassistant.automations.states import (
     SUN_ANGLES,
     UNKNOWN,
@@ -196,6 +202,14 @@ class Templates:
             case nodes.CondExpr():
                 no: list[nodes.Node] = [] if node.expr2 is None else joined_pieces(node.expr2)
                 return [(self._read(self._of_its_state(node.test)), joined_pieces(node.expr1)), ([], no)]
+            case nodes.Filter(
+                name="replace", node=named, args=[nodes.Const(value=str(old)), nodes.Const(value=str(new))]
+            ) if path_of(named) in NAME_PATHS and all(trigger.entity for trigger in self._automation.triggers):
+                by_name: dict[str, list[StartTrigger]] = {}
+                for trigger in self._automation.triggers:
+                    device = self._automation.entities.find(trigger.entity).device
+                    by_name.setdefault((device.name or device.id).replace(old, new), []).append(trigger)
+                return [(self.started_by(group), [nodes.Const(name)]) for name, group in by_name.items()]
             case nodes.Filter(name="random", node=several) if drawn := _drawn(several):
                 return [
                     ([(f"chance 1 in {len(drawn) - place}",)] if place < len(drawn) - 1 else [], joined_pieces(value))
@@ -227,6 +241,8 @@ class Templates:
         }
         is_state = is_message and ("trigger", "to_state", "state") in paths
         triggers = self._automation.triggers
+        if is_state:
+            note_length(self._automation)
         paths = {path for path in paths if any(trigger.value(path) is not None for trigger in triggers)}
         paths |= {("trigger", "entity_id")} if is_state and all(trigger.entity for trigger in triggers) else set()
         if not paths and not is_message and (by_option := self._by_option(node)):

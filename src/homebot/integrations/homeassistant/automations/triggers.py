@@ -20,7 +20,12 @@ from homebot.integrations.homeassistant.automations.event_triggers import (
     message_triggers,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.state_triggers import lasting_text, moved, state_triggers
+from homebot.integrations.homeassistant.automations.state_triggers import (
+    lasting_text,
+    length_facts,
+    moved,
+    state_triggers,
+)
 from homebot.integrations.homeassistant.automations.states import (
     STATES,
     helper_time,
@@ -66,12 +71,14 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
             limits = tuple((side, str(fields.left[side].value)) for side in ("above", "below") if side in fields)
             if kind == "numeric_state" and (calculated := _calculated(automation, fields)):
                 return [
-                    StartTrigger(f"{text}{lasting}", entity=entity, data=limits)
+                    StartTrigger(f"{text}{lasting}", entity=entity, data=(*limits, *length_facts(lasting)))
                     for entity, text in zip(ids, calculated, strict=True)
                 ]
             texts = STATES[kind](automation.entities, fields, "to")
             return [
-                StartTrigger(moved(text, lasting, is_leave=is_leave), entity=entity, data=limits)
+                StartTrigger(
+                    moved(text, lasting, is_leave=is_leave), entity=entity, data=(*limits, *length_facts(lasting))
+                )
                 for entity, entity_texts in zip(ids, texts, strict=True)
                 for text in entity_texts
             ]
