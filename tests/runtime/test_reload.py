@@ -1,5 +1,6 @@
 """A reload: all of the configuration is checked, then rights, policies and places are swapped, or nothing is."""
 
+import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from homebot import Devices, Light, Refused
 from homebot.config import parse_config
 from homebot.devices.health import GetHealth
 from homebot.graph import Node
+from homebot.messages.std_srvs import Trigger, TriggerRequest
 from homebot.runtime.reload import keys_for_restart
 from homebot.testing import VirtualHouse, virtual_house_of
 
@@ -99,6 +101,20 @@ async def test_a_policy_that_needs_sensors_finds_them() -> None:
 
 
 @pytest.mark.rooms("homeassistant")
+async def test_notifications_go_where_the_newest_configuration_says() -> None:
+    async with home() as here:
+        test = here.node.create_client(Trigger, "/alerts/test")
+        assert "[notify] has none" in (await test.call(TriggerRequest())).message
+        await here.reload({"notify": {"topic": "people"}})
+        assert (await test.call(TriggerRequest())).success
+        assert "reach you" in json.loads(await here.house.hears("people"))["message"]
+        await here.reload({"notify": {"topic": "others"}})
+        assert (await test.call(TriggerRequest())).success
+        assert "reach you" in json.loads(await here.house.hears("others"))["message"]
+        await here.reload({"notify": None}, may_lose=True)
+        assert not (await test.call(TriggerRequest())).success
+
+
 async def test_the_rights_of_an_app_are_swapped() -> None:
     async with home() as here:
         await here.reload({"apps": {"app": {"class": "light_service", "act": "light in kitchen"}}})

@@ -40,7 +40,8 @@ class AppContext:
         store_of: Returns the store of an app by its name; in memory by default.
         keeps_values: Returns whether an app may have values from an earlier run.
         notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
-        notifies: Whether there is a way to send messages; else they are only logged.
+        notifies: Returns whether there is a way to send messages; else they are only logged.
+        not_sent_because: Returns why a part of the last message was not sent; empty if all of it was.
         rehearse: Called with an app and an act of a robot that is only recorded, in a replay or dry run; None else.
         write_stores: Writes the stores of all apps at once, instead of within five seconds.
         began_at: When homebot started, in seconds since the Unix epoch.
@@ -53,7 +54,8 @@ class AppContext:
     store_of: Callable[[str], Store] = Store
     keeps_values: Callable[[], bool] = lambda: False
     notify: SendNotification = _send_nowhere
-    notifies: bool = False
+    notifies: Callable[[], bool] = lambda: False
+    not_sent_because: Callable[[], str] = str
     rehearse: Callable[[str, str], None] | None = None
     write_stores: Callable[[], Coroutine[object, object, object]] = _write_nowhere
     asleep: Callable[[], float] = float

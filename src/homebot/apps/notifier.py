@@ -120,14 +120,26 @@ class Notifier:
     def __init__(self, node: Node, settings: NotifySettings | None) -> None:
         self._node = node
         self._clock = node.graph.clock
-        self._settings = settings
+        self._settings: NotifySettings | None = None
+        self._output: GatewayOutput | None = None
+        self._outputs: dict[str, GatewayOutput] = {}
         self._limits: BoundedMap[str, RateLimit] = BoundedMap(_MAX_APPS)
         self._lines = LogLimit(self._clock)
-        self._output = GatewayOutput(node, settings.gateway) if settings and settings.address else None
         self._threads = anyio.CapacityLimiter(_MAX_THREADS)
         self.recent: deque[Notification] = deque(maxlen=100)
         self.dropped = self.failed = 0
         self.trouble = ""
+        self.send_by(settings)
+
+    def send_by(self, settings: NotifySettings | None) -> None:
+        """Send by *settings* from now on."""
+        if settings != self._settings:
+            self.trouble = ""
+        self._settings = settings
+        gateway = settings.gateway if settings and settings.address else ""
+        if gateway and gateway not in self._outputs:
+            self._outputs[gateway] = GatewayOutput(self._node, gateway)
+        self._output = self._outputs.get(gateway)
 
     async def send(
         self, message: str, title: str, app: str, zone: tzinfo, urgency: Urgency = "normal", kind: str = ""

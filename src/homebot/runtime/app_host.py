@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterable, Iterator, MutableMapping
     from types import FrameType
 
-    from homebot.apps.notifier import Notifier
+    from homebot.apps.notifier import Notifier, NotifySettings
     from homebot.apps.stores import AppStores
     from homebot.feature_context import AppKeeper
 
@@ -105,7 +105,8 @@ class AppHost:
             store_of=lambda app: self._app_stores().of(app),
             keeps_values=lambda: self._stores is not None,
             notify=self._notify,
-            notifies=plan.notify is not None,
+            notifies=lambda: self._notify_settings is not None,
+            not_sent_because=lambda: self.notifier.trouble,
             rehearse=self._rehearse if rehearses else None,
             write_stores=self.write_stores,
             asleep=clock.asleep if isinstance(clock, LoopClock) else float,
@@ -120,6 +121,12 @@ class AppHost:
 
             self._notifier = Notifier(self._main, self._notify_settings)
         return self._notifier
+
+    def send_by(self, settings: NotifySettings | None) -> None:
+        """Send notifications by *settings* from now on; without any they are only logged."""
+        self._notify_settings = settings
+        if self._notifier is not None:
+            self._notifier.send_by(settings)
 
     def wrong_apps(self, table: str = "") -> dict[str, str]:
         """Return why apps of the array *table* of a feature do not run, by name; of all arrays by default."""

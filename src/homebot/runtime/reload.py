@@ -1,4 +1,4 @@
-"""Reloading of the configuration: tokens, rights, policies and places change at once, other keys at the next start.
+"""Reloading of the configuration: tokens, rights, policies, places and the way of notifications change at once.
 
 A file that is half saved lacks limits, so a reload may lose none, nor a whole table, unless the user means it.
 """
@@ -42,9 +42,9 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "home": frozenset({"id"}),
     "ros": frozenset({"ca", "cert_file", "connect", "domain", "export", "import", "key_file", "listen", "user"}),
 }
-"""The keys that take effect without a restart; so do places, devices, groups and live tables of features."""
+"""The keys that take effect without a restart, as do places, devices, groups, ``notify`` and tables that are live."""
 
-_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "features", "left_out")
+_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "notify", "features", "left_out")
 """The parts of a plan that a reload replaces."""
 
 _BY_KEY: Final = frozenset({"control", "door"})
@@ -74,7 +74,7 @@ class RunningParts(NamedTuple):
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
-    live = {"places", "devices", "groups", *(key for key, table in feature_tables().items() if table.is_live)}
+    live = {"places", "devices", "groups", "notify", *(key for key, table in feature_tables().items() if table.is_live)}
     old, new = ({key: table for key, table in _by_key(config).items() if key not in live} for config in (before, after))
     keys = (key for table in old | new for key in _changed(table, old.get(table) or {}, new.get(table) or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})

@@ -301,6 +301,7 @@ class Runtime:
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
             )
             self.app_host.left_out = self._plan.left_out
+            self.app_host.send_by(self._plan.notify)
             if self._session_keeper is not None:
                 self._session_keeper.reload()
             return self._reloaded

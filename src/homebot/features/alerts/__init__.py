@@ -6,10 +6,11 @@ from homebot.feature import Feature, FeatureTable, Verb
 from homebot.rights import OfferedService, Right
 
 SEE_ALERTS: Final = OfferedService("/alerts/seen", Right.ACT)
+TEST_ALERTS: Final = OfferedService("/alerts/test", Right.MANAGE)
 
 FEATURE: Final = Feature(
     name="alerts",
-    services=(SEE_ALERTS,),
+    services=(SEE_ALERTS, TEST_ALERTS),
     runs="homebot.features.alerts.alerts:notify_people",
     is_wanted=lambda house: not house.is_rehearsal,
     checks="homebot.features.alerts.alert_table:doctor_checks",

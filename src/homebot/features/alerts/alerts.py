@@ -30,7 +30,7 @@ from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.feature_context import FeatureContext
-from homebot.features.alerts import FEATURE, SEE_ALERTS
+from homebot.features.alerts import FEATURE, SEE_ALERTS, TEST_ALERTS
 from homebot.features.alerts.alert_table import (
     ALERTS,
     GATEWAY,
@@ -198,6 +198,7 @@ class Alerts(App[AlertsSettings]):
             on_state = partial(self._on_gateway, gateway)
             node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
         node.create_service(Trigger, SEE_ALERTS.name, self._on_seen)
+        node.create_service(Trigger, TEST_ALERTS.name, self._on_test)
         self._asked = BoundedMap[str, None](_MAX_ASKED)
         node.create_subscription(OpenQuestions, OPEN_QUESTIONS, self._on_questions, qos_profile_latched)
         while True:
@@ -219,9 +220,18 @@ class Alerts(App[AlertsSettings]):
         self._publish()
         return SuccessResponse(success=True, message="")
 
+    async def _on_test(self, _: TriggerRequest) -> SuccessResponse:
+        """Send a message to the owner's addresses, and return the problem of any."""
+        if not self.context.notifies():
+            return SuccessResponse(success=False, message="there is no address: [notify] has none")
+        language, app = self.settings.language, f"{self.node.name} (test)"
+        sent = await self.context.notify(say("homebot can reach you here.", language), say("Test", language), app)
+        problem = self.context.not_sent_because() or ("" if sent else "too many tests: wait for 10 s")
+        return SuccessResponse(success=not problem, message=problem)
+
     def _publish(self) -> None:
         repeats = (incident.repeats_at(_kind_of(key).urgency) < math.inf for key, incident in self._incidents.items())
-        message = Findings(findings=self._shown, repeats=self.context.notifies and any(repeats))
+        message = Findings(findings=self._shown, repeats=self.context.notifies() and any(repeats))
         if message != self._published:
             self._published = message
             self._findings.publish(message)
@@ -311,7 +321,7 @@ class Alerts(App[AlertsSettings]):
         more = [say("… and {count} more", language, count=str(len(texts) - _MAX_LINES))]
         text = "\n".join(texts[:_MAX_LINES] + (more if len(texts) > _MAX_LINES else []))
         sent = await self.context.notify(text, say(title, language), self.node.name, kind.urgency, kind.key)
-        if not sent and self.context.notifies:
+        if not sent and self.context.notifies():
             return False
         for key in keys:
             incident = self._incidents[key]
