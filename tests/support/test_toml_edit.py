@@ -76,6 +76,18 @@ def test_what_only_a_person_can_change_is_left(table: tuple[str, ...], key: str)
         edit_toml(FILE, table, {key: "y"})
 
 
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("a = 1\n\n[people.Anna]\nping = 'x'\n", "a = 1\n"),
+        ("[people.Anna]\nping = 'x'\n\n# of Ben\n[people.Ben]\n", "\n# of Ben\n[people.Ben]\n"),
+        ("[people]\nAnna.ping = 'x'\nBen.ping = 'y'\n", "[people]\nBen.ping = 'y'\n"),
+    ],
+)
+def test_a_table_goes_with_its_lines_alone(text: str, rest: str) -> None:
+    assert edit_toml(text, ("people",), {"Anna": REMOVED}) == rest
+
+
 def test_an_empty_file_gets_its_first_table() -> None:
     assert edit_toml("", ("home",), {"name": "Villa"}) == '[home]\nname = "Villa"\n'
 

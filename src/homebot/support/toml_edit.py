@@ -47,9 +47,10 @@ def _edited(text: str, table: tuple[str, ...], key: str, value: object) -> str:
         here[key] = value
     if wanted == before:
         return text
+    bare = {name: own for name, own in wanted.items() if own or name not in table}  # its last table is gone
     for candidate in _candidates(text, table, key, value):
         with suppress(tomllib.TOMLDecodeError):
-            if tomllib.loads(candidate) == wanted:
+            if tomllib.loads(candidate) in (wanted, bare if value is REMOVED else wanted):
                 return candidate
     line = line_of(text, *table, key)
     where = f"line {line}" if line else f"the table {'.'.join(table)}"
@@ -64,6 +65,11 @@ def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> I
     at = line_of(text, *table, key) - 1
     for line in (new, new and f"{name}.{new}") if key and at >= 0 else ():
         yield "".join((*lines[:at], *([_with_comment(lines[at], line)] if line else []), *lines[at + 1 :]))
+    if value is REMOVED and at >= 0:  # a table, without the comments above the next
+        end = next((line for line in range(at + 1, len(lines)) if lines[line].startswith("[")), len(lines))
+        while lines[end - 1].startswith("#") or not lines[end - 1].strip():
+            end -= 1
+        yield "".join((*lines[: at - (at > 0 and not lines[at - 1].strip())], *lines[end:]))
     if head := line_of(text, *table):
         yield "".join((*lines[:head], new, *lines[head:]))
         yield "".join((*lines[: head - 1], new and f"{name}.{new}", *lines[head - 1 :]))  # beside a dotted key
