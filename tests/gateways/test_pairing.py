@@ -1,6 +1,7 @@
 """Devices are paired and unpaired through a gateway, and no code is kept or shown."""
 
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 import anyio
@@ -9,12 +10,15 @@ import pytest
 from homebot.devices.names import ONLY_OBSERVES, PairingNames
 from homebot.errors import LinkError, RefusedError, TypeMismatchError, UsageError
 from homebot.gateways.pairing import (
+    ListUnpaired,
     Pair,
     PairingFile,
     PairingServices,
     PairRequest,
     PairResponse,
     Unpair,
+    UnpairedDevice,
+    UnpairedRequest,
     UnpairRequest,
 )
 from homebot.graph import Graph, Node
@@ -49,6 +53,11 @@ class Bulbs:
         self.paired.remove(key)
         return f"Bulb {key}"
 
+    def unpaired(self) -> Iterator[UnpairedDevice]:
+        for key in ("one", "two"):
+            if key not in self.paired:
+                yield UnpairedDevice(device=key, name=f"Bulb {key}", takes_code=True, within_s=60.0)
+
 
 class Home:
     """The gateway on a graph, and a client."""
@@ -64,6 +73,17 @@ class Home:
 
     async def unpair(self, device: str) -> PairResponse:
         return await self._client.create_client(Unpair, NAMES.unpair).call(UnpairRequest(device=device))
+
+    async def waiting(self) -> list[str]:
+        answer = await self._client.create_client(ListUnpaired, NAMES.unpaired).call(UnpairedRequest())
+        return [one.name for one in answer.devices]
+
+
+async def test_a_device_waits_until_it_is_paired() -> None:
+    home = Home()
+    assert await home.waiting() == ["Bulb one", "Bulb two"]
+    await home.pair("one", CODE)
+    assert await home.waiting() == ["Bulb two"]
 
 
 async def test_a_device_is_paired_by_its_code_and_unpaired() -> None:

@@ -141,7 +141,7 @@ Its value begins with ``payloads``.
 
 _GATEWAYS = "/gateway/"
 
-GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})
+GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic", "unpaired"})
 """Last parts of the names of read-only gateway services: no device notices a call."""
 TEXT_SCHEME = "words:"
 """The beginning of a text address."""
@@ -227,12 +227,14 @@ class PairingNames:
     Attributes:
         pair: Service :data:`homebot.gateways.pairing.Pair`.
         unpair: Service :data:`homebot.gateways.pairing.Unpair`.
+        unpaired: Service :data:`homebot.gateways.pairing.ListUnpaired`.
     """
 
     def __init__(self, gateway: str) -> None:
         base = f"{_GATEWAYS}{gateway}"
         self.pair = f"{base}/pair"
         self.unpair = f"{base}/unpair"
+        self.unpaired = f"{base}/unpaired"
 
 
 def gateway_of(node: str) -> str:

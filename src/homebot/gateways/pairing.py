@@ -2,7 +2,8 @@
 
 import json
 import os
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Final, Literal, Protocol, Self
 
@@ -17,6 +18,7 @@ from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.support.file_access import check_secret_file
 from homebot.support.installation import Installation
 
+MAX_UNPAIRED: Final = 100
 _MAX_BYTES: Final = 4 * 1024 * 1024
 
 
@@ -45,6 +47,33 @@ class UnpairRequest(Message):
     device: str
 
 
+class UnpairedDevice(Message):
+    """A device that waits to be paired.
+
+    Attributes:
+        device: The gateway's key of it.
+        takes_code: Whether it is paired by the code on it, and not by a button.
+        within_s: Seconds that pairing may take, such as those for which the button is waited for.
+        problem: Why it cannot be paired now; empty if it can.
+    """
+
+    device: str
+    name: str
+    takes_code: bool
+    within_s: float
+    problem: str = ""
+
+
+class UnpairedRequest(Message):
+    """Request for the devices that wait to be paired."""
+
+
+class UnpairedResponse(Message):
+    """The devices that wait to be paired, at most :data:`MAX_UNPAIRED`."""
+
+    devices: tuple[UnpairedDevice, ...] = ()
+
+
 class PairResponse(ServiceAnswer):
     """The result of pairing or unpairing.
 
@@ -60,6 +89,7 @@ class PairResponse(ServiceAnswer):
 
 Pair = ServiceType("homebot/srv/Pair", PairRequest, PairResponse)
 Unpair = ServiceType("homebot/srv/Unpair", UnpairRequest, PairResponse)
+ListUnpaired = ServiceType("homebot/srv/ListUnpaired", UnpairedRequest, UnpairedResponse)
 
 
 class ActingGateway(Protocol):
@@ -87,6 +117,9 @@ class PairingGateway(ActingGateway, Protocol):
 
     async def unpair(self, key: str) -> str:
         """End the pairing with the device *key*, and return its name; errors as those of :meth:`pair`."""
+
+    def unpaired(self) -> Iterable[UnpairedDevice]:
+        """Return the devices that it knows and could pair."""
 
 
 class PairingRequests:
@@ -127,6 +160,10 @@ class PairingServices:
         names = PairingNames(node.name)
         node.create_service(Pair, names.pair, self._pair, concurrent=True)
         node.create_service(Unpair, names.unpair, self._unpair, concurrent=True)
+        node.create_service(ListUnpaired, names.unpaired, self._list_unpaired)
+
+    def _list_unpaired(self, _: UnpairedRequest) -> UnpairedResponse:
+        return UnpairedResponse(devices=tuple(islice(self._gateway.unpaired(), MAX_UNPAIRED)))
 
     async def _pair(self, request: PairRequest) -> PairResponse:
         async def work() -> tuple[str, str]:

@@ -28,7 +28,7 @@ from homebot.features.machine.messages import (
 from homebot.features.machine.wire import MachineWire
 from homebot.gateways import Gateway
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
-from homebot.gateways.pairing import Pair, PairingServices, PairRequest, PairResponse
+from homebot.gateways.pairing import Pair, PairingServices, PairRequest, PairResponse, UnpairedDevice
 from homebot.graph import Graph, Node
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.message import Message
@@ -262,6 +262,9 @@ class Locks:
 
     async def unpair(self, key: str) -> str:
         return key
+
+    def unpaired(self) -> tuple[UnpairedDevice, ...]:
+        return ()
 
 
 @pytest.mark.parametrize(

@@ -109,10 +109,12 @@ async def test_it_pairs_by_the_button_and_keeps_the_key_for_its_owner_alone(tmp_
             "Hue bridge: it is not paired: press its button, then run `homebot pair 'Hue bridge'`"
             in await home.problems()
         )
+        assert [(one.device, one.takes_code) for one in home.gateway.unpaired()] == [(home.bridge.id, False)]
         home.bridge.press_button()
         with capture_logs() as lines:
             answer = await home.pair()
             assert (answer.success, answer.name) == (True, "Hue bridge")
+            assert [*home.gateway.unpaired()] == []
             await home.install("lamp", DeviceState(text="off"))
             lamp = await home.sighting("The lamp")
             assert (await home.send(lamp.key, "on_off", True)).success

@@ -32,6 +32,7 @@ from homebot.conventions.payload import clean_text
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError, WrongCodeError
 from homebot.integrations.homekit.formats.accessory import CharacteristicId
 from homebot.integrations.homekit.gateway.port import (
+    PAIRS_WITHIN,
     FoundAccessory,
     HomekitLink,
     HomekitPort,
@@ -45,9 +46,6 @@ from homebot.support.unanswered import awaiting_answer
 
 if sys.platform == "linux":  # otherwise it also listens on TCP and WebSocket, for each accessory over Thread
     os.environ.setdefault("AIOCOAP_SERVER_TRANSPORT", "udp6")
-
-PAIRS_WITHIN: Final = 60.0
-"""Seconds; small processors need half a minute for the keys."""
 
 READ_AT_ONCE: Final = 40
 """Most characteristics in one request over IP, as some accessories only accept short addresses."""

@@ -23,11 +23,11 @@ from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.device_runner import MAX_PROBLEMS, problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
-from homebot.gateways.pairing import PairingFile, PairingServices
+from homebot.gateways.pairing import PairingFile, PairingServices, UnpairedDevice
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
 from homebot.integrations.homekit.formats.ecosystem import read_homekit_digits
 from homebot.integrations.homekit.gateway.accessory_runner import AccessoryRunner, describe
-from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitPort, Pairing
+from homebot.integrations.homekit.gateway.port import PAIRS_WITHIN, FoundAccessory, HomekitPort, Pairing
 from homebot.plugins import check_extra
 from homebot.support.isolation import run_as
 
@@ -141,6 +141,15 @@ class HomekitGateway(Gateway):
             self._found[key] = replace(sighted, is_paired=link is None)  # until it announces that itself
             self.devices.put(describe(sighted).device, "it is announced")
         return key if runner is None else runner.name
+
+    def unpaired(self) -> Iterator[UnpairedDevice]:
+        """Yield the accessories without a key."""
+        for key, sighted in self._found.items():
+            if key not in self._pairings:
+                problem = _next_step(sighted) if sighted.is_paired else ""
+                yield UnpairedDevice(
+                    device=key, name=sighted.name, takes_code=True, within_s=PAIRS_WITHIN, problem=problem
+                )
 
     async def _save_pairings(self, pairings: dict[str, Pairing]) -> None:
         await self._file.keep(pairings)

@@ -24,6 +24,9 @@ _ID: Final = re.compile(r"(?:[0-9A-F]{2}:){5}[0-9A-F]{2}")
 _UNPAIRED: Final = 1
 """The bit of the status flags of an unpaired accessory."""
 
+PAIRS_WITHIN: Final = 60.0
+"""Seconds; small processors need half a minute for the keys."""
+
 Pairing: TypeAlias = Mapping[str, object]
 """The keys of a pairing, a secret that only the port reads."""
 

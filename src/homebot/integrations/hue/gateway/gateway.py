@@ -6,7 +6,7 @@ is listed before it is paired, so that ``homebot pair`` can name it.
 
 import re
 import socket
-from collections.abc import Awaitable, Callable, Collection
+from collections.abc import Awaitable, Callable, Collection, Iterator
 from functools import partial
 from typing import Annotated, ClassVar, Final
 
@@ -24,7 +24,7 @@ from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.http_address import http_origin
-from homebot.gateways.pairing import PairingFile, PairingServices
+from homebot.gateways.pairing import PairingFile, PairingServices, UnpairedDevice
 from homebot.gateways.pinned_certificate import fetch_certificate, only_certificate
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.integrations.hue.gateway.bridge import BridgeRunner, bridge_client, create_key
@@ -129,6 +129,12 @@ class HueGateway(Gateway):
         await self._save_pairings(bridge, {other: kept for other, kept in self._pairings.items() if other != key})
         bridge.forget_devices(f"{bridge.name} is not paired any more")
         return bridge.name
+
+    def unpaired(self) -> Iterator[UnpairedDevice]:
+        """Yield the bridges without a key."""
+        for key, bridge in self._bridges.items():
+            if not bridge.pairing:
+                yield UnpairedDevice(device=key, name=bridge.name, takes_code=False, within_s=self.pressed_within)
 
     def _bridge(self, key: str) -> BridgeRunner:
         bridge = self._bridges.get(key)
