@@ -1,31 +1,43 @@
 """The page changes the configuration as its owner would, and a wrong step leaves it as it was."""
 
+import json
 import tomllib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import anyio
 import pytest
 from anyio import to_thread
 from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import directory
+from tests.gateways.test_pairing import Bulbs
 from tests.patience import PATIENCE
 
+from homebot.cli.backup_archive import extract_archive
 from homebot.config import load_config
 from homebot.devices.app_messages import ChangeAppResponse, Reload, ReloadRequest
+from homebot.features.page import backups
 from homebot.features.page.page import offer_setup
 from homebot.features.page.setup_messages import (
+    BackupRequest,
     ChangeSetup,
     ChangeSetupRequest,
     ChangeSetupResponse,
     FindUnused,
     FindUnusedRequest,
+    GetBackup,
     MakeToken,
     MakeTokenRequest,
+    ReadTable,
+    ReadTableRequest,
 )
+from homebot.gateways.pairing import PairingServices
 from homebot.graph import Graph, Node
 from homebot.messages.key_value import KeyValue
+from homebot.runtime.saved_files import serve_copies
+from homebot.support.installation import INSTALLATION_FILE
 
 FILE = """\
 [home]
@@ -57,14 +69,20 @@ class Wizard:
         *table: str,
         values: dict[str, str] | None = None,
         secrets: dict[str, str] | None = None,
+        remove: tuple[str, ...] = (),
         undo: bool = False,
         restart: bool = False,
     ) -> ChangeSetupResponse:
         given, kept = (
             tuple(KeyValue(key=key, value=value) for key, value in (pairs or {}).items()) for pairs in (values, secrets)
         )
-        request = ChangeSetupRequest(table=table, values=given, secrets=kept, undo=undo, restart=restart)
+        request = ChangeSetupRequest(table=table, values=given, secrets=kept, remove=remove, undo=undo, restart=restart)
         return await self.node.create_client(ChangeSetup, "/setup/change").call(request)
+
+    async def read(self, *table: str) -> dict[str, Any]:
+        answer = await self.node.create_client(ReadTable, "/setup/table").call(ReadTableRequest(table=table))
+        assert answer.success
+        return {pair.key: json.loads(pair.value) for pair in answer.values}
 
 
 @asynccontextmanager
@@ -140,6 +158,59 @@ async def test_a_password_is_kept_in_a_file_of_its_own_until_the_step_is_taken_b
         assert files == {"gateway-hass.token", "gateway-other.token", "homebot.toml"}
 
 
+async def test_people_are_added_changed_and_taken_out(tmp_path: Path) -> None:
+    async with wizard(tmp_path) as page:
+        answer = await page.change("people", "Anna", values={"ping": '"192.168.1.23"', "trackers": '["phone"]'})
+        assert answer.lines == ("[people.Anna]", 'trackers = ["phone"]', 'ping = "192.168.1.23"')
+        assert await page.read("people") == {"Anna": {"ping": "192.168.1.23", "trackers": ["phone"]}}
+        assert (await page.change("people", remove=("Anna",))).success
+        assert await page.read("people") == {}
+        assert (await page.change(undo=True)).success
+        assert "Anna" in await page.read("people")
+
+
+async def test_an_address_is_shown_without_its_password_and_kept_by_what_is_shown(tmp_path: Path) -> None:
+    urls = ["tgram://123456:secret/777", "json://10.0.0.1/x", "tgram://123456:other/777"]
+    async with wizard(tmp_path) as page:
+        assert (await page.change("notify", values={"urls": json.dumps(urls)})).success
+        seen = (await page.read("notify"))["urls"]
+        assert seen == ["tgram://…77", "json://…/x", "tgram://…77 (2)"]
+        kept = json.dumps(["json://…/x", "tgram://…77 (2)", "ntfy://new"], ensure_ascii=False)
+        assert (await page.change("notify", values={"urls": kept})).success
+        assert tomllib.loads(page.file.read_text())["notify"]["urls"] == [urls[1], urls[2], "ntfy://new"]
+        gone = json.dumps(["tgram://…99"], ensure_ascii=False)
+        assert "not in the file any more" in (await page.change("notify", values={"urls": gone})).message
+
+
+@pytest.mark.parametrize("table", ["gateways", "door", "apps"])
+async def test_a_table_with_secrets_or_rights_is_not_read(tmp_path: Path, table: str) -> None:
+    async with wizard(tmp_path) as page:
+        answer = await page.node.create_client(ReadTable, "/setup/table").call(ReadTableRequest(table=(table,)))
+        assert (answer.success, answer.values) == (False, ())
+
+
+async def test_a_backup_comes_in_parts_and_is_that_of_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(backups, "MAX_PART_BYTES", 4000)
+    (data := tmp_path / "home" / "broker").mkdir(parents=True)
+    (data / INSTALLATION_FILE).write_text("x" * 9000)
+    async with wizard(tmp_path) as page, Node(page.node.graph, "copies") as node:
+        serve_copies(node, data)
+        client = page.node.create_client(GetBackup, "/setup/backup")
+        answer = await client.call(BackupRequest())
+        name, found = answer.name, answer.data
+        while len(found) < answer.size:
+            answer = await client.call(BackupRequest(offset=len(found)))
+            found += answer.data
+        assert name.startswith("Villa-")
+        await to_thread.run_sync((archive := tmp_path / name).write_bytes, found)
+        manifest = await to_thread.run_sync(extract_archive, archive, tmp_path)
+        assert [*manifest.files] == [f"data/{INSTALLATION_FILE}", "config/homebot.toml"]
+        assert [file.name for file in data.iterdir()] == [INSTALLATION_FILE]
+        assert "begin with 0" in (await client.call(BackupRequest(offset=4000))).message
+
+
 async def test_homebot_begins_again_when_the_page_asks_for_it(tmp_path: Path) -> None:
     """A new gateway waits for a start, which needed a shell."""
     async with wizard(tmp_path) as page:
@@ -183,6 +254,7 @@ async def test_a_token_has_no_more_rights_than_who_makes_it(
 async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
     facts = {"needs_gateway": "hue", "next_step": "press its button"}
     async with directory() as house, Node(house.asker.graph, "page") as page:
+        PairingServices(Bulbs(), Node(house.asker.graph, "bulbs", namespace="/gateway"))
 
         async def listens(port: int) -> bool:
             return port == 8123
@@ -197,4 +269,6 @@ async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
             ("hue", ("Bridge",), "press its button", ""),
             ("homeassistant", (), "", "http://127.0.0.1:8123"),
         ]
+        waiting = [(one.gateway, one.unpaired.name) for one in answer.unpaired]
+        assert waiting == [("bulbs", "Bulb one"), ("bulbs", "Bulb two")]
         assert (answer.file, answer.can_restart) == ("", False)

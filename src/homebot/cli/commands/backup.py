@@ -62,29 +62,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _back_up(options: argparse.Namespace) -> int:
     configure_logging()
     path = Path(options.config)
-    tables = load_tables(path)
-    config = with_environment(load_config(path))
-    folder = index_place(config, path).parent
-    files, secrets = _config_files(path, tables, with_secrets=options.with_tokens)
-    copies = _copies(folder, options)
+    folder = index_place(with_environment(load_config(path)), path).parent
+    manifest = write_backup(path, _copies(folder, options), Path(options.file), with_secrets=options.with_tokens)
+    print(f"{options.file}: {', '.join(name.partition('/')[2] for name in manifest.files)}")
+    if secrets := manifest.left_out:
+        print(f"left out, because they contain secrets: {', '.join(secrets)}; --with-tokens includes them")
+    return 0
+
+
+def write_backup(path: Path, copies: Path, target: Path, *, with_secrets: bool = False) -> Manifest:
+    """Write the configuration *path*, and the *copies* of the data, which are removed, to the archive *target*.
+
+    Raises:
+        UsageError: The configuration is wrong, or *target* cannot be written.
+    """
+    folder = copies.parent
     try:
+        files, secrets = _config_files(path, load_tables(path), with_secrets=with_secrets)
         data = {f"data/{copied.name}": copied for copied in sorted(copies.iterdir())}
         archived = {name: ArchivedFile(size=0, sha256="0" * 64, version=_version(name)) for name in (*data, *files)}
         manifest = Manifest(
             version=__version__,
             made=datetime.now(UTC).isoformat(timespec="seconds"),
-            home=config.home.name,
+            home=load_config(path).home.name,
             folder=f"{folder.parent.name}/{folder.name}",
             files=archived,
             left_out=tuple(secrets),
         )
-        write_archive(Path(options.file), manifest, {**data, **files})
+        write_archive(target, manifest, {**data, **files})
     finally:
         shutil.rmtree(copies, ignore_errors=True)
-    print(f"{options.file}: {', '.join(name.partition('/')[2] for name in archived)}")
-    if secrets:
-        print(f"left out, because they contain secrets: {', '.join(secrets)}; --with-tokens includes them")
-    return 0
+    return manifest
 
 
 def _copies(folder: Path, options: argparse.Namespace) -> Path:

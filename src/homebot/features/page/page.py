@@ -12,15 +12,7 @@ from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES, LIST_DEVICES
 from homebot.devices.services import ListDevices, ListDevicesRequest
 from homebot.errors import RefusedError, UsageError, WireError
-from homebot.features.page import (
-    CHANGE_LAYOUT,
-    CHANGE_SETUP,
-    FEATURE,
-    FIND_UNUSED,
-    GET_USAGE,
-    LAYOUT,
-    MAKE_TOKEN,
-)
+from homebot.features.page import CHANGE_LAYOUT, FEATURE, GET_USAGE, LAYOUT, SETUP
 from homebot.features.page.layout import LayoutBook, change_layout, read_book
 from homebot.features.page.messages import (
     ChangeLayout,
@@ -81,7 +73,7 @@ def offer_setup(
 
         return Setup(node, file, restart, listens)
 
-    for service in (FIND_UNUSED, CHANGE_SETUP, MAKE_TOKEN):
+    for service in SETUP:
         node.offer_service(service.ros_type, service.name, partial(lambda name: setup().serve(name), service.name))
 
 

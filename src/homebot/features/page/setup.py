@@ -1,4 +1,4 @@
-"""The setup by the page: gateways for found devices, and tokens. Each step writes the file as a person would.
+"""The setup by the page: gateways for found devices, people, addresses of alerts, tokens. Each step writes the file.
 
 Changes come one after the other. One that homebot refuses leaves the file as it was.
 """
@@ -6,8 +6,9 @@ Changes come one after the other. One that homebot refuses leaves the file as it
 from __future__ import annotations
 
 import asyncio
+import json
 import tomllib
-from collections.abc import Awaitable, Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple, final
 
@@ -17,10 +18,11 @@ from anyio import to_thread
 from homebot.conventions.ecosystem import ecosystems
 from homebot.devices.app_messages import Reload, ReloadRequest
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, gateway_of
+from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, PairingNames, gateway_of
 from homebot.errors import HomebotError, UsageError
 from homebot.feature import feature_tables
-from homebot.features.page import CHANGE_SETUP, FIND_UNUSED
+from homebot.features.page import CHANGE_SETUP, FIND_UNUSED, GET_BACKUP, READ_TABLE
+from homebot.features.page.backups import Backups
 from homebot.features.page.setup_messages import (
     ChangeSetup,
     ChangeSetupRequest,
@@ -28,12 +30,20 @@ from homebot.features.page.setup_messages import (
     FindUnused,
     FindUnusedRequest,
     FindUnusedResponse,
+    GetBackup,
     MakeToken,
     MakeTokenRequest,
     MakeTokenResponse,
+    ReadTable,
+    ReadTableRequest,
+    ReadTableResponse,
+    UnpairedOfGateway,
     UnusedDevices,
 )
-from homebot.graph import Node
+from homebot.features.page.shown_addresses import shown, stated
+from homebot.gateways.pairing import ListUnpaired, UnpairedRequest
+from homebot.graph import EntityKind, Node
+from homebot.messages.key_value import KeyValue
 from homebot.support.toml_edit import REMOVED, edit_toml
 
 _TABLES: Final = frozenset({"discovery", "gateways", "home", "notify", "places"})
@@ -90,6 +100,10 @@ class Setup:
             self._node.create_service(FindUnused, name, self._find, concurrent=True)
         elif name == CHANGE_SETUP.name:
             self._node.create_service(ChangeSetup, name, self._change)
+        elif name == READ_TABLE.name:
+            self._node.create_service(ReadTable, name, self._read, concurrent=True)
+        elif name == GET_BACKUP.name:
+            self._node.create_service(GetBackup, name, Backups(self._node, self._path).get)
         else:
             self._node.create_service(MakeToken, name, self._make_token)
 
@@ -117,6 +131,7 @@ class Setup:
                 unused += (UnusedDevices(gateway=gateway, devices=(), names=(), next="", url=url),)
         return FindUnusedResponse(
             unused=unused,
+            unpaired=tuple([one async for one in self._find_unpaired(gateways)]),
             file=str(file or ""),
             gateways=tuple(sorted(gateways)),
             acting=tuple(
@@ -124,6 +139,29 @@ class Setup:
             ),
             can_restart=self._restart is not None,
         )
+
+    async def _find_unpaired(self, gateways: Iterable[str]) -> AsyncIterator[UnpairedOfGateway]:
+        for gateway in sorted(gateways):
+            name = PairingNames(gateway).unpaired
+            if self._node.graph.get_endpoints(kind=EntityKind.SERVICE, name=name):
+                answer = await self._node.create_client(ListUnpaired, name).call(UnpairedRequest())
+                for one in answer.devices:
+                    yield UnpairedOfGateway(gateway=gateway, unpaired=one)
+
+    async def _read(self, request: ReadTableRequest) -> ReadTableResponse:
+        try:
+            table = await to_thread.run_sync(self._table, request.table)
+        except (HomebotError, OSError) as exc:
+            return ReadTableResponse(success=False, message=str(exc))
+        values = (KeyValue(key=key, value=json.dumps(value, default=str)) for key, value in table.items())
+        return ReadTableResponse(success=True, message="", values=tuple(values))
+
+    def _table(self, names: tuple[str, ...]) -> dict[str, object]:
+        if names[0] == "gateways":
+            raise UsageError("the table of a gateway has secrets, so a page does not read it")
+        _check_table(names)
+        found = shown(_in(tomllib.loads(self._path().read_text("utf-8")), names))
+        return found if isinstance(found, dict) else {}
 
     async def _change(self, request: ChangeSetupRequest) -> ChangeSetupResponse:
         if request.restart:
@@ -226,18 +264,31 @@ def _gateways_in(file: Path | None) -> Mapping[str, object]:
 def _edit(text: str, request: ChangeSetupRequest, folder: Path) -> tuple[str, dict[Path, bytes | None]]:
     """Return *text* after the change of a table, and the files in *folder* for its secrets with their content."""
     table = request.table
-    changeable = _TABLES | {key for key, of_feature in feature_tables().items() if of_feature.is_on_page}
-    if not table or table[0] not in changeable or not all(table):
-        listed = ", ".join(sorted(changeable))
-        raise UsageError(f"the table {'.'.join(table)!r} is not among those that a page may change: {listed}")
+    _check_table(table)
     given = _secret_files(request, folder)
     names = {f"{key}_file": file.name for key, (file, _) in given.items()}
-    after = edit_toml(text, table, _values(request) | names)
-    used = tomllib.loads(text).get(table[0], {}).get(table[-1], {}) if given else {}
+    used = _in(tomllib.loads(text), table)
+    values = {key: value if value is REMOVED else stated(value, used) for key, value in _values(request).items()}
+    after = edit_toml(text, table, values | names)
     for key, (file, _) in given.items():
         if file.exists() and used.get(f"{key}_file") != file.name:
             raise UsageError(f"{file} is there already; remove it, or give the gateway another name")
     return after, dict(given.values())
+
+
+def _check_table(table: tuple[str, ...]) -> None:
+    """Raise UsageError if a page may not change *table*."""
+    changeable = _TABLES | {key for key, of_feature in feature_tables().items() if of_feature.is_on_page}
+    if not table or table[0] not in changeable or not all(table):
+        listed = ", ".join(sorted(changeable))
+        raise UsageError(f"the table {'.'.join(table)!r} is not among those that a page may change: {listed}")
+
+
+def _in(tables: object, names: tuple[str, ...]) -> dict[str, object]:
+    """Return the table with these *names* in *tables*; empty if it is not there."""
+    for name in names:
+        tables = tables.get(name) if isinstance(tables, dict) else None
+    return tables if isinstance(tables, dict) else {}
 
 
 def _secret_files(request: ChangeSetupRequest, folder: Path) -> Mapping[str, tuple[Path, bytes]]:

@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import ConfigDict, Field
 
 from homebot.devices.value import ShortText
+from homebot.gateways.pairing import UnpairedDevice
 from homebot.messages.key_value import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
@@ -27,6 +28,17 @@ class UnusedDevices(Message):
     url: str = ""
 
 
+class UnpairedOfGateway(Message):
+    """A device that waits to be paired by the service ``pair`` of its gateway.
+
+    Attributes:
+        unpaired: It, as its gateway knows it.
+    """
+
+    gateway: str
+    unpaired: UnpairedDevice
+
+
 class FindUnusedRequest(Message):
     """Request for the devices that could be used."""
 
@@ -36,12 +48,14 @@ class FindUnusedResponse(Message):
 
     Attributes:
         file: The configuration that :data:`ChangeSetup` changes; empty if homebot runs without one.
+        unpaired: The devices that a gateway knows, and could pair.
         gateways: The names of the gateways that run.
         acting: Those of the configuration that say ``act = true``.
         can_restart: Whether homebot can begin again by itself.
     """
 
     unused: tuple[UnusedDevices, ...] = ()
+    unpaired: tuple[UnpairedOfGateway, ...] = ()
     file: str = ""
     gateways: tuple[str, ...] = ()
     acting: tuple[str, ...] = ()
@@ -53,7 +67,8 @@ class ChangeSetupRequest(Message):
 
     Attributes:
         table: The names of the table from the outermost, such as ``gateways`` and ``hue``; it is made if it is missing.
-        values: Keys with values as in TOML: ``true``, ``"a text"``, ``[1, 2]``.
+        values: Keys with values as in TOML: ``true``, ``"a text"``, ``[1, 2]``. An address as :data:`ReadTable` shows
+            it stands for that of the file.
         remove: Keys to take out.
         secrets: The ``password`` or ``token`` of a gateway, each for a file beside the configuration, which only its
             owner can read, and the key ``password_file`` or ``token_file`` that names it.
@@ -79,6 +94,51 @@ class ChangeSetupResponse(ServiceAnswer):
     """
 
     lines: tuple[str, ...] = ()
+
+
+class ReadTableRequest(Message):
+    """Request for a table of the configuration that :data:`ChangeSetup` changes, but for one of a gateway.
+
+    Attributes:
+        table: The names of the table from the outermost.
+    """
+
+    table: Annotated[tuple[ShortText, ...], Field(min_length=1, max_length=4)]
+
+
+class ReadTableResponse(ServiceAnswer):
+    """The table as it is in the file.
+
+    Attributes:
+        values: Its keys with values in JSON. Of addresses only the scheme and the end are shown, as they have secrets.
+    """
+
+    values: tuple[KeyValue, ...] = ()
+
+
+class BackupRequest(Message):
+    """Request for a backup, in parts.
+
+    Attributes:
+        offset: The first byte of the part; 0 makes a new backup, in place of the one before.
+    """
+
+    offset: Annotated[int, Field(ge=0)] = 0
+
+
+class BackupResponse(ServiceAnswer):
+    """A part of the backup, as ``homebot backup`` writes it, without secrets.
+
+    Attributes:
+        name: A name for the file.
+        size: That of all parts, in bytes. After the last one the backup is gone.
+        left_out: Files that it lacks because they have secrets.
+    """
+
+    name: str = ""
+    size: int = 0
+    data: bytes = b""
+    left_out: tuple[str, ...] = ()
 
 
 class MakeTokenRequest(Message):
@@ -107,5 +167,7 @@ class MakeTokenResponse(ServiceAnswer):
 
 
 FindUnused = ServiceType("homebot/srv/FindUnused", FindUnusedRequest, FindUnusedResponse)
+ReadTable = ServiceType("homebot/srv/ReadTable", ReadTableRequest, ReadTableResponse)
+GetBackup = ServiceType("homebot/srv/GetBackup", BackupRequest, BackupResponse)
 ChangeSetup = ServiceType("homebot/srv/ChangeSetup", ChangeSetupRequest, ChangeSetupResponse)
 MakeToken = ServiceType("homebot/srv/MakeToken", MakeTokenRequest, MakeTokenResponse)

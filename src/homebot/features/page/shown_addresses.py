@@ -1,0 +1,58 @@
+"""Addresses as the page shows them: by the scheme and the end, as they contain passwords. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from homebot.errors import UsageError
+
+_HIDDEN: Final = "…"
+_SHOWN: Final = 2
+"""Characters at the end by which two addresses of one kind differ."""
+
+
+def shown(value: object) -> object:
+    """Return *value* with its addresses as they are shown, no two alike."""
+    names = {own: name for name, own in _shown_names(value).items()}
+    return _each(value, names)
+
+
+def stated(value: object, kept: object) -> object:
+    """Return *value* with the addresses of *kept* in place of their shown forms.
+
+    Raises:
+        UsageError: An address is the shown form of none in *kept*.
+    """
+    names = _shown_names(kept)
+    for text in _texts(value):
+        if f"://{_HIDDEN}" in text and text not in names:
+            raise UsageError(f"the address {text[:100]!r} is not in the file any more; look at it again")
+    return _each(value, names)
+
+
+def _shown_names(value: object) -> dict[str, str]:
+    """Return the addresses in *value* by their shown forms."""
+    found: dict[str, str] = {}
+    for text in dict.fromkeys(_texts(value)):
+        scheme, colon, rest = text.partition("://")
+        if colon:
+            name = f"{scheme}://{_HIDDEN}{rest[-_SHOWN:] if len(rest) > 4 * _SHOWN else ''}"
+            same = sum(one.partition(" ")[0] == name for one in found)
+            found[f"{name} ({same + 1})" if same else name] = text
+    return found
+
+
+def _texts(value: object) -> Iterator[str]:
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        yield from _texts(inner)
+    if isinstance(value, str):
+        yield value
+
+
+def _each(value: object, names: dict[str, str]) -> object:
+    if isinstance(value, dict):
+        return {key: _each(inner, names) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_each(inner, names) for inner in value]
+    return names.get(value, value) if isinstance(value, str) else value
