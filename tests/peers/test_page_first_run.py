@@ -94,3 +94,34 @@ async def test_a_new_home_is_set_up_by_its_page_alone(browser: Any, tmp_path: Pa
 def walk(browser: Any, folder: Path, broker: str) -> None:
     with new_home(folder) as (port, code):
         set_up(Page(browser, cast("Any", SimpleNamespace(port=port))), code, broker)
+
+
+def test_system_adds_people_and_addresses_and_downloads_a_backup(browser: Any, tmp_path: Path) -> None:
+    (folder := tmp_path / "home").mkdir()
+    with new_home(folder) as (port, code):
+        page = Page(browser, cast("Any", SimpleNamespace(port=port)))
+        page.opened(f"#code={code}", "Deutsch")
+        page.opened("#/system", "Backup")
+        page.opened("#/setup/people", "Phone in the network")
+        page.filled("[name=name]", "Anna")
+        page.filled("[name=ping]", "192.168.1.23")
+        page.clicked("form .buttons button")
+        page.shown("[people.Anna]")
+        page.shown("start homebot again")
+        page.clicked("[role=status] button")
+        page.shown("undone")
+        page.hidden("192.168.1.23")
+        page.opened("#/setup/alerts", "send a test message")
+        page.filled("[name=url]", "json://127.0.0.1:9/my-secret")
+        page.clicked("form .buttons button")
+        page.shown("json://…et")
+        page.hidden("my-secret")
+        page.clicked("[name=test]")
+        page.shown("did not answer, or refused it")
+        page.clicked("main .box button")
+        page.clicked("main .box button.bad")
+        page.hidden("json://…et")
+        page.opened("#/setup/backup", "make a backup")
+        page.clicked("[name=backup]")
+        page.shown("was downloaded")
+    assert "notify" not in (folder / "homebot.toml").read_text()

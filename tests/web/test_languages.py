@@ -25,7 +25,7 @@ SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
 LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
 PYTHON = "\n".join(
     one.read_text()
-    for folder in ("bridges", "control", "devices", "gateways")
+    for folder in ("bridges", "control", "devices", "features", "gateways", "runtime")
     for one in (SOURCE.parents[1] / folder).rglob("*.py")
 )
 FIELD = re.compile(r"\{\w+\}")

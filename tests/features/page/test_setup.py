@@ -172,7 +172,8 @@ async def test_people_are_added_changed_and_taken_out(tmp_path: Path) -> None:
 async def test_an_address_is_shown_without_its_password_and_kept_by_what_is_shown(tmp_path: Path) -> None:
     urls = ["tgram://123456:secret/777", "json://10.0.0.1/x", "tgram://123456:other/777"]
     async with wizard(tmp_path) as page:
-        assert (await page.change("notify", values={"urls": json.dumps(urls)})).success
+        answer = await page.change("notify", values={"urls": json.dumps(urls)})
+        assert answer.lines == ("[notify]", 'urls = ["tgram://…77", "json://…/x", "tgram://…77 (2)"]')
         seen = (await page.read("notify"))["urls"]
         assert seen == ["tgram://…77", "json://…/x", "tgram://…77 (2)"]
         kept = json.dumps(["json://…/x", "tgram://…77 (2)", "ntfy://new"], ensure_ascii=False)

@@ -40,7 +40,7 @@ from homebot.features.page.setup_messages import (
     UnpairedOfGateway,
     UnusedDevices,
 )
-from homebot.features.page.shown_addresses import shown, stated
+from homebot.features.page.shown_addresses import hidden_in, shown, stated
 from homebot.gateways.pairing import ListUnpaired, UnpairedRequest
 from homebot.graph import EntityKind, Node
 from homebot.messages.key_value import KeyValue
@@ -48,6 +48,9 @@ from homebot.support.toml_edit import REMOVED, edit_toml
 
 _TABLES: Final = frozenset({"discovery", "gateways", "home", "notify", "places"})
 """The first names of tables of the core that may be changed: none that runs programs, or has rights and policies."""
+
+_WITH_SECRETS: Final = {("gateways",)}
+"""Tables with secrets that are no addresses, and with addresses without any."""
 
 _SECRETS: Final = frozenset({"password", "token"})
 _MAX_NAME: Final = 64
@@ -157,7 +160,7 @@ class Setup:
         return ReadTableResponse(success=True, message="", values=tuple(values))
 
     def _table(self, names: tuple[str, ...]) -> dict[str, object]:
-        if names[0] == "gateways":
+        if names[:1] in _WITH_SECRETS:
             raise UsageError("the table of a gateway has secrets, so a page does not read it")
         _check_table(names)
         found = shown(_in(tomllib.loads(self._path().read_text("utf-8")), names))
@@ -186,6 +189,8 @@ class Setup:
         self._last = step
         known = step.before.splitlines()
         lines = [line for line in step.after.splitlines() if line and line not in known]
+        if request.table[:1] not in _WITH_SECRETS:
+            lines = hidden_in(lines, _in(tomllib.loads(step.after), request.table))
         return ChangeSetupResponse(success=True, message=answer.message, lines=tuple(lines[:_MAX_SHOWN]))
 
     async def _reload(self, *, may_lose: bool) -> Any:
@@ -264,7 +269,7 @@ def _gateways_in(file: Path | None) -> Mapping[str, object]:
 def _edit(text: str, request: ChangeSetupRequest, folder: Path) -> tuple[str, dict[Path, bytes | None]]:
     """Return *text* after the change of a table, and the files in *folder* for its secrets with their content."""
     table = request.table
-    _check_table(table)
+    _check_table(table or request.remove[:1])
     given = _secret_files(request, folder)
     names = {f"{key}_file": file.name for key, (file, _) in given.items()}
     used = _in(tomllib.loads(text), table)

@@ -67,6 +67,7 @@ class ChangeSetupRequest(Message):
 
     Attributes:
         table: The names of the table from the outermost, such as ``gateways`` and ``hue``; it is made if it is missing.
+            Empty to take out the table that *remove* names.
         values: Keys with values as in TOML: ``true``, ``"a text"``, ``[1, 2]``. An address as :data:`ReadTable` shows
             it stands for that of the file.
         remove: Keys to take out.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from homebot.errors import UsageError
@@ -29,6 +29,15 @@ def stated(value: object, kept: object) -> object:
         if f"://{_HIDDEN}" in text and text not in names:
             raise UsageError(f"the address {text[:100]!r} is not in the file any more; look at it again")
     return _each(value, names)
+
+
+def hidden_in(lines: Sequence[str], value: object) -> list[str]:
+    """Return *lines* with the addresses of *value* as they are shown."""
+    text = "\n".join(lines)
+    names = _shown_names(value).items()
+    for name, own in sorted(names, key=lambda pair: -len(pair[1])):  # one may begin with another
+        text = text.replace(own, name)
+    return text.splitlines()
 
 
 def _shown_names(value: object) -> dict[str, str]:

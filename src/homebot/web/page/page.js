@@ -1,1 +1,1 @@
-import"./chunk-YZREWAEG.js";
+import"./chunk-5ZLUMIKP.js";

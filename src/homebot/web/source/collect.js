@@ -4,6 +4,7 @@
 import * as mdi from "@mdi/js";
 import { cpSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
+import { keyOf } from "./text_key.js";
 
 const folder = process.env.FEATURES;
 const features = readdirSync(folder).filter((name) => existsSync(`${folder}/${name}/page/page.js`)).sort();
@@ -13,9 +14,11 @@ const imports = features.map((name) => `import { page as ${name} } from "./featu
 writeFileSync("features.js", `${imports.join("")}\nexport const FEATURES = [${features.join(", ")}];\n`);
 
 const [texts, reasons] = ["languages.json", "reasons.json"].map((name) => JSON.parse(readFileSync(name, "utf8")));
+const rows = Object.entries({ ...texts, ...reasons });
+if (new Set(rows.map(([text]) => keyOf(text))).size < rows.length) throw new Error("two texts have one key: take another factor in text_key.js");
 mkdirSync("languages", { recursive: true });
 ["de", "fr", "es", "nl", "it"].forEach((language, column) => {
-  const own = Object.fromEntries(Object.entries({ ...texts, ...reasons }).map(([text, row]) => [text, row[column]]));
+  const own = Object.fromEntries(rows.map(([text, row]) => [keyOf(text), row[column]]));
   writeFileSync(`languages/${language}.js`, `export const texts = ${JSON.stringify(own)};\nexport const reasons = ${JSON.stringify(Object.keys(reasons))};\n`);
 });
 

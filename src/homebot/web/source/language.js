@@ -1,5 +1,6 @@
 // The language of the page: the browser's, or the one that was chosen here. A row of the table is an English text in the others.
 import { computed, effect, signal } from "@preact/signals";
+import { keyOf } from "./text_key.js";
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "Español", nl: "Nederlands", it: "Italiano" };
 
 /** Each language is loaded when it is chosen: its texts, and the forms of homebot's reasons in English. */
@@ -29,7 +30,7 @@ export async function choose(name) {
 
 /** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
 export function say(text, values = {}) {
-  const found = (language.value && table.texts[text]) ?? text.replace(/\|\w+$/, "");
+  const found = (language.value === "en" ? null : table.texts[keyOf(text)]) ?? text.replace(/\|\w+$/, "");
   return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
 }
 

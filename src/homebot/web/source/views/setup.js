@@ -1,14 +1,19 @@
-// The setup: each step writes the file of the configuration, shows its lines, and can be taken back.
-import { signal } from "@preact/signals";
+// The setup of a new home in steps, and what System leads to later.
 import { useEffect, useState } from "preact/hooks";
+import { Added } from "../added.js";
 import { ask, call, connection, makeToken, onOpen } from "../door.js";
 import { count, rooms, shown } from "../house.js";
 import { html } from "../html.js";
 import { LANGUAGES, choose, language, say } from "../language.js";
 import { Managing } from "../managing.js";
+import { Unpaired } from "../pairing.js";
+import { Restart, Told, change, textOf, told } from "../setting.js";
+import { Backup } from "./backup.js";
+import { People } from "./people.js";
 
 const STEPS = { language: "Language", home: "Name and place", devices: "Devices", rooms: "Rooms", screens: "Screens" };
-const WITHIN = 60; // seconds for a reload of homebot
+/** What a home has no need of on its first day. */
+const OTHERS = { people: "People", alerts: "Alerts", backup: "Backup" };
 const MOST_ROOMS = 60; // devices that are asked for at once
 
 /** By gateway: its name for people, and its keys with an example, whose values are texts; `password` and `token` are kept in files of their own. */
@@ -23,42 +28,19 @@ const LABELS = { url: "Address", user: "User", password: "Password", token: "Tok
 const SECRET = ["password", "token"];
 const WORDS = ["Kitchen", "Living room", "Bedroom", "Bathroom", "Hall", "Study", "Garden", "Garage", "Cellar", "Terrace"];
 
-/** What the last step did. */
-const told = signal(null);
-
-const textOf = (value) => JSON.stringify(value); // as TOML writes it too
 const named = (name) => NAMES[name] ?? name;
-const pairs = (values) => Object.entries(values).map(([key, value]) => ({ key, value }));
-
-async function change(table, values, secrets = {}) {
-  told.value = { message: say("writing …"), lines: [], success: true, isPending: true };
-  told.value = await ask("/setup/change", { table, values: pairs(values), secrets: pairs(secrets) }, WITHIN);
-  return told.value.success;
-}
-
-const undo = async () => (told.value = { ...(await ask("/setup/change", { undo: true }, WITHIN)), isUndone: true });
-
-function Told() {
-  const { message, lines = [], success, isPending, isUndone } = told.value ?? {};
-  return html`<div role="status" class=${told.value ? "box" : "hidden"}>
-    ${success && !isPending && html`<p>${say(isUndone ? "undone" : "This is in homebot.toml now:")}</p>`}
-    ${lines.length > 0 && html`<pre>${lines.join("\n")}</pre>`}
-    ${message && html`<p class=${success ? "quiet" : "bad"}>${message}</p>`}
-    ${success && !isPending && !isUndone && html`<p class="choices"><button type="button" onClick=${undo}>${say("undo|setup")}</button></p>`}
-  </div>`;
-}
 
 export function Setup({ id }) {
-  const step = id in STEPS ? id : "language";
+  const step = id in STEPS || id in OTHERS ? id : "language";
   const names = Object.keys(STEPS);
   const next = names[names.indexOf(step) + 1];
-  const Step = { language: Language, home: Place, devices: Devices, rooms: Rooms, screens: Screens }[step];
+  const Step = PARTS[step];
   useEffect(() => { told.value = null; }, [step]);
   return html`
-    <ol class="steps" aria-label=${say("Setup")}>${names.map((name, at) => html`<li key=${name}><a href=${`#/setup/${name}`} aria-current=${name === step ? "step" : undefined}><b>${at + 1}</b> <span>${say(STEPS[name])}</span></a></li>`)}</ol>
-    <section class="card fields"><h2>${say(STEPS[step])}</h2>
-      <${Managing}><${Step} /><${Told} /><//>
-      <p class="choices">${next ? html`<a class="chief" href=${`#/setup/${next}`}>${say("next step")}</a>` : html`<a class="chief" href="#/home">${say("to the house")}</a>`}</p>
+    ${step in STEPS && html`<ol class="steps" aria-label=${say("Setup")}>${names.map((name, at) => html`<li key=${name}><a href=${`#/setup/${name}`} aria-current=${name === step ? "step" : undefined}><b>${at + 1}</b> <span>${say(STEPS[name])}</span></a></li>`)}</ol>`}
+    <section class="card fields"><h2>${say(STEPS[step] ?? OTHERS[step])}</h2>
+      <${Managing}><${Step} /><${Told} canRestart=${step !== "devices"} /><//>
+      <p class="choices">${step in OTHERS ? html`<a href="#/system">${say("System")}</a>` : html`<a class="chief" href=${next ? `#/setup/${next}` : "#/home"}>${say(next ? "next step" : "to the house")}</a>`}</p>
     </section>`;
 }
 
@@ -100,10 +82,12 @@ function Devices() {
       <p>${one.names.join(", ") || say("A server on this computer")}</p>${one.next && html`<p class="quiet">${one.next}</p>`}
       ${added === one.gateway ? html`<${Gateway} name=${one.gateway} url=${one.url} onAdded=${onAdded} />` : html`<p class="choices"><button type="button" onClick=${() => setAdded(one.gateway)}>${say("use {name}", { name: named(one.gateway) })}</button></p>`}
     </section>`)}
+    ${found.unpaired.map((one) => html`<${Unpaired} key=${one.gateway + one.unpaired.device} ...${one} />`)}
     ${found.gateways.map((name) => html`<label key=${name} class="check"><input type="checkbox" name=${`act-${name}`} checked=${found.acting.includes(name)} onChange=${(event) => act(name, event.target.checked)} /> ${say("{name} may command devices", { name: named(name) })}</label>`)}
     <label><span>${say("Add")}</span> <select name="gateway" value=${added} onChange=${(event) => setAdded(event.target.value)}><option value="">…</option>${others.map((name) => html`<option key=${name} value=${name}>${named(name)}</option>`)}</select></label>
     ${added && !found.unused.some((one) => one.gateway === added) && html`<${Gateway} key=${added} name=${added} onAdded=${onAdded} />`}
-    <${Again} can=${found.can_restart} />`;
+    <p class="quiet">${say("New gateways begin with the next start of homebot.")}</p>
+    ${found.can_restart && html`<p class="choices"><${Restart} /></p>`}`;
 }
 
 /** The form of a gateway that is not used yet. */
@@ -115,20 +99,13 @@ function Gateway({ name, url = "", onAdded }) {
     const filled = keys.map(([key]) => [key, given.get(key).trim()]).filter(([, value]) => value);
     const values = filled.filter(([key]) => !SECRET.includes(key)).map(([key, value]) => [key, textOf(key === "url" && !value.includes("://") ? `${SCHEMES[name] ?? name}://${value}` : value)]);
     const secrets = filled.filter(([key]) => SECRET.includes(key));
-    if (await change(["gateways", name], { ...Object.fromEntries(values), act: String(given.get("act") === "on") }, Object.fromEntries(secrets))) onAdded();
+    if (await change(["gateways", name], { ...Object.fromEntries(values), act: String(given.get("act") === "on") }, { secrets: Object.fromEntries(secrets) })) onAdded();
   };
   return html`<form class="fields" aria-label=${name} onSubmit=${save}>
     ${keys.map(([key, example]) => html`<label key=${key}><span>${say(LABELS[key])}</span> <input name=${key} type=${SECRET.includes(key) ? "password" : "text"} autocomplete="off" placeholder=${example} defaultValue=${key === "url" ? url : ""} required=${key === "url"} /></label>`)}
     <label class="check"><input type="checkbox" name="act" /> ${say("{name} may command devices", { name: named(name) })}</label>
     <p class="buttons"><button>${say("use {name}", { name: named(name) })}</button></p>
   </form>`;
-}
-
-/** A change of gateways waits for a start. */
-function Again({ can }) {
-  const start = async () => (told.value = { ...(await ask("/setup/change", { restart: true })), lines: [], isUndone: false, isPending: true });
-  return html`<p class="quiet">${say("New gateways begin with the next start of homebot.")}</p>
-    ${can && html`<p class="choices"><button type="button" name="again" onClick=${start}>${say("start homebot again")}</button></p>`}`;
 }
 
 /** The room that the name of a device speaks of: one that is there, or a usual one. */
@@ -179,3 +156,15 @@ function Screens() {
     </form>
     ${made && html`<div class="box"><p>${say("Open this once on the screen; it is shown only now:")}</p><pre>${made}</pre></div>`}`;
 }
+
+/** What each step shows. */
+const PARTS = {
+  language: Language,
+  home: Place,
+  devices: Devices,
+  rooms: Rooms,
+  screens: Screens,
+  people: People,
+  alerts: () => html`<${Added} at="addresses" />`,
+  backup: Backup,
+};

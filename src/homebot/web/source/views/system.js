@@ -8,6 +8,8 @@ import { Managing } from "../managing.js";
 import { Screen } from "../screen.js";
 import { capital, label, seconds, spoken, timeIn, timeText } from "../words.js";
 
+/** What the owner changes, and two views more. */
+const SETUP = { "setup/home": "Name and place", "setup/devices": "Devices", "setup/rooms": "Rooms", "setup/people": "People", "setup/alerts": "Alerts", "setup/screens": "Screens", "setup/backup": "Backup", graph: "Graph", rates: "Rates" };
 const AGAIN = 5000; // ms
 const LINES = 50; // of the log
 const WARNING = 30;
@@ -34,7 +36,7 @@ export function System() {
   }, [isOpen, approved]);
   if (!found) return html`<p class="empty">${say("Asking homebot how it is …")}</p>`;
   return html`
-    <p class="choices"><a href="#/setup/devices">${say("Set up")}</a> <a href="#/graph">${say("Graph")}</a> <a href="#/rates">${say("Rates")}</a></p>
+    <nav class="choices" aria-label=${say("Set up")}>${Object.entries(SETUP).map(([name, text]) => html`<a key=${name} href=${`#/${name}`}>${say(text)}</a>`)}</nav>
     <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
       <h2>${say("Doctor")}</h2>
