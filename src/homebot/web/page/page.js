@@ -1,1 +1,1 @@
-import"./chunk-5ZLUMIKP.js";
+import"./chunk-ISDX2PJM.js";

@@ -40,13 +40,15 @@ export function Plan() {
   const unit = isNarrow.value ? box.width / 28 : Math.max(box.width, box.height) / 72; // the size of text
   const names = new Set(rooms.map((room) => room.name));
   const inside = new Map(devicesOf.value);
+  const idsIn = (room) => (inside.get(room.name) ?? []).filter((id) => !isHidden(id));
   return html`<section>
     ${floors.length > 1 && html`<p class="choices">${floors.map((one) => html`<button key=${one} type="button" aria-pressed=${one === shown} onClick=${() => setFloor(one)}>${one || say("Ground")}</button>`)}</p>`}
     <div class="scroll" role="region" tabindex="0" aria-label=${say("plan")}>
       <svg class="plan" viewBox=${`${box.left} ${-box.top} ${box.width} ${box.height}`} font-size=${unit} stroke-width=${unit / 9} role="group" aria-label=${say(rooms.length === 1 ? "plan with {count} room" : "plan with {count} rooms", { count: rooms.length })}>
-        <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} isTurned=${isTurned} />
-        ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${(inside.get(room.name) ?? []).filter((id) => !isHidden(id))} isTurned=${isTurned} />`)}
+        ${rooms.map((room) => html`<${Floor} key=${room.name} room=${room} ids=${idsIn(room)} />`)}
         ${doors.filter((door) => door.rooms.some((one) => names.has(one))).map((door) => html`<${Doorway} key=${door.name} door=${door} rooms=${rooms} unit=${unit} />`)}
+        <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} isTurned=${isTurned} />
+        ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${idsIn(room)} isTurned=${isTurned} />`)}
       </svg>
     </div>
     <p class="legend">${say("A full dot is on, open or occupied.")} <${Whereabouts} /></p>
@@ -67,7 +69,13 @@ function Robots({ unit, floor, isTurned }) {
 const Whereabouts = () =>
   [...robots.value.values()].map((pose) => `${pose.robot}: ${pose.counts ? pose.room || say("outside of all rooms") : say("not known now")}.`).join(" ");
 
-/** A room with its devices: at their positions, else in a list. */
+/** The ground and the walls of a room, below doors, robots and texts. */
+function Floor({ room, ids }) {
+  const isBright = ids.some((id) => isLit(deviceOf(id)?.value));
+  return html`<path class=${isBright ? "area lit" : "area"} fill-rule="evenodd" d=${room.areas.map(pathOf).join(" ")} />`;
+}
+
+/** The name of a room, and its devices: at their positions, else in a list. */
 function Room({ room, unit, ids, isTurned }) {
   const [first] = room.areas;
   const left = Math.min(...first.x);
@@ -85,7 +93,6 @@ function Room({ room, unit, ids, isTurned }) {
   const placeOf = (index) => [left + unit * 1.4 + (Math.floor(index / perColumn) * width) / columns, -top + unit * (begin + rowHeight * (index % perColumn))];
   const more = placeOf(shown.length);
   return html`<g>
-    <path class=${devices.some(isLit) ? "area lit" : "area"} fill-rule="evenodd" d=${room.areas.map(pathOf).join(" ")} />
     <a href=${`#/room/${encodeURIComponent(room.name)}`}><text class="name" font-size=${Math.min(unit, width / room.name.length)} x=${left + unit * 0.8} y=${-top + 1.6 * unit}>${titled(room.name)}</text></a>
     ${shown.map((device, index) => html`<${Dot} key=${device.id} device=${device} at=${placeOf(index)} unit=${unit} most=${isNamed ? width / columns / unit : 0} />`)}
     ${shown.length < listed.length && html`<text x=${more[0] - unit * 0.4} y=${more[1] + unit * 0.35}>+${listed.length - shown.length}</text>`}
@@ -94,7 +101,7 @@ function Room({ room, unit, ids, isTurned }) {
 }
 
 const isLit = (device) =>
-  device.type.includes("light") && [...device.states.values()].some((one) => one.capability === "on_off" && one.value === true);
+  device?.type.includes("light") && [...device.states.values()].some((one) => one.capability === "on_off" && one.value === true);
 
 /** A gap in the wall that it is in. */
 function Doorway({ door, rooms, unit }) {
