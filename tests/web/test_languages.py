@@ -85,5 +85,5 @@ def test_the_policies_are_translated() -> None:
 @pytest.mark.parametrize("reason", REASONS)
 def test_a_reason_that_is_translated_is_one_that_homebot_gives(reason: str) -> None:
     """Its words are in the source, between the fields."""
-    words = [one.strip(" ,") for one in re.split(r"\{\w+\}|:| at ", reason)]
+    words = [one.strip(" ,") for one in re.split(r"\{\w+\}|:| at |, and ", reason)]
     assert [one for one in words if one not in PYTHON] == []

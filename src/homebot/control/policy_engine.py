@@ -156,9 +156,8 @@ class PolicyEngine(HouseWatcher):
             return ()
         if not waiting:
             return ()
-        count = "1 device waits" if len(waiting) == 1 else f"{len(waiting)} devices wait"
-        advice = "and nothing is sent before (`homebot approve DEVICE`)"
-        return (f"{count} for approval, {advice}: {_first_of(waiting)}",)
+        count = "1 device waits for approval" if len(waiting) == 1 else f"{len(waiting)} devices wait for approval"
+        return (f"{count}, and nothing is sent before (`homebot approve DEVICE`): {_first_of(waiting)}",)
 
     def notes(self) -> tuple[str, ...]:
         """Return a note on the motion sensors that the presence guard does not trust yet."""

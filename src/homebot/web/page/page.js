@@ -1,1 +1,1 @@
-import"./chunk-ISDX2PJM.js";
+import"./chunk-ESZDG5QI.js";

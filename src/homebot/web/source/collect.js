@@ -14,17 +14,33 @@ const imports = features.map((name) => `import { page as ${name} } from "./featu
 writeFileSync("features.js", `${imports.join("")}\nexport const FEATURES = [${features.join(", ")}];\n`);
 
 const [texts, reasons] = ["languages.json", "reasons.json"].map((name) => JSON.parse(readFileSync(name, "utf8")));
-const rows = Object.entries({ ...texts, ...reasons });
-if (new Set(rows.map(([text]) => keyOf(text))).size < rows.length) throw new Error("two texts have one key: take another factor in text_key.js");
-mkdirSync("languages", { recursive: true });
-["de", "fr", "es", "nl", "it"].forEach((language, column) => {
-  const own = Object.fromEntries(rows.map(([text, row]) => [keyOf(text), row[column]]));
-  writeFileSync(`languages/${language}.js`, `export const texts = ${JSON.stringify(own)};\nexport const reasons = ${JSON.stringify(Object.keys(reasons))};\n`);
-});
-
 const sources = readdirSync(".", { recursive: true }).filter((name) => name.endsWith(".js") && !/node_modules|^languages|^collect/.test(name) && statSync(name).isFile());
 const textOf = (name) => readFileSync(name, "utf8");
 const later = new Set(sources.flatMap((name) => [...textOf(name).matchAll(/\bimport\("(.+?)"\)/g)].map(([, path]) => join(dirname(name), path))));
+
+// Texts of which only later views speak, and reasons, are in a file of their own; what no source says, homebot does.
+const first = new Set();
+const reach = (name) => {
+  if (first.has(name) || !existsSync(name)) return;
+  first.add(name);
+  for (const [, path] of textOf(name).matchAll(/(?:from|import) "(\..+?)"/g)) reach(join(dirname(name), path));
+};
+reach("page.js");
+const saidIn = (names) => names.map(textOf).join("\n");
+const [early, lately] = [saidIn([...first]), saidIn(sources.filter((name) => !first.has(name)))];
+const isLate = (text) => text in reasons || (!early.includes(JSON.stringify(text)) && lately.includes(JSON.stringify(text)));
+
+const rows = Object.entries({ ...texts, ...reasons });
+let factor = 33;
+while (new Set(rows.map(([text]) => keyOf(text, factor))).size < rows.length) factor += 2;
+writeFileSync("text_key.js", readFileSync("text_key.js", "utf8").replace("FACTOR = 0", `FACTOR = ${factor}`));
+mkdirSync("languages", { recursive: true });
+["de", "fr", "es", "nl", "it"].forEach((language, column) => {
+  const [own, late] = [false, true].map((isLater) => Object.fromEntries(rows.filter(([text]) => isLate(text) === isLater).map(([text, row]) => [keyOf(text, factor), row[column]])));
+  writeFileSync(`languages/${language}.js`, `export const texts = ${JSON.stringify(own)};\n`);
+  writeFileSync(`languages/${language}_late.js`, `export const texts = ${JSON.stringify(late)};\nexport const reasons = ${JSON.stringify(Object.keys(reasons))};\n`);
+});
+
 for (const name of sources) {
   const signs = [...new Set([...textOf(name).matchAll(/\bmdi\.(\w+)/g)].map(([, sign]) => sign))];
   const own = textOf(name).replace('import * as mdi from "@mdi/js";', signs.map((sign) => `const ${sign} = "${mdi[sign]}";`).join("\n")).replaceAll("mdi.mdi", "mdi");

@@ -3,16 +3,30 @@ import { computed, effect, signal } from "@preact/signals";
 import { keyOf } from "./text_key.js";
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "Español", nl: "Nederlands", it: "Italiano" };
 
-/** Each language is loaded when it is chosen: its texts, and the forms of homebot's reasons in English. */
+/** Each language is loaded when it is chosen: what the first views say. */
 const LOADERS = { de: () => import("./languages/de.js"), es: () => import("./languages/es.js"), fr: () => import("./languages/fr.js"), it: () => import("./languages/it.js"), nl: () => import("./languages/nl.js") };
-const ENGLISH = { texts: {}, reasons: [] };
+const LATE = { de: () => import("./languages/de_late.js"), es: () => import("./languages/es_late.js"), fr: () => import("./languages/fr_late.js"), it: () => import("./languages/it_late.js"), nl: () => import("./languages/nl_late.js") };
+const ENGLISH = { texts: {} };
+const SOON = 2000; // ms after which the rest is loaded in any case
 const CHOICE = "homebot.language";
 
 const first = [localStorage.getItem(CHOICE), ...navigator.languages].map((one) => one?.slice(0, 2)).find((one) => one in LANGUAGES) ?? "en";
 const tableOf = async (name) => (await LOADERS[name]?.().catch(() => {})) ?? ENGLISH; // English, where homebot is away
 
-let table = await tableOf(first);
-let patterns = patternsOf(table);
+const table = signal((await tableOf(first)).texts);
+let patterns = [];
+let rest = null;
+
+/** Load the rest of the language: the texts of later views, and the forms of reasons. */
+export const loadRest = () => (rest ??= addRest(language.value).catch(() => (rest = null)));
+
+async function addRest(name) {
+  const { texts, reasons } = (await LATE[name]?.()) ?? { texts: {}, reasons: [] };
+  if (name !== language.value) return;
+  patterns = patternsOf(reasons);
+  table.value = { ...table.value, ...texts };
+}
+setTimeout(loadRest, SOON);
 
 export const language = signal(first);
 
@@ -23,19 +37,20 @@ effect(() => (document.documentElement.lang = language.value));
 
 export async function choose(name) {
   localStorage.setItem(CHOICE, name);
-  table = await tableOf(name);
-  patterns = patternsOf(table);
+  table.value = (await tableOf(name)).texts;
+  [patterns, rest] = [[], null];
   language.value = name;
+  await loadRest();
 }
 
 /** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
 export function say(text, values = {}) {
-  const found = (language.value === "en" ? null : table.texts[keyOf(text)]) ?? text.replace(/\|\w+$/, "");
+  const found = (language.value === "en" ? null : table.value[keyOf(text)]) ?? text.replace(/\|\w+$/, "");
   return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
 }
 
-function patternsOf({ reasons }) {
-  return reasons.map((text) => [text, new RegExp(`^${text.replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
+function patternsOf(reasons) {
+  return reasons.map((text) => [text, new RegExp(`^${text.replace(/[().?]/g, "\\$&").replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
 }
 
 /** A reason that homebot gives in English, in the language of the page if it has one of the forms of the table. */

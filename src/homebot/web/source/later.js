@@ -3,6 +3,7 @@ import { effect, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { connection } from "./door.js";
 import { html } from "./html.js";
+import { loadRest } from "./language.js";
 
 /** Whether a view could not be loaded: homebot is away, or was updated, so that its files have other names. */
 const isOutdated = signal(false);
@@ -18,7 +19,7 @@ export function later(load) {
   return function Later(props) {
     const [, setLoaded] = useState(View !== null);
     useEffect(() => {
-      if (!View) load().then((loaded) => setLoaded((View = loaded) !== null), () => (isOutdated.value = true));
+      if (!View) Promise.all([load(), loadRest()]).then(([loaded]) => setLoaded((View = loaded) !== null), () => (isOutdated.value = true));
     }, []);
     return View && html`<${View} ...${props} />`;
   };

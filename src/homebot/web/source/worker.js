@@ -2,7 +2,7 @@
 // FILES before this text. A newer one waits until the page says that it is its time.
 const LANGUAGE = location.search.slice(1);
 const NAME = `homebot-${BUILD}-${LANGUAGE}`;
-const OTHERS = new RegExp(`^(?!${LANGUAGE}-)[a-z]{2}-\\w+\\.js$|^licences\\.txt$`);
+const OTHERS = new RegExp(`^(?!${LANGUAGE}(_late)?-)[a-z]{2}(_late)?-\\w+\\.js$|^licences\\.txt$`);
 const SHELL = FILES.filter((file) => !OTHERS.test(file)).map((file) => (file === "index.html" ? "./" : file));
 const PATIENCE = 2000; // ms after which a navigation does not wait for the cache
 const PATHS = new Set(SHELL.map((file) => new URL(file, registration.scope).pathname));

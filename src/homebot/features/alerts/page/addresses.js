@@ -32,7 +32,7 @@ export function Addresses() {
     ${Object.entries(by).map(([kind, own]) => html`<p key=${kind}>${label(kind)}: <code>${own.join(", ")}</code></p>`)}
     <form key=${added} class="fields" aria-label=${say("Address")} onSubmit=${add}>
       <label><span>${say("Address")}</span> <input name="url" autocomplete="off" spellcheck="false" required maxlength="1000" pattern=".+://.+" placeholder=${EXAMPLE} /></label>
-      <p class="quiet">${say("As ntfy://TOPIC, tgram://TOKEN/CHAT or mailto://USER:PASSWORD@HOST; appriseit.com lists more than a hundred services.")}</p>
+      <p class="quiet">${say("As ntfy://TOPIC or mailto://USER:PASSWORD@HOST; appriseit.com lists all.")}</p>
       <p class="buttons"><button>${say("add")}</button> <button type="button" name="test" disabled=${!urls.length && !topic && !Object.keys(by).length} onClick=${test}>${say("send a test message")}</button></p>
     </form>`;
 }

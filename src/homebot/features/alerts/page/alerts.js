@@ -5,7 +5,7 @@ import { ask, connection, may, subscribe } from "../../door.js";
 import { deviceOf, nameOf } from "../../house.js";
 import { html } from "../../html.js";
 import { SIGNS, Sign } from "../../icons.js";
-import { language, say } from "../../language.js";
+import { say, sayReason } from "../../language.js";
 import { openSheet } from "../../tile.js";
 
 const findings = signal([]);
@@ -34,7 +34,7 @@ export function Alerts() {
       (one, at) => html`<section key=${one.code} class="banner alarm" role="alert"><${Sign} path=${SIGNS.alert} size=${48} />
         <div>
           <h2>${say(one.title || "problem")}</h2>
-          ${one.rows.map((row) => html`<p key=${row.what + row.why}>${deviceOf(row.what) && html`<button type="button" class="link" onClick=${() => openSheet(row.what)}>${nameOf(row.what)}</button>`} ${(language.value === "en" || !row.what) && row.why}</p>`)}
+          ${one.rows.map((row) => html`<p key=${row.what + row.why}>${deviceOf(row.what) && html`<button type="button" class="link" onClick=${() => openSheet(row.what)}>${nameOf(row.what)}</button>`} ${sayReason(row.why)}</p>`)}
           ${one.next && html`<p><strong>${say(one.next)}</strong></p>`}
         </div>
         ${at === found.length - 1 && repeats.value && may("act") && html`<button type="button" class="seen" onClick=${see}><${Sign} path=${SIGNS.check} /> ${say("I have seen it")}</button>`}

@@ -4,7 +4,7 @@ import { agree, tell } from "../../acts.js";
 import { Added } from "../../added.js";
 import { ask, call, connection, may } from "../../door.js";
 import { html } from "../../html.js";
-import { say } from "../../language.js";
+import { say, sayReason } from "../../language.js";
 import { later } from "../../later.js";
 import { Managing, Remove } from "../../managing.js";
 import { seconds, spoken, timeIn, timeText } from "../../words.js";
@@ -56,11 +56,11 @@ function Routine({ routine, zone, change, onEdit }) {
       ${by && html`<span class="mark">${say("proposed by {name}", { name: by })}</span>`}
       <button type="button" class="switch" role="switch" aria-checked=${String(routine.enabled && !routine.problem)} aria-label=${name} disabled=${!may("manage")} onClick=${() => change(routine, routine.enabled ? "disable" : "enable")}></button>
     </div>
-    ${[routine.problem, ...routine.hints].filter(Boolean).map((text) => html`<p key=${text} class="bad">${text}</p>`)}
+    ${[routine.problem, ...routine.hints].filter(Boolean).map((text) => html`<p key=${text} class="bad">${sayReason(text)}</p>`)}
     ${may("manage") && isKept && routine.lacks.length > 0 && html`<p class="choices"><button type="button" onClick=${() => change(routine, "edit", { act: routine.lacks })}>${say("give it the right")}</button></p>`}
     <${Parts} of=${routine}>${routine.act.length > 0 && html`<div><dt>${say("may command")}</dt><dd>${routine.act.join(", ")}</dd></div>`}${seconds(routine.next) > 0 && html`<div><dt>${say("next")}</dt><dd>${timeIn(zone, routine.next)}</dd></div>`}<//>
-    ${notes.length > 0 && html`<details><summary>${say("last runs")}: ${timeText(notes.at(-1).at)} ${notes.at(-1).text}</summary>
-      <ol class="log">${[...notes].reverse().map((one, index) => html`<li class="own" key=${index}><time>${timeText(one.at)}</time><span>${one.text}</span></li>`)}</ol>
+    ${notes.length > 0 && html`<details><summary>${say("last runs")}: ${timeText(notes.at(-1).at)} ${sayReason(notes.at(-1).text)}</summary>
+      <ol class="log">${[...notes].reverse().map((one, index) => html`<li class="own" key=${index}><time>${timeText(one.at)}</time><span>${sayReason(one.text)}</span></li>`)}</ol>
     </details>`}
     ${may("manage") && html`<p class="choices">
       <button type="button" onClick=${() => change(routine, "run")}>${say("run now")}</button>

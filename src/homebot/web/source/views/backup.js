@@ -35,7 +35,7 @@ export function Backup() {
     }
   };
   const { part, name, size, leftOut = [], problem } = state;
-  return html`<p>${say("It has the devices, the journal, the history and the configuration, and none of the passwords.")}</p>
+  return html`<p>${say("It has all that homebot keeps, but no passwords.")}</p>
     <p class="buttons"><button type="button" class="chief" name="backup" disabled=${part !== undefined} onClick=${make}>${say("make a backup")}</button></p>
     <div role="status" class=${part === undefined && !name && !problem ? "hidden" : "box"}>
       ${part !== undefined && html`<p>${say("It is being made …")} ${part > 0 && `${Math.round(100 * part)} %`}</p>`}

@@ -93,7 +93,7 @@ function Finding({ finding }) {
   const nameIn = (row) => (deviceOf(row.what) ? html`<a href=${`#/device/${encodeURIComponent(row.what)}`}>${nameOf(row.what)}</a>` : row.what);
   return html`<li>
     <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${sayReason(finding.title)}:`}</span>
-    ${finding.rows.map((row, index) => html` ${(row.what || index > 0) && html`<br />`}${nameIn(row)} ${row.why !== nameOf(row.what) && row.why}`)}
+    ${finding.rows.map((row, index) => html` ${(row.what || index > 0) && html`<br />`}${nameIn(row)} ${row.why !== nameOf(row.what) && sayReason(row.why)}`)}
     ${more > 0 && html`<br />${say("… and {count} more", { count: more })}${finding.hint}`}
     ${finding.next && html`<br /><small>→ ${say(finding.next)}</small>`}
   </li>`;
