@@ -256,6 +256,7 @@ async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
     facts = {"needs_gateway": "hue", "next_step": "press its button"}
     async with directory() as house, Node(house.asker.graph, "page") as page:
         PairingServices(Bulbs(), Node(house.asker.graph, "bulbs", namespace="/gateway"))
+        Node(house.asker.graph, "people", namespace="/gateway")
 
         async def listens(port: int) -> bool:
             return port == 8123
@@ -272,4 +273,5 @@ async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
         ]
         waiting = [(one.gateway, one.unpaired.name) for one in answer.unpaired]
         assert waiting == [("bulbs", "Bulb one"), ("bulbs", "Bulb two")]
+        assert "people" not in answer.gateways
         assert (answer.file, answer.can_restart) == ("", False)

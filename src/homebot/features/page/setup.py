@@ -126,7 +126,7 @@ class Setup:
         )
         file = await to_thread.run_sync(self._file)
         tables = await to_thread.run_sync(_gateways_in, file)
-        gateways = {*filter(None, map(gateway_of, self._node.graph.get_node_names()))}
+        gateways = {*filter(None, map(gateway_of, self._node.graph.get_node_names()))} - feature_tables().keys()
         servers = {"mqtt": _BROKER} | {one.gateway: one.server for one in ecosystems() if one.server is not None}
         for gateway, (scheme, port) in servers.items():
             if gateway not in gateways | tables.keys() and await self._listens(port):

@@ -49,7 +49,7 @@ class FindUnusedResponse(Message):
     Attributes:
         file: The configuration that :data:`ChangeSetup` changes; empty if homebot runs without one.
         unpaired: The devices that a gateway knows, and could pair.
-        gateways: The names of the gateways that run.
+        gateways: The names of the gateways that run, but for those of tables of their own, such as ``people``.
         acting: Those of the configuration that say ``act = true``.
         can_restart: Whether homebot can begin again by itself.
     """
