@@ -87,6 +87,9 @@ VIEWS = {
     "#/graph": "/discovery/states",
     "#/rates": "Busiest topics",
     "#/setup": "Language",
+    "#/setup/people": "Phone in the network",
+    "#/setup/alerts": "send a test message",
+    "#/setup/backup": "make a backup",
 }
 WIDTHS = (320, 390, 768, 1280, 1920)
 LANGUAGES = ("de", "fr", "es", "nl", "it")
