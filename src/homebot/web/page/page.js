@@ -1,1 +1,1 @@
-import"./chunk-ESZDG5QI.js";
+import"./chunk-YCDYLEI5.js";

@@ -79,7 +79,8 @@ function momentsOf(from, span, most) {
   const ahead = aheadOf(from);
   const found = [];
   for (let at = Math.ceil((from + ahead) / step) * step - ahead; at < from + span; at += step) found.push(at - (step < DAY ? 0 : aheadOf(at) - ahead)); // a day may have 25 hours
-  return found.filter((at) => at > from + span * 0.05 && at < from + span * 0.95);
+  const edge = span * (most < MOMENTS ? 0.2 : 0.05);
+  return found.filter((at) => at > from + edge && at < from + span - edge);
 }
 
 /** By how many seconds the house's clock is ahead of UTC. */
