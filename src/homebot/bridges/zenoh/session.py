@@ -6,6 +6,7 @@ Zenoh calls back on threads of its own: all that comes from there waits for the 
 from __future__ import annotations
 
 import asyncio
+import atexit
 import json
 import ssl
 import threading
@@ -44,7 +45,7 @@ _LONG = 65_536  # bytes
 _MAX_TOKENS_WAITING = 20_000
 """The same for tokens, of which all of a large robot come at once."""
 
-_CLOSING, _HEARTBEAT = 0.8, 0.5  # seconds; rmw_zenoh has the same heartbeat
+_CLOSING, _CLOSING_AT_EXIT, _HEARTBEAT = 0.8, 2.0, 0.5  # seconds; rmw_zenoh has the same heartbeat
 _RETRY = {"period_init_ms": 500, "period_max_ms": 1000}  # up to 4 s of Zenoh are most of the five that are allowed
 _ENCODING = "application/cdr"
 _TIMEOUT = b"Timeout"
@@ -328,9 +329,12 @@ async def open_session(settings: RosSettings, rights: WireRights) -> AsyncIterat
         # A thread of its own, that ends with the program: anyio's would be waited for.
         closing = asyncio.Event()
         loop = asyncio.get_running_loop()
-        threading.Thread(target=_close, args=(session, loop, closing), daemon=True).start()
-        with anyio.move_on_after(_CLOSING, shield=True):
+        thread = threading.Thread(target=_close, args=(session, loop, closing), daemon=True)
+        thread.start()
+        with anyio.move_on_after(_CLOSING, shield=True) as limit:
             await closing.wait()
+        if limit.cancelled_caught:  # a thread that comes back from Zenoh while Python ends is killed, and all with it
+            atexit.register(thread.join, _CLOSING_AT_EXIT)
 
 
 def _close(session: Any, loop: asyncio.AbstractEventLoop, closed: asyncio.Event) -> None:
