@@ -279,16 +279,16 @@ def _of_run(text: str) -> Condition | None:
     return None if compared is None else replace(compared, is_denied=is_denied)
 
 
-def _of_time(text: str) -> Condition | None:
-    text = text.casefold()
+def _of_time(written: str) -> Condition | None:
+    text = written.casefold()
     if text.startswith("not "):
-        found = _of_time(text[len("not ") :])
+        found = _of_time(written[len("not ") :])
         return None if found is None else _denied(found)
     if (is_up := SUN.get(text)) is not None:
         return SunIs(is_up)
     if (days := read_days_after_word(text)) is not None:
         return OnDays(days)
-    if (elevation := SunAngle.read(text, ELEVATION)) is not None:
+    if (elevation := SunAngle.read(written, ELEVATION)) is not None:
         return elevation
     if (run := LAST_RUN.match(text)) is not None:
         return LastRun(read_duration(run["length"], text), run["sign"] in {"over", "above", "before", "more"})

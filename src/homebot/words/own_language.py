@@ -2,25 +2,37 @@
 
 A language is a table ``languages/CODE.json``. Its forms stand by the English form, the one that is shown first. Slots
 are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or another name, ``t`` a length of time,
-``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``n`` a number with its unit, ``v`` a measured
-value, ``w`` a type after "no", ``s`` a state, and ``m`` a message. Names stay as they are. A text tells its language
-itself, so that it means the same in a house, its export, a trial and on another machine.
+``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``e`` and ``f`` days of the year or months, ``n`` a
+number with its unit, ``v`` a measured value, ``w`` a type after "no", ``s`` a state, ``g`` triggers, ``m`` a message,
+and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second value and device.
+A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import chain
 from pathlib import Path
 from typing import Final, Literal, TypeAlias, TypeVar, final
 
 from homebot.errors import UsageError
+from homebot.words.message_values import with_values
 from homebot.words.tokens import Phrase, split_at
 
 TextKind: TypeAlias = Literal["trigger", "condition", "step"]
+BlockKind: TypeAlias = Literal["if", "if else", "times", "while", "until", "for each"]
 OWN_LANGUAGES: Final = ("de", "fr", "it", "es", "nl")
 
+_ENGLISH_BLOCKS: Final[Mapping[str, str]] = {
+    "if": "if {if}: {do}",
+    "if else": "if {if}: {do}, else: {else}",
+    "times": "{n} times: {do}",
+    "while": "repeat while {if}: {do}",
+    "until": "repeat until {if}: {do}",
+    "for each": "for each {x}: {do}",
+    "and": " and ",
+}
 _MAX_CHARACTERS: Final = 300
 """Characters of a text in another language; as those of any text of a routine."""
 
@@ -89,6 +101,31 @@ def in_language(text: str, kind: TextKind, language: str) -> str:
     return table.shown(to_english(text, kind) or text, kind) or text
 
 
+def block_in_language(
+    kind: BlockKind,
+    language: str,
+    do: Sequence[str],
+    *,
+    conditions: Sequence[str] = (),
+    otherwise: Sequence[str] = (),
+    times: int = 0,
+    devices: str = "",
+) -> str:
+    """Return the sentence of a choice or loop as *language* says it, with texts that are in it already."""
+    texts = _table(language).blocks if language in OWN_LANGUAGES else _ENGLISH_BLOCKS
+    if language in OWN_LANGUAGES and devices:
+        devices = _table(language).devices_out(devices)
+    values = {"if": texts["and"].join(conditions), "do": "; ".join(do), "else": "; ".join(otherwise)}
+    return texts[kind].format(**values, n=times, x=devices)
+
+
+def devices_to_english(text: str) -> str:
+    """Return the query *text* with the words for types in English, such as ``lights in Flur``."""
+    words = _words(text)
+    tables = (_table(code) for code in OWN_LANGUAGES)
+    return next((table.devices_in(text) for table in tables if not words.isdisjoint(table.sure_marks)), text)
+
+
 def _hint(text: str, kind: TextKind) -> str:
     """Return how *text* could be written, in its language; empty if that is not known."""
     if len(text) > _MAX_CHARACTERS:
@@ -100,7 +137,8 @@ def _hint(text: str, kind: TextKind) -> str:
 
 @cache
 def _table(code: str) -> "_Table":
-    return _Table(json.loads((Path(__file__).parent / "languages" / f"{code}.json").read_text(encoding="utf-8")))
+    table = json.loads((Path(__file__).parent / "languages" / f"{code}.json").read_text(encoding="utf-8"))
+    return _Table(table, table["date"])
 
 
 def _words(text: str) -> frozenset[str]:
@@ -114,15 +152,18 @@ class _Table:
     Attributes:
         marks: Its words; a text without one of them is in another language.
         sure_marks: Those that are no English words.
+        blocks: The sentences of choices and loops.
     """
 
-    def __init__(self, table: Mapping[str, Mapping[str, str]]) -> None:
+    def __init__(self, table: Mapping[str, Mapping[str, str]], date: str) -> None:
         self._forms = {kind: _rows(table[kind]) for kind in _SECTIONS}
         self._lists = {kind: _rows(table[kind]) for kind in _LISTS}
         self._meanings = {
             kind: {word.casefold(): key for key, words in rows.items() for word in words}
             for kind, rows in self._lists.items()
         }
+        self.blocks = table["block"]
+        self._date = date
         self._awaited = table["awaited"]
         self._hints = table["hints"]
         rows = chain.from_iterable(one.values() for one in (*self._forms.values(), *self._lists.values()))
@@ -137,7 +178,7 @@ class _Table:
 
     def read(self, text: str, kind: str) -> str | None:
         """Return the English for *text*; None if it has none of the forms."""
-        parts = [text] if kind == "step" else split_at(text, *self._lists["words"]["or"])
+        parts = [text] if kind in {"step", "value"} else split_at(text, *self._lists["words"]["or"])
         read = [self._read(part, kind) for part in parts]
         return self._read(text, kind) if None in read else " or ".join(filter(None, read))
 
@@ -152,11 +193,19 @@ class _Table:
         """Return the text for an *english* one; None if there is no form for it."""
         return self._first(self._english, english, kind, self._out)
 
+    def devices_in(self, text: str) -> str:
+        """Return the query *text* in English."""
+        return self._device_in(text, "all", "some")
+
+    def devices_out(self, text: str) -> str:
+        """Return the English query *text* in this language."""
+        return self._device_out(text, "all", "some")
+
     def hint(self, text: str, kind: TextKind) -> str:
         """Return how *text* could be written, in this language."""
         from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
 
-        long = sorted(mark for mark in self.marks if len(mark) > 4)
+        long = sorted(mark for mark in self.marks - self._meanings["months"].keys() if len(mark) > 4)
         for word in sorted(_words(text) - self.marks):
             if close := get_close_matches(word, long, 1, _ALIKE):
                 return self._hints["meant"].format(text=text, word=word, close=close[0])
@@ -198,14 +247,18 @@ class _Table:
 
     def _in(self, slot: str, text: str) -> str | None:
         match slot:
-            case "x":
+            case "x" | "y":
                 return self._device_in(text, "all", "some")
             case "c":
                 return self._device_in(text, "all")
             case "r":
                 return self._plain(text)
-            case "p":
+            case "p" | "o" | "b":
                 return text
+            case "g":
+                return self.read(text, "trigger") or text
+            case "e" | "f":
+                return self._date_in(text)
             case "t":
                 return self._length(text, lambda unit: self._meanings["units"].get(unit) or _ENGLISH_UNITS.get(unit))
             case "h" | "k":
@@ -217,22 +270,27 @@ class _Table:
                 return self._days_in(text)
             case "n":
                 return self._amount(text, ".", self._meanings["amounts"])
-            case "v":
+            case "v" | "q":
                 return self._meanings["values"].get(self._plain(text).casefold())
             case "w":
                 return self._meanings["none"].get(text.casefold())
             case "s":
                 return self.read(text, "state")
-        return _unquoted(text)
+        return with_values(_unquoted(text), lambda value: self.read(value, "value") or value)
 
     def _out(self, slot: str, text: str) -> str | None:
         match slot:
-            case "x":
+            case "x" | "y":
                 return self._device_out(text, "all", "some")
             case "c":
                 return self._device_out(text, "all")
-            case "r" | "p":
+            case "r" | "p" | "o" | "b":
                 return text
+            case "g":
+                parts = [self.shown(part, "trigger") or part for part in split_at(text, "or")]
+                return f" {self._lists['words']['or'][0]} ".join(parts)
+            case "e" | "f":
+                return self._date_out(text)
             case "t":
                 return self._length(text, _ENGLISH_UNITS.get, self._lists["units"])
             case "h" | "k" | "u":
@@ -242,14 +300,14 @@ class _Table:
                 return self._days_out(text)
             case "n":
                 return self._amount(text, ",", {})
-            case "v":
+            case "v" | "q":
                 return next(iter(self._lists["values"].get(text.casefold(), ())), None)
             case "w":
                 return next(iter(self._lists["none"].get(text.casefold(), ())), None)
             case "s":
                 shown = self.shown(text, "state") or ""
                 return " ".join(self._awaited.get(word, word) for word in shown.split(" "))
-        return f'"{_unquoted(text)}"'
+        return f'"{with_values(_unquoted(text), lambda value: self.shown(value, "value") or value)}"'
 
     def _plain(self, text: str) -> str:
         """Return *text* without the articles before it."""
@@ -262,6 +320,8 @@ class _Table:
         """Return *text* without its article; types are translated only after words such as "all", since names stay."""
         if text[:1] in _QUOTES:
             return text
+        if (pronoun := self._meanings["it"].get(text.casefold())) is not None:
+            return pronoun
         for own, english in (row for kind in kinds for row in self._meanings[kind].items()):
             if f"{text.casefold()} ".startswith(f"{own} "):
                 return f"{english}{self._with_place(text[len(own) :])}"
@@ -279,6 +339,8 @@ class _Table:
         return " ".join(kept)
 
     def _device_out(self, text: str, *kinds: str) -> str:
+        if text in self._lists["it"]:
+            return self._lists["it"][text][0]
         first, *rest = text.removeprefix("the ").split(" ")
         own = next((self._lists[kind][first][0] for kind in kinds if first in self._lists[kind]), first)
         is_type = not rest or rest[0] == "in"
@@ -306,6 +368,23 @@ class _Table:
         whole, _, fraction, unit = found.groups()
         number = f"{whole}{point}{fraction}" if fraction else whole
         return f"{number} {units.get(unit.casefold(), unit)}".strip()
+
+    def _date_in(self, text: str) -> str | None:
+        """Return ``24 december`` for a day of the year, ``december`` for a month; None for none."""
+        *words, month = self._plain(text).casefold().replace(".", " ").split()
+        english = self._meanings["months"].get(month)
+        numbers = [word.rstrip("erº") for word in words if word not in self._lists["words"]["of"]]
+        if english is None or len(numbers) > 1 or not all(number.isdecimal() for number in numbers):
+            return None
+        return " ".join((*numbers, english))
+
+    def _date_out(self, text: str) -> str | None:
+        words = text.casefold().replace(".", " ").split()
+        months = [own for name, own in self._lists["months"].items() if any(name.startswith(word) for word in words)]
+        numbers = [word for word in words if word.isdecimal()]
+        if len(months) != 1 or len(words) != len(numbers) + 1 or len(numbers) > 1:
+            return None
+        return self._date.format(day=numbers[0], month=months[0][0]) if numbers else months[0][0]
 
     def _days_in(self, text: str) -> str | None:
         days = [
@@ -345,8 +424,8 @@ class _WordForm:
         return self._phrase.match(text)
 
 
-_SECTIONS: Final = ("state", "trigger", "condition", "step")
-_LISTS: Final = ("words", "units", "amounts", "days", "sun", "values", "some", "all", "none")
+_SECTIONS: Final = ("state", "trigger", "condition", "step", "value")
+_LISTS: Final = ("words", "units", "amounts", "days", "months", "sun", "values", "it", "some", "all", "none")
 
 
 def _rows(table: Mapping[str, str]) -> dict[str, list[str]]:

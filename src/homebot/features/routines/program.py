@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
 from homebot.words.conditions import Condition, check_possible, read_condition
+from homebot.words.own_language import BlockKind, block_in_language, devices_to_english, in_language
 from homebot.words.queries import parse_query
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, in_turn, read_step
 
@@ -39,7 +40,7 @@ def _step(text: str) -> str:
 
 def _devices(text: str) -> str:
     with value_errors():
-        parse_query(text)
+        parse_query(devices_to_english(text))
     return text
 
 
@@ -65,8 +66,7 @@ class Choice(BaseModel):
     otherwise: Annotated[tuple["StepSetting", ...], Field(alias="else", max_length=MAX_LINES)] = ()
 
     def __str__(self) -> str:
-        otherwise = f", else: {'; '.join(map(str, self.otherwise))}" if self.otherwise else ""
-        return f"if {' and '.join(self.conditions)}: {'; '.join(map(str, self.do))}{otherwise}"
+        return step_text(self)
 
 
 class RepeatedSteps(BaseModel):
@@ -87,11 +87,7 @@ class RepeatedSteps(BaseModel):
     do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
 
     def __str__(self) -> str:
-        steps = "; ".join(map(str, self.do))
-        if self.times:
-            return f"{self.times} times: {steps}"
-        word = "while" if self.as_long_as else "until"
-        return f"repeat {word} {' and '.join(self.as_long_as or self.until)}: {steps}"
+        return step_text(self)
 
     @model_validator(mode="after")
     def _check_together(self) -> "RepeatedSteps":
@@ -119,7 +115,7 @@ class StepsForEach(BaseModel):
     do: Annotated[tuple["StepSetting", ...], Field(min_length=1, max_length=MAX_LINES)]
 
     def __str__(self) -> str:
-        return f"for each {self.devices}: {'; '.join(map(str, self.do))}"
+        return step_text(self)
 
     @model_validator(mode="after")
     def _check_together(self) -> "StepsForEach":
@@ -131,6 +127,27 @@ class StepsForEach(BaseModel):
 
 
 Block: TypeAlias = Choice | RepeatedSteps | StepsForEach
+
+
+def step_text(step: str | Block, language: str = "") -> str:
+    """Return *step* for people, as *language* says it if that is given; a choice or loop is a sentence."""
+    if isinstance(step, str):
+        return in_language(step, "step", language) if language else step
+
+    def of(texts: Iterable[str]) -> list[str]:
+        return [in_language(text, "condition", language) if language else text for text in texts]
+
+    do = [step_text(one, language) for one in step.do]
+    match step:
+        case Choice():
+            otherwise = [step_text(one, language) for one in step.otherwise]
+            kind: BlockKind = "if else" if otherwise else "if"
+            return block_in_language(kind, language, do, conditions=of(step.conditions), otherwise=otherwise)
+        case StepsForEach():
+            return block_in_language("for each", language, do, devices=step.devices)
+    kind = "times" if step.times else "while" if step.as_long_as else "until"
+    conditions = of(step.as_long_as or step.until)
+    return block_in_language(kind, language, do, conditions=conditions, times=step.times)
 
 
 def _step_or_block(value: object) -> str | Block:
@@ -226,8 +243,9 @@ def _lines(steps: Iterable[str | Block], turn: str = "") -> Iterator[Line]:
             continue
         text = str(one)
         if isinstance(one, StepsForEach):
-            do = tuple(_lines(one.do, f"({one.devices})"))
-            yield Line(text, ForEach(one.devices, len(do) + 1))
+            devices = devices_to_english(one.devices)
+            do = tuple(_lines(one.do, f"({devices})"))
+            yield Line(text, ForEach(devices, len(do) + 1))
             yield from do
             yield Line(text, NextTurn(len(do)))
             continue

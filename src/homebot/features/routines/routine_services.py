@@ -30,13 +30,14 @@ from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES, ROUTINE_GALLERY
 from homebot.features.routines.kept_routines import KeptRoutines
 from homebot.features.routines.messages import ReadRoutineGallery, RoutineGalleryRequest, RoutineGalleryResponse
+from homebot.features.routines.program import Block, step_text
 from homebot.features.routines.routine import Routine
 from homebot.features.routines.text import WrittenRoutine, acts_on, read_routines, with_act
 from homebot.graph import Node
 from homebot.support.logger import get_logger
 from homebot.support.names import resolve_name
 from homebot.support.toml_text import toml_value
-from homebot.words.own_language import TextKind, in_language
+from homebot.words.own_language import in_language
 from homebot.words.rights import read_scope
 from homebot.words.suitable_parts import part_name
 
@@ -169,9 +170,9 @@ class RoutineServices:
                 else frozenset()
             )
             infos = tuple(one for one in infos if one.name in meant)
-        language = self._house.home.language
-        if language != "en":
-            infos = tuple(_shown(one, language) for one in infos)
+        if (language := self._house.home.language) != "en":
+            steps = {app: one.settings.do for app, one in self._running.items()}
+            infos = tuple(_shown(one, steps.get(one.app, ()), language) for one in infos)
         return RoutinesResponse(routines=infos, zone=zone_name(self._house.home.zone))
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
@@ -343,14 +344,15 @@ async def _read_gallery(request: RoutineGalleryRequest) -> RoutineGalleryRespons
     return RoutineGalleryResponse(success=True, text=text)
 
 
-def _shown(info: RoutineInfo, language: str) -> RoutineInfo:
+def _shown(info: RoutineInfo, steps: Sequence[str | Block], language: str) -> RoutineInfo:
     """Return *info* with its lines as *language* says them; ``text`` stays as it was written."""
-
-    def lines(texts: Sequence[str], kind: TextKind) -> tuple[str, ...]:
-        return tuple(in_language(text, kind, language) for text in texts)
-
-    shown = {"when": lines(info.when, "trigger"), "conditions": lines(info.conditions, "condition")}
-    return info.model_copy(update={**shown, "steps": lines(info.steps, "step")})
+    return info.model_copy(
+        update={
+            "when": tuple(in_language(text, "trigger", language) for text in info.when),
+            "conditions": tuple(in_language(text, "condition", language) for text in info.conditions),
+            "steps": tuple(step_text(step, language) for step in steps),
+        }
+    )
 
 
 def _failure(error: HomebotError) -> ChangeRoutineResponse:
