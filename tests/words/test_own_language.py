@@ -15,6 +15,7 @@ from homebot.features.routines.text import read_settings
 from homebot.words import own_language
 from homebot.words.conditions import read_condition
 from homebot.words.own_language import OWN_LANGUAGES, TextKind, in_language, to_english
+from homebot.words.routine_text import rename_scene
 from homebot.words.steps import read_step
 from homebot.words.triggers import read_trigger
 
@@ -229,3 +230,21 @@ def test_each_language_has_each_form_with_its_slots(language: str) -> None:
         for english, row in tables[language][kind].items():
             for form in row.split(" / "):
                 assert sorted(re.findall(r"{.}", form)) == sorted(re.findall(r"{.}", english)), form
+
+
+@pytest.mark.parametrize(
+    ("step", "renamed"),
+    [
+        ("Szene Film", "Szene Kino"),
+        ("aktiviere die Szene 'Film'", "aktiviere die Szene Kino"),
+        ("lance la scène Film, sur 5 secondes", "lance la scène Kino, sur 5 secondes"),
+        ("attiva scena film", "attiva scena Kino"),
+        ("escena Film", "escena Kino"),
+        ("activeer de scène Film", "activeer de scène Kino"),
+        ("scene Film", "scene Kino"),
+        ("melde Szene Film", "melde Szene Film"),
+        ("Szene Filmabend", "Szene Filmabend"),
+    ],
+)
+def test_a_renamed_scene_is_renamed_in_each_language(step: str, renamed: str) -> None:
+    assert rename_scene(f'do = ["{step}", "wait 5m"]', "Film", "Kino") == f'do = ["{renamed}", "wait 5m"]'
