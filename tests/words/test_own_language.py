@@ -11,6 +11,8 @@ from tests.call_counts import calls
 
 from homebot.errors import UsageError
 from homebot.features.routines.gallery import gallery
+from homebot.features.routines.program import program_of, step_text
+from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_settings
 from homebot.words import own_language
 from homebot.words.conditions import read_condition
@@ -220,6 +222,32 @@ def test_a_hostile_text_in_another_language_costs_little(kind: TextKind, piece: 
     for length in (300, 20_000):
         text = piece * (length // len(piece))
         assert calls(lambda text=text: to_english(text, kind)) < 500 * 300  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("language", "devices", "step", "shown"),
+    [
+        ("de", "alle Lampen im Bad", "schalte sie ein", "nacheinander, alle Lampen im Bad: schalte sie ein"),
+        (
+            "fr",
+            "toutes les lampes dans Bad",
+            "allume elle",
+            "l'un après l'autre, toutes les lampes dans Bad : allume elle",
+        ),
+        ("it", "tutte le luci in Bad", "accendi questa", "uno dopo l'altro, tutte le luci in Bad: accendi questa"),
+        ("es", "todas las luces en Bad", "enciende esta", "uno tras otro, todas las luces en Bad: enciende esta"),
+        ("nl", "alle lampen in Bad", "zet deze aan", "een voor een, alle lampen in Bad: zet deze aan"),
+    ],
+)
+def test_a_loop_over_devices_is_read_and_shown_in_each_language(
+    language: str, devices: str, step: str, shown: str
+) -> None:
+    block = {"for_each": devices, "do": [step]}
+    routine = RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [block, "undo"]})
+    english = {"for_each": "lights in Bad", "do": ["it on"]}
+    same = RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [english, "undo"]})
+    assert step_text(routine.do[0], language) == shown
+    assert [line.step for line in program_of(routine.do)] == [line.step for line in program_of(same.do)]
 
 
 @pytest.mark.parametrize("language", OWN_LANGUAGES)

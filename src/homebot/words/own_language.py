@@ -122,8 +122,8 @@ def block_in_language(
 def devices_to_english(text: str) -> str:
     """Return the query *text* with the words for types in English, such as ``lights in Flur``."""
     words = _words(text)
-    tables = (_table(code) for code in OWN_LANGUAGES)
-    return next((table.devices_in(text) for table in tables if not words.isdisjoint(table.sure_marks)), text)
+    tables = sorted(map(_table, OWN_LANGUAGES), key=lambda table: -len(table.sure_marks & words))
+    return next(filter(None, (table.devices_in(text) for table in tables)), text)
 
 
 def _hint(text: str, kind: TextKind) -> str:
@@ -194,8 +194,9 @@ class _Table:
         return self._first(self._english, english, kind, self._out)
 
     def devices_in(self, text: str) -> str:
-        """Return the query *text* in English."""
-        return self._device_in(text, "all", "some")
+        """Return the query *text* in English; empty if it does not begin with one of the words for types."""
+        named = (f"{own} " for kind in ("all", "some") for own in self._meanings[kind])
+        return self._device_in(text, "all", "some") if f"{text.casefold()} ".startswith(tuple(named)) else ""
 
     def devices_out(self, text: str) -> str:
         """Return the English query *text* in this language."""
