@@ -292,6 +292,8 @@ def _of_time(written: str) -> Condition | None:
         return elevation
     if (run := LAST_RUN.match(text)) is not None:
         return LastRun(read_duration(run["length"], text), run["sign"] in {"over", "above", "before", "more"})
+    if text.removeprefix("the ").startswith("last run"):
+        raise UsageError(f"{written!r}: write it like 'last run over 1h ago' or 'last run under 10m ago'")
     return read_span(text)
 
 

@@ -71,6 +71,9 @@ WAIT: Final = Phrase("wait {length:length} to {most:length}", "wait {length:leng
 NOTIFY: Final = Phrase("notify [:] {text}")
 SWITCH_ROUTINE: Final = Phrase("routine {name} way~on|off", "turn|switch way~on|off [the] routine {name}")
 SCENE: Final = Phrase("scene {name} , over {length:length}", "scene {name}")
+BLOCK: Final = Phrase("word~if {what}", "repeat word~while|until {what}", "{count:number} times", "for each {devices}")
+"""The words before the colon of a choice or loop."""
+
 OVER: Final = Phrase("over {length:length}")
 SCENE_TARGET: Final = Phrase("scene {name}")
 ARTICLE: Final = Phrase("the|a|an|my {name}")
@@ -97,6 +100,7 @@ MEANT_STEPS: Final = (
     (Phrase("{do} [,] over {length:length}"), "write", ("{do}, over {length}",)),
     (Phrase("{target} on at|with {value:amount}"), "write", ("{target} on, {value}",)),
     (Phrase("{target} at {value:amount}"), "write", ("{target} {value}",)),
+    (Phrase("turn|switch way~on|off [the] routine"), "name it, like", ("routine Film {way}",)),
     *((form, "write the device first, like", (step,)) for form, step in VERB_FIRST),
 )
 """How steps that are no command are written instead: a form, the advice, and the steps."""

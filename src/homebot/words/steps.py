@@ -65,6 +65,13 @@ _HINTS: Final = {
     **dict.fromkeys(("turn", "switch", "set"), "write the device first, like 'hall lamp on' or 'heater to 21 °C'"),
     "notify": "write it like 'notify The door is open'",
     "scene": "write it like 'scene Film'",
+    **dict.fromkeys(
+        ("dim", "brighten", "darken"), "write it like 'hall lamp 20 %' or 'hall lamp dim while hall button hold'"
+    ),
+    **dict.fromkeys(("go", "goto", "drive", "send"), "write it like 'robot go to kitchen'"),
+    "repeat": "write it like '3 times: hall lamp toggle; wait 1s' or 'repeat while door open: wait 5m'",
+    "for": "write it like 'for each open window: notify {name of it} is open'",
+    "if": "write it like 'if sun is down: hall lamp on, else: hall lamp off'",
 }
 """By the first word."""
 
@@ -301,7 +308,7 @@ def _read_wait(plain: str) -> Wait | WaitUntil | WaitFor | None:
         state, *others = (read_state(part) for part in (*(part[: -len(" and")] for part in parts), last))
         return WaitUntil(state, read_duration(until["most"], plain), stops, tuple(others))
     if plain.casefold().startswith("wait until"):
-        raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
+        raise UsageError(f"{plain!r} may last forever; write '{plain}, at most 30m'")
     if (awaited := WAIT_FOR.match(plain)) is not None:
         stops = awaited.get("end", "").casefold() == "stop"
         return WaitFor(awaited["what"], read_triggers(awaited["what"]), read_duration(awaited["most"], plain), stops)

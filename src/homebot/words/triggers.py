@@ -442,7 +442,9 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     if not found.capabilities and (chosen := _choice(state)):
         found = Becomes(text, parse_query(chosen), length, chosen, is_none, of_house)
     if not found.capabilities:
-        raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
+        what, _, value = state.rpartition(" is ")
+        chosen = f"; of a helper or device with choices, '{what} option {value}'" if what and " " not in value else ""
+        raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}{chosen}")
     return found
 
 

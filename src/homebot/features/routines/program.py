@@ -1,17 +1,20 @@
 """The steps of a routine in the order in which they run: choices and loops are jumps. Pure."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Annotated, Final, NamedTuple, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 
 from homebot.config import parse_settings, value_errors
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, UsageError
 from homebot.words.conditions import Condition, check_possible, read_condition
 from homebot.words.own_language import BlockKind, block_in_language, devices_to_english, in_language
+from homebot.words.phrases import BLOCK
 from homebot.words.queries import parse_query
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, in_turn, read_step
+from homebot.words.tokens import split_at
 
 _MAX_CHARACTERS = 300
 _MAX_PROGRAM: Final = 1000
@@ -152,6 +155,8 @@ def step_text(step: str | Block, language: str = "") -> str:
 
 def _step_or_block(value: object) -> str | Block:
     """Check a step here, because the errors of a union would name all of its members."""
+    if isinstance(value, str) and len(value) <= _MAX_CHARACTERS:
+        value = _block_of(value) or value
     if isinstance(value, dict):
         try:
             if "if" in value:
@@ -160,13 +165,35 @@ def _step_or_block(value: object) -> str | Block:
                 return parse_settings(StepsForEach, value, "", "")
             return parse_settings(RepeatedSteps, value, "", "")
         except ConfigError as exc:
-            raise ValueError(f"{exc.key}: {exc.reason}") from exc
+            raise ValueError(f"{exc.key}: {exc.reason}".removeprefix(": ")) from exc
     if isinstance(value, str) and 0 < len(value) <= _MAX_CHARACTERS:
         return _step(value)
     raise ValueError(
         f"must be a text of at most {_MAX_CHARACTERS} characters, a choice {{ if = [...], do = [...] }}, "
         "or a loop { repeat = 3, do = [...] } or { for_each = 'open window', do = [...] }"
     )
+
+
+def _block_of(text: str) -> dict[str, object] | None:
+    """Return the table of a choice or loop that is written as a sentence, as :func:`step_text` does; None for none."""
+    head, colon, rest = text.partition(": ")
+    if not colon or (found := BLOCK.match(head)) is None:
+        return None
+    do, _, otherwise = rest.partition(", else: ")
+    table: dict[str, object] = {"do": do.split("; ")}
+    if found.get("devices"):
+        return {**table, "for_each": found["devices"]}
+    if count := found.get("count", ""):
+        return {**table, "repeat": int(count) if count.isdecimal() else count}
+    conditions, open_part = list[str](), ""
+    for part in split_at(found["what"], "and"):
+        open_part = f"{open_part} and {part}" if open_part else part  # `between 22:00 and 6:30` is one
+        with suppress(UsageError):
+            read_condition(open_part)
+            conditions.append(open_part)
+            open_part = ""
+    conditions += [open_part] if open_part else []
+    return table | {found["word"].casefold(): conditions} | ({"else": otherwise.split("; ")} if otherwise else {})
 
 
 def _written(step: str | Block) -> object:
