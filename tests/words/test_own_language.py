@@ -11,7 +11,7 @@ from tests.call_counts import calls
 
 from homebot.errors import UsageError
 from homebot.features.routines.gallery import gallery
-from homebot.features.routines.program import program_of, step_text
+from homebot.features.routines.program import Branch, program_of, step_text
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_settings
 from homebot.words import own_language
@@ -247,6 +247,8 @@ def test_a_loop_over_devices_is_read_and_shown_in_each_language(
     english = {"for_each": "lights in Bad", "do": ["it on"]}
     same = RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [english, "undo"]})
     assert step_text(routine.do[0], language) == shown
+    written = RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [shown, "undo"]})
+    assert written == routine
     assert [line.step for line in program_of(routine.do)] == [line.step for line in program_of(same.do)]
 
 
@@ -276,3 +278,28 @@ def test_each_language_has_each_form_with_its_slots(language: str) -> None:
 )
 def test_a_renamed_scene_is_renamed_in_each_language(step: str, renamed: str) -> None:
     assert rename_scene(f'do = ["{step}", "wait 5m"]', "Film", "Kino") == f'do = ["{renamed}", "wait 5m"]'
+
+
+@pytest.mark.parametrize("language", ["en", *OWN_LANGUAGES])
+@pytest.mark.parametrize(
+    "block",
+    [
+        {"if": ["Flur on", "between 22:00 and 6:30"], "do": ["Flur off", "wait 5m"], "else": ["stop"]},
+        {"if": ["sun is down"], "do": ["Flur on"]},
+        {"repeat": 3, "do": ["Flur toggle", "wait 1m"]},
+        {"while": ["Flur on", "nobody is home"], "do": ["wait 1m"]},
+        {"until": ["Flur off"], "do": ["wait 1m", "notify 22:00: now"]},
+    ],
+)
+def test_a_choice_or_loop_is_read_as_it_is_shown(block: dict[str, object], language: str) -> None:
+    routine = RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [block, "undo"]})
+    shown = step_text(routine.do[0], "" if language == "en" else language)
+    again = RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [shown, "undo"]})
+    assert again.do[0] != shown
+    assert meanings(again) == meanings(routine)
+
+
+def meanings(routine: RoutineSettings) -> list[object]:
+    """Return the program of *routine* without the texts of its conditions."""
+    steps = (line.step for line in program_of(routine.do))
+    return [[meant for _, meant in step.conditions] if isinstance(step, Branch) else step for step in steps]

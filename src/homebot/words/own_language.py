@@ -33,6 +33,8 @@ _ENGLISH_BLOCKS: Final[Mapping[str, str]] = {
     "for each": "for each {x}: {do}",
     "and": " and ",
 }
+_BLOCK_KINDS: Final[Sequence[BlockKind]] = ("until", "while", "for each", "times", "if")
+_SLOT_OF_BLOCK: Final = re.compile(r"\{(?:if|n|x)\}")
 _MAX_CHARACTERS: Final = 300
 """Characters of a text in another language; as those of any text of a routine."""
 
@@ -116,14 +118,40 @@ def block_in_language(
     if language in OWN_LANGUAGES and devices:
         devices = _table(language).devices_out(devices)
     values = {"if": texts["and"].join(conditions), "do": "; ".join(do), "else": "; ".join(otherwise)}
-    return texts[kind].format(**values, n=times, x=devices)
+    return texts[kind].split(" / ")[0].format(**values, n=times, x=devices)
+
+
+def read_block(text: str) -> tuple[BlockKind, str, str, list[str], list[str]] | None:
+    """Return a choice or loop that is written as a sentence of any language; None for any other text.
+
+    Returns:
+        Its kind, its conditions, devices or number of rounds, the word between conditions, its steps, and those of
+        ``else``.
+    """
+    text, words = " ".join(text.split()).replace(" : ", ": "), _words(text)
+    for blocks in (_ENGLISH_BLOCKS, *(table.blocks for table in _likely_tables(words))):
+        joint = blocks["if else"].replace(" : ", ": ").partition("{do}")[2].removesuffix("{else}")
+        for kind in _BLOCK_KINDS:
+            for form in blocks[kind].replace(" : ", ": ").split(" / "):
+                before, after = _SLOT_OF_BLOCK.split(form.removesuffix("{do}"))
+                value, colon, do = text[len(before) :].partition(after)
+                is_form = text.casefold().startswith(before.casefold()) and colon and value and do
+                if not is_form or (kind == "times" and not value.isdecimal()):
+                    continue
+                do, _, otherwise = do.partition(joint) if kind == "if" else (do, "", "")
+                return kind, value, blocks["and"].strip(), do.split("; "), otherwise.split("; ") if otherwise else []
+    return None
 
 
 def devices_to_english(text: str) -> str:
     """Return the query *text* with the words for types in English, such as ``lights in Flur``."""
-    words = _words(text)
-    tables = sorted(map(_table, OWN_LANGUAGES), key=lambda table: -len(table.sure_marks & words))
-    return next(filter(None, (table.devices_in(text) for table in tables)), text)
+    return next(filter(None, (table.devices_in(text) for table in _likely_tables(_words(text)))), text)
+
+
+def _likely_tables(words: frozenset[str]) -> list["_Table"]:
+    """Return the tables with some of *words*, that with most of them first."""
+    tables = [table for table in map(_table, OWN_LANGUAGES) if not words.isdisjoint(table.sure_marks)]
+    return sorted(tables, key=lambda table: -len(table.sure_marks & words))
 
 
 def _hint(text: str, kind: TextKind) -> str:

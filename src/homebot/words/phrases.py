@@ -71,9 +71,6 @@ WAIT: Final = Phrase("wait {length:length} to {most:length}", "wait {length:leng
 NOTIFY: Final = Phrase("notify [:] {text}")
 SWITCH_ROUTINE: Final = Phrase("routine {name} way~on|off", "turn|switch way~on|off [the] routine {name}")
 SCENE: Final = Phrase("scene {name} , over {length:length}", "scene {name}")
-BLOCK: Final = Phrase("word~if {what}", "repeat word~while|until {what}", "{count:number} times", "for each {devices}")
-"""The words before the colon of a choice or loop."""
-
 OVER: Final = Phrase("over {length:length}")
 SCENE_TARGET: Final = Phrase("scene {name}")
 ARTICLE: Final = Phrase("the|a|an|my {name}")

@@ -10,8 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializ
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError, UsageError
 from homebot.words.conditions import Condition, check_possible, read_condition
-from homebot.words.own_language import BlockKind, block_in_language, devices_to_english, in_language
-from homebot.words.phrases import BLOCK
+from homebot.words.own_language import BlockKind, block_in_language, devices_to_english, in_language, read_block
 from homebot.words.queries import parse_query
 from homebot.words.steps import MAX_LINES, MAX_ROUNDS, Step, Wait, WaitFor, WaitUntil, in_turn, read_step
 from homebot.words.tokens import split_at
@@ -176,24 +175,23 @@ def _step_or_block(value: object) -> str | Block:
 
 def _block_of(text: str) -> dict[str, object] | None:
     """Return the table of a choice or loop that is written as a sentence, as :func:`step_text` does; None for none."""
-    head, colon, rest = text.partition(": ")
-    if not colon or (found := BLOCK.match(head)) is None:
+    if (found := read_block(text)) is None:
         return None
-    do, _, otherwise = rest.partition(", else: ")
-    table: dict[str, object] = {"do": do.split("; ")}
-    if found.get("devices"):
-        return {**table, "for_each": found["devices"]}
-    if count := found.get("count", ""):
-        return {**table, "repeat": int(count) if count.isdecimal() else count}
+    kind, value, word, do, otherwise = found
+    if kind == "times":
+        return {"repeat": int(value), "do": do}
+    if kind == "for each":
+        return {"for_each": value, "do": do}
     conditions, open_part = list[str](), ""
-    for part in split_at(found["what"], "and"):
-        open_part = f"{open_part} and {part}" if open_part else part  # `between 22:00 and 6:30` is one
+    for part in split_at(value, word):
+        open_part = f"{open_part} {word} {part}" if open_part else part  # `between 22:00 and 6:30` is one
         with suppress(UsageError):
             read_condition(open_part)
             conditions.append(open_part)
             open_part = ""
     conditions += [open_part] if open_part else []
-    return table | {found["word"].casefold(): conditions} | ({"else": otherwise.split("; ")} if otherwise else {})
+    table: dict[str, object] = {kind: conditions, "do": do}
+    return table | ({"else": otherwise} if otherwise else {})
 
 
 def _written(step: str | Block) -> object:
