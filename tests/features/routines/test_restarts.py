@@ -119,6 +119,12 @@ UNKNOWN = "homebot ended, and whether it was done is unknown, so it is not done 
             "went on at 'Plug on'",
         ),
         (
+            ["for each Plug: it on; wait 1s; Bell press"],
+            "plug ON",
+            "plug ON, restart, plug ON, bell PRESS",
+            "went on at 'it on'",
+        ),
+        (
             ["Bell press", "Gate open"],
             "gate OPEN",
             "bell PRESS, gate OPEN, restart",
