@@ -107,7 +107,20 @@ def _identify(options: argparse.Namespace, *, is_check: bool) -> int:
         if options.json:
             print(json_text(values))
         else:
-            _print_result(result)
+            if not result.candidates:
+                raise PeerError(result.message)
+            width = max(len("seen"), *(len(printable(candidate.name, _MAX_NAME)) for candidate in result.candidates))
+            print(f"\n{'seen':{width}}  {_sparkline([look.value for look in result.looks])}")
+            for place, candidate in enumerate(result.candidates):
+                code = "".join("█" if look.levels[place] > _HALF else "·" for look in result.looks)
+                effect = f"{candidate.effect:+.3g} ± {candidate.deviation:.2g}"
+                print(f"{printable(candidate.name, _MAX_NAME):{width}}  {code}  {candidate.probability:6.1%}  {effect}")
+            for left in result.left_out:
+                print(f"left out: {printable(left.key)}: {printable(left.value, _WIDEST)}")
+            sure = f" ({result.probability:.1%})" if result.success else ""
+            print(f"{printable(result.message, _WIDEST)}{sure}")
+            if result.at:
+                print(f"it is at {printable(result.at)}, which is kept")
         return 0 if result.success and (result.device or not is_check) else 1
 
     return with_client(options, run)
@@ -119,23 +132,6 @@ def _print_look(values: Mapping[str, object]) -> None:
     texts = [f"{printable(candidate.name, _MAX_NAME)} {candidate.probability:.0%}" for candidate in likely]
     look = feedback.look
     print(f"{look.at:5.1f} s  {look.value:8.4g}  {', '.join(texts)}, none {feedback.none:.0%}", flush=True)
-
-
-def _print_result(result: IdentifyDeviceResult) -> None:
-    if not result.candidates:
-        raise PeerError(result.message)
-    width = max(len("seen"), *(len(printable(candidate.name, _MAX_NAME)) for candidate in result.candidates))
-    print(f"\n{'seen':{width}}  {_sparkline([look.value for look in result.looks])}")
-    for place, candidate in enumerate(result.candidates):
-        code = "".join("█" if look.levels[place] > _HALF else "·" for look in result.looks)
-        effect = f"{candidate.effect:+.3g} ± {candidate.deviation:.2g}"
-        print(f"{printable(candidate.name, _MAX_NAME):{width}}  {code}  {candidate.probability:6.1%}  {effect}")
-    for left in result.left_out:
-        print(f"left out: {printable(left.key)}: {printable(left.value, _WIDEST)}")
-    sure = f" ({result.probability:.1%})" if result.success else ""
-    print(f"{printable(result.message, _WIDEST)}{sure}")
-    if result.at:
-        print(f"it is at {printable(result.at)}, which is kept")
 
 
 def _sparkline(values: Sequence[float]) -> str:

@@ -81,21 +81,18 @@ class Exports:
         if kind is EntityKind.ACTION_SERVER:
             self._node.graph.get_action_type(name)  # one that waits for its first use starts, and its parts come
         else:
-            self._offer_or_withdraw(kind, name)
-
-    def _offer_or_withdraw(self, kind: EntityKind, name: str) -> None:
-        others = [
-            endpoint
-            for endpoint in self._node.graph.get_endpoints(kind=kind, name=name)
-            if endpoint.node != self._node.full_name
-        ]
-        present = self._open.get((kind, name))
-        if others and present is None:
-            if (opened := self._opened(kind, others)) is not None:
-                self._open[kind, name] = opened
-        elif present is not None and not others:
-            del self._open[kind, name]
-            present.close()
+            others = [
+                endpoint
+                for endpoint in self._node.graph.get_endpoints(kind=kind, name=name)
+                if endpoint.node != self._node.full_name
+            ]
+            present = self._open.get((kind, name))
+            if others and present is None:
+                if (opened := self._opened(kind, others)) is not None:
+                    self._open[kind, name] = opened
+            elif present is not None and not others:
+                del self._open[kind, name]
+                present.close()
 
     def refresh_all(self) -> None:
         """Offer all that is there."""
