@@ -119,7 +119,15 @@ class Broker(EmbeddedBroker):
     async def _open(self, state: BrokerState) -> None:
         loop = asyncio.get_running_loop()
         try:
-            sock = await self._bind(loop)
+            family, address = await self._resolve(loop)
+            sock = socket.socket(family, socket.SOCK_STREAM)
+            try:
+                sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                sock.setblocking(False)  # noqa: FBT003 - socket's own signature
+                sock.bind(address)
+            except OSError:
+                sock.close()
+                raise
         except OSError as error:
             if error.errno == errno.EADDRINUSE:
                 raise PortTakenError(self._host, self._port) from error
@@ -165,18 +173,6 @@ class Broker(EmbeddedBroker):
         from homebot.mqtt.broker.tls_socket import TlsSocket  # noqa: PLC0415 - few brokers in a process use TLS
 
         return TlsSocket(self._tls, connection, connection.report_tls_failure)
-
-    async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
-        family, address = await self._resolve(loop)
-        sock = socket.socket(family, socket.SOCK_STREAM)
-        try:
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            sock.setblocking(False)  # noqa: FBT003 - socket's own signature
-            sock.bind(address)
-        except OSError:
-            sock.close()
-            raise
-        return sock
 
     async def _resolve(self, loop: asyncio.AbstractEventLoop) -> tuple[int, tuple[object, ...]]:
         version = ip_version(self._host)
