@@ -181,22 +181,19 @@ class ChangePublisher:
         return bool(queue.states)
 
     async def _publish_waiting(self) -> bool:
-        """Publish the waiting changes, or update a few postings; return whether more may be left."""
-        for _ in range(len(self._queue.pending) // MAX_CHANGES_PER_TURN + 1):
-            if not (self.publish_some(MAX_CHANGES_PER_TURN) or await self._sort_some()):
-                return False
-            await anyio.lowlevel.checkpoint()
-        return True
-
-    async def _sort_some(self) -> bool:
-        """Update the postings of a few devices, unless there is new input; return whether some are left.
+        """Publish the waiting changes, or update a few postings; return whether more may be left.
 
         A query in the meantime updates all postings first; see :meth:`DeviceIndex.find`.
         """
-        if not self._index.table.outdated:  # usual for reports: a new value keeps its posting
-            return False
-        await anyio.lowlevel.checkpoint()  # messages that the gateway is handling come first
-        return not self._happened.is_set() and self._index.sort(MAX_CHANGES_PER_TURN)
+        for _ in range(len(self._queue.pending) // MAX_CHANGES_PER_TURN + 1):
+            if not self.publish_some(MAX_CHANGES_PER_TURN):
+                if not self._index.table.outdated:  # usual for reports: a new value keeps its posting
+                    return False
+                await anyio.lowlevel.checkpoint()  # messages that the gateway is handling come first
+                if self._happened.is_set() or not self._index.sort(MAX_CHANGES_PER_TURN):
+                    return False
+            await anyio.lowlevel.checkpoint()
+        return True
 
     def _publish_states(self, at_most: int) -> None:
         for state in self._queue.pop_states(at_most):
