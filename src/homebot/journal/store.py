@@ -108,19 +108,17 @@ class JournalStore:
             entries.popleft()
             self.dropped += 1
         if len(entries) > self._most:
-            self._drop_oldest()
-
-    def _drop_oldest(self) -> None:
-        ((issuer, count),) = Counter(note.issuer for note in self._entries).most_common(1)
-        excess = max(1, round(_SHARE * count))
-        self.dropped += excess
-        kept: deque[JournalNote] = deque()
-        for note in self._entries:
-            if excess and note.issuer == issuer:
-                excess -= 1
-            else:
-                kept.append(note)
-        self._entries = kept
+            # the issuer with the most entries loses the oldest of them
+            ((issuer, count),) = Counter(waiting.issuer for waiting in self._entries).most_common(1)
+            excess = max(1, round(_SHARE * count))
+            self.dropped += excess
+            kept: deque[JournalNote] = deque()
+            for waiting in self._entries:
+                if excess and waiting.issuer == issuer:
+                    excess -= 1
+                else:
+                    kept.append(waiting)
+            self._entries = kept
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, including those added a moment ago."""
