@@ -35,7 +35,14 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
     if wanted:
         tables = _tables_of(wanted, known)
     else:
-        _check_installed(known)
+        own = plugin_tables()
+        others = [app for app in known if app.kind not in own and installed_plugin(_APPS, app.kind) is None]
+        if others:
+            named = ", ".join(f"{app.name} ({app.kind[:_SHOWN]})" for app in others[:_MAX_SHOWN])
+            raise UsageError(
+                f"the recording names apps that are not installed, and a replay runs no code that only a recording "
+                f"names: {named}; name each app to run, such as --app FILE.py"
+            )
         tables = {app.name: _settings(app) | {"class": app.kind} for app in known}
     return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
 
@@ -50,17 +57,6 @@ def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str,
         same = [app for app in known if app.kind == _kind_of(app_class)]
         tables |= _in_place(app_class, same or [app for app in known if app.kind not in kinds])
     return tables
-
-
-def _check_installed(recorded: Iterable[RecordedApp]) -> None:
-    own = plugin_tables()
-    others = [app for app in recorded if app.kind not in own and installed_plugin(_APPS, app.kind) is None]
-    if others:
-        named = ", ".join(f"{app.name} ({app.kind[:_SHOWN]})" for app in others[:_MAX_SHOWN])
-        raise UsageError(
-            f"the recording names apps that are not installed, and a replay runs no code that only a recording names: "
-            f"{named}; name each app to run, such as --app FILE.py"
-        )
 
 
 def _kind_of(app: type[object]) -> str:

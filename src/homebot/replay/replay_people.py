@@ -113,21 +113,18 @@ class ReplayPeople:
 
     async def _do(self, wish: RecordedCommand | LeaseNews) -> None:
         if isinstance(wish, RecordedCommand):
-            await self._repeat_command(wish)
+            await self._perform.call(
+                CommandRequest(
+                    device=wish.device,
+                    part=wish.part,
+                    settings=wish.settings,
+                    issuer=wish.issuer,
+                    scope=_scope(wish.device),
+                ),
+                timeout=_MAX_WAIT_S,
+            )
         else:
             await self._change_lease(wish)
-
-    async def _repeat_command(self, command: RecordedCommand) -> None:
-        await self._perform.call(
-            CommandRequest(
-                device=command.device,
-                part=command.part,
-                settings=command.settings,
-                issuer=command.issuer,
-                scope=_scope(command.device),
-            ),
-            timeout=_MAX_WAIT_S,
-        )
 
     async def _change_lease(self, news: LeaseNews) -> None:
         if news.step == "ended":
