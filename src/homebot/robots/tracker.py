@@ -62,7 +62,16 @@ class RobotTracker:
         self._poses = node.create_publisher(RobotPose, ROBOT_POSES, qos_profile_latched)
         self._topics = PoseTopics(node, owners, self._robots, self._wake)
         node.create_service(WhereIsRobot, WHERE_IS_ROBOT, self._where)
-        self._follow_others()
+        devices = Devices(node)
+        for robot in self._robots.values():
+            if robot.settings.topic:
+                node.create_task(partial(read_poses, node, devices, robot))
+            if robot.settings.vacuum:
+                node.create_task(Vacuum(node, devices, robot, self._house).run)
+            if robot.settings.tag_reader:
+                read_tags(node, robot)
+        if any(robot.settings.motion_sensors for robot in self._robots.values()):
+            node.create_task(partial(follow_motion, devices, tuple(self._robots.values())))
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Publish poses as they change, until cancelled."""
@@ -77,18 +86,6 @@ class RobotTracker:
 
     def _wake(self) -> None:
         self._changed.set()
-
-    def _follow_others(self) -> None:
-        node, devices = self._node, Devices(self._node)
-        for robot in self._robots.values():
-            if robot.settings.topic:
-                node.create_task(partial(read_poses, node, devices, robot))
-            if robot.settings.vacuum:
-                node.create_task(Vacuum(node, devices, robot, self._house).run)
-            if robot.settings.tag_reader:
-                read_tags(node, robot)
-        if any(robot.settings.motion_sensors for robot in self._robots.values()):
-            node.create_task(partial(follow_motion, devices, tuple(self._robots.values())))
 
     def _where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
         is_any = fold(request.robot) in {"robot", ""}
