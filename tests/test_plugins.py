@@ -137,6 +137,8 @@ def test_a_module_without_its_class_is_told_how_it_is_written(tmp_path: Path, mo
 def test_a_misspelt_plug_in_is_told_with_the_one_that_is_like_it() -> None:
     with pytest.raises(PluginError, match=r"'light_servce' is not installed .*; did you mean light_service\?"):
         load_plugin("homebot.apps", "light_servce")
+    with pytest.raises(PluginError, match=r'write class = "NAME" for one more of these'):
+        load_plugin("homebot.gateways", "shed")
     with pytest.raises(PluginError, match=r"one of the conventions of mqtt: the table \[gateways.mqtt\] is enough"):
         load_plugin("homebot.gateways", "thesis")
 

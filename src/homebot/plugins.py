@@ -245,7 +245,8 @@ def _hint(name: str, known: tuple[str, ...]) -> str:
         owner, _, kind = group.removeprefix("homebot.").partition("_")
         if kind and any(point.name == name for point in points):
             return f"it is one of the {kind} of {owner}: the table [gateways.{owner}] is enough"
-    return did_you_mean(name, known, "a class of your own is written module:Class", cutoff=0.6)
+    otherwise = 'write class = "NAME" for one more of these, or class = "module:Class" for your own'
+    return did_you_mean(name, known, otherwise, cutoff=0.6)
 
 
 def _load_class(path: str) -> object:
