@@ -1,6 +1,7 @@
 """The page changes the configuration as its owner would, and a wrong step leaves it as it was."""
 
 import json
+import os
 import tomllib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -18,7 +19,7 @@ from tests.patience import PATIENCE
 from homebot.cli.backup_archive import extract_archive
 from homebot.config import load_config
 from homebot.devices.app_messages import ChangeAppResponse, Reload, ReloadRequest
-from homebot.features.page import backups
+from homebot.features.page.backups import MAX_PART_BYTES
 from homebot.features.page.page import offer_setup
 from homebot.features.page.setup_messages import (
     BackupRequest,
@@ -190,17 +191,15 @@ async def test_a_table_with_secrets_or_rights_is_not_read(tmp_path: Path, table:
         assert (answer.success, answer.values) == (False, ())
 
 
-async def test_a_backup_comes_in_parts_and_is_that_of_the_command_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(backups, "MAX_PART_BYTES", 4000)
+async def test_a_backup_comes_in_parts_and_is_that_of_the_command_line(tmp_path: Path) -> None:
     (data := tmp_path / "home" / "broker").mkdir(parents=True)
-    (data / INSTALLATION_FILE).write_text("x" * 9000)
+    (data / INSTALLATION_FILE).write_bytes(os.urandom(9 * MAX_PART_BYTES // 4))
     async with wizard(tmp_path) as page, Node(page.node.graph, "copies") as node:
         serve_copies(node, data)
         client = page.node.create_client(GetBackup, "/setup/backup")
         answer = await client.call(BackupRequest())
         name, found = answer.name, answer.data
+        assert len(found) == MAX_PART_BYTES
         while len(found) < answer.size:
             answer = await client.call(BackupRequest(offset=len(found)))
             found += answer.data
