@@ -25,6 +25,8 @@ from homebot.words.steps import Do, Notify, Undo, Wait, WaitUntil, read_step
         ("hall lamp level to 40 %", "hall lamp", "level to 40 %", ()),
         ("heater set heating setpoint to 21", "heater", "set heating setpoint to 21", ()),
         ("kitchen heat to 16 °C", "kitchen heat", "16 °C", ()),
+        ("kitchen heat off", "kitchen heat", "off", ()),
+        ("kitchen heat heating, 21 °C", "kitchen heat", "heating, 21 °C", ()),
         ("hall thermostat heating, 21 °C", "hall thermostat", "heating, 21 °C", ()),
         ("hall thermostat cool", "hall thermostat", "cool", ()),
         ("water level sensor on", "water level sensor", "on", ()),

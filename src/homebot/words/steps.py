@@ -423,7 +423,8 @@ def _is_command(text: str) -> bool:
         name, value = " ".join(words[:place]), " ".join(words[place:])
         is_set = name.replace(" ", "_") in SETTABLE  # not heat, as in ``kitchen heat to 16 °C``
         number = value.removeprefix("to ") if is_set else ""
-        if name in _SETTABLE and (" " not in value or value in _WORDS or _is_number(number)):
+        is_of_name = name in _WORDS and value in _WORDS  # as in ``kitchen heat off``
+        if name in _SETTABLE and not is_of_name and (" " not in value or value in _WORDS or _is_number(number)):
             return True
     return False
 
