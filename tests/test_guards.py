@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from blockbuster import BlockingError
+from tests.source_trees import source_trees
 
 import homebot
 from homebot.cli.main import gc_paused
@@ -84,3 +85,22 @@ def _is_ours(target: ast.expr, ours: set[str]) -> bool:
     while isinstance(target, ast.Attribute):
         target = target.value
     return isinstance(target, ast.Name) and target.id in ours
+
+
+def bound_twice(tree: ast.Module) -> list[str]:
+    """Return the names that the statements of a module bind by assignment more than once."""
+    targets = [
+        target
+        for statement in tree.body
+        if isinstance(statement, ast.Assign | ast.AnnAssign)
+        for target in (statement.targets if isinstance(statement, ast.Assign) else [statement.target])
+    ]
+    flat = [part for target in targets for part in (target.elts if isinstance(target, ast.Tuple) else [target])]
+    names = [part.id for part in flat if isinstance(part, ast.Name)]
+    return sorted({name for name in names if names.count(name) > 1})
+
+
+def test_no_constant_of_a_module_is_bound_twice() -> None:
+    """The first one is lost without a word, as two limits of the broker's cache were that bore one name."""
+    assert bound_twice(ast.parse("A, B = 1, 2\nB: int = 3\nA.x = B['y'] = 4")) == ["B"]
+    assert {path: names for path, tree in source_trees().items() if (names := bound_twice(tree))} == {}

@@ -9,9 +9,8 @@ from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
-from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscriptions import SubscriptionTree
+from homebot.mqtt.broker.subscriptions import SessionSubscription, SubscriptionTree
 from homebot.mqtt.topics import topic_matches
 from homebot.support.turn_budget import TurnBudget
 
@@ -48,3 +47,11 @@ def test_retained_messages_are_found_by_the_same_rule(topics: list[str], name: s
     assert [message.topic for message, _ in owed(retained, name)] == [
         topic for topic in topics if topic_matches(name, topic)
     ]
+
+
+def test_the_busy_topics_of_a_house_are_matched_once() -> None:
+    """The cache began anew after 512 targets, as two of its limits bore one name."""
+    tree, session = SubscriptionTree(), new_session()
+    tree.add(session, SessionSubscription("#", "#", 0))
+    routes = [tree.route(f"house/{number}") for number in range(1000)]
+    assert all(tree.route(f"house/{number}") is route for number, route in enumerate(routes))

@@ -77,7 +77,6 @@ def speed_for(seconds: float, distance: float) -> int:
 
 
 _FULL = 100.0
-_WHITES, _COLOR = 2, 3
 _MIN_HALF_SECONDS, _MAX_HALF_SECONDS = 1, 40
 _CHANNELS = 3
 _DECIMAL_COLOR = re.compile("[0-9]+(?:,[0-9]+){2,}")
