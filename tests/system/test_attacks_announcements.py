@@ -31,9 +31,9 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
 
-MOST_BUSY = 0.2
+MOST_BUSY = 0.1
 """Seconds of the processor between two turns of somebody else, who waits for a timer and so for up to three rounds of
-the loop, on the reference machine; the aim is 0.05. Work that other programs interrupt takes up to twice as long."""
+the loop, on the reference machine; the aim is 0.05."""
 
 MOST = 96
 """MiB; 86 were measured after the withdrawal of all announcements, of which glibc keeps 40 for later ones; the others
@@ -283,6 +283,7 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
         until(lambda: finds(begun(homebot), "first") or None, PATIENCE)
         for number, (name, flood) in enumerate(floods.items()):
             homebot.toll()
+            slow = slowness()
             for topic, payload in flood:
                 hostile.publish(topic, payload)
             honest = f"honest{number}"
@@ -290,7 +291,7 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
             until(lambda honest=honest: finds(homebot, honest) or None, PATIENCE)  # type: ignore[misc]  # a default binds it now
             toll = homebot.toll()
             print(f"\n{name}: {toll}", end="")
-            assert toll.busy < MOST_BUSY * slowness()
+            assert toll.busy < MOST_BUSY * max(slow, slowness())  # other programs come and go
 
 
 def heavy_templates(number: int) -> tuple[str, bytes]:
