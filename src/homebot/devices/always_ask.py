@@ -342,16 +342,23 @@ def _why_garage(device: Device, part: DevicePart) -> str:
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
     """Return why a part always asks by its model: an opener with all its settings, or the load of a relay."""
-    settable = [capability.name for capability in part.part.capabilities if capability.settable]
-    is_all = all(other.part.service_type.startswith("x_") for other in device.parts)
-    is_load = part.part.service_type in _RELAYS or (is_all and not _DOSES.isdisjoint(settable))
     for model in models_of(device):
         words = matching_words(model, OPENER & groups, anywhere=True)
-        if not words and is_load:
-            words = matching_words(model, BURNS_OR_FLOODS & groups, anywhere=True) or matching_words(model, groups)
+        if not words and (
+            loads := matching_words(model, BURNS_OR_FLOODS & groups, anywhere=True) or matching_words(model, groups)
+        ):
+            words = loads if _is_load(device, part) else ""
         if words:
             return f"the model {model!r} says {words!r}"
     return ""
+
+
+def _is_load(device: Device, part: DevicePart) -> bool:
+    """Return whether a part is the load of a relay, or a dose of a device that has settings alone."""
+    doses = [capability for capability in part.part.capabilities if capability.settable and capability.name in _DOSES]
+    return part.part.service_type in _RELAYS or (
+        bool(doses) and all(other.part.service_type.startswith("x_") for other in device.parts)
+    )
 
 
 def _why_hot(device: Device, part: DevicePart) -> str:
