@@ -17,7 +17,7 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.support.limiter import Limiter
+from homebot.support.limits import Limiter
 from homebot.support.logger import ConsoleRenderer, LineWriter, with_local_time
 from homebot.support.logger import sentence as sentence
 from homebot.support.output import CleanText, QueuedText, is_journal, wants_colour

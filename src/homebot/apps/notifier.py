@@ -20,7 +20,7 @@ from homebot.devices.command_sender import GatewayOutput
 from homebot.devices.gateway_messages import RawCommand
 from homebot.log import LogLimit, more_like_this
 from homebot.support.bounded_map import BoundedMap
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
     from homebot.graph import Node

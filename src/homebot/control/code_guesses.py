@@ -7,7 +7,7 @@ from homebot.control.command import IssuedCommand
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome, Refused
 from homebot.devices.wording.journal_words import issuer_text
 from homebot.support.bounded_map import BoundedMap
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 _POLICY: Final = "code"
 _AT_ONCE: Final = 4.0  # people mistype

@@ -5,7 +5,7 @@ from typing import Final, TypeAlias, final
 
 from homebot.devices.outcomes import Refused
 from homebot.journal.store import JournalNote
-from homebot.support.limiter import Limiter, LimitInterval
+from homebot.support.limits import Limiter, LimitInterval
 
 IN_FULL: Final = 10
 """Equal commands of one issuer to one part in each minute that are stored in full."""

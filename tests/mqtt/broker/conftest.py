@@ -17,7 +17,7 @@ from homebot.mqtt.broker import Broker, BrokerLimits, BrokerPolicy, BrokerState,
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.retained import Owed, Replay, RetainedMessages
-from homebot.mqtt.broker.subscriptions import SessionSubscription
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.support.turn_budget import TurnBudget
 from homebot.testing.mqtt import TestBroker
 

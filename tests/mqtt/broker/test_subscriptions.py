@@ -9,8 +9,9 @@ from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscriptions import SessionSubscription, SubscriptionTree
+from homebot.mqtt.broker.subscriptions import SubscriptionTree
 from homebot.mqtt.topics import topic_matches
 from homebot.support.turn_budget import TurnBudget
 

@@ -26,7 +26,7 @@ from homebot.graph import EntityKind
 from homebot.plugins import check_extra
 from homebot.support.addresses import network_of
 from homebot.support.bounded_map import BoundedMap
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
     from anyio.abc import TaskGroup

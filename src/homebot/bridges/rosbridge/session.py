@@ -27,7 +27,7 @@ from homebot.graph import Client
 from homebot.log import LogLimit
 from homebot.messages.message import Message
 from homebot.rights import Right
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.goals import SentGoals

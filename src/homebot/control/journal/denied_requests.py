@@ -10,7 +10,7 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
 from homebot.errors import ServiceError
 from homebot.graph import Node
-from homebot.support.limiter import Limiter, LimitInterval
+from homebot.support.limits import Limiter, LimitInterval
 
 MAX_ENTRIES: Final = 20
 """Entries for one client in an hour; one more entry counts further requests."""

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from homebot.support.bounded_map import BoundedMap
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 MESSAGE_WORK = 4096
 """Work of a message in addition to its length in bytes."""

@@ -26,7 +26,7 @@ from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
 from homebot.support.ble_backend import BleBackend
 from homebot.support.isolation import run_as
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
     from homebot.gateways.ble.bleak_adapter import BleRadio

@@ -20,7 +20,7 @@ from homebot.conventions.dns_sd import FoundService
 from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import isolated
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 ANSWER_WITHIN = 3.0
 """Seconds in which a service may answer; the query is sent four times."""

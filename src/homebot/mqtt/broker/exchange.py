@@ -9,8 +9,9 @@ from homebot.mqtt.broker.message import BULKY, BrokerMessage
 from homebot.mqtt.broker.queue import REFUSED, TAKEN, DeliveryResult, QueuedMessage
 from homebot.mqtt.broker.retained import Replay, RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscriptions import SessionSubscription, ShareGroup, SubscriptionTree, Target
+from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
 from homebot.mqtt.packets import MqttSubscription, ReasonCode
 from homebot.support.turn_budget import TurnBudget
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Final, final
 
 from homebot.mqtt.broker.message import BrokerMessage
-from homebot.mqtt.broker.subscriptions import SessionSubscription
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
 from homebot.support.timer_queue import TimerQueue
 from homebot.support.turn_budget import TurnBudget

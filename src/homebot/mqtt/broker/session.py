@@ -16,8 +16,8 @@ from homebot.mqtt.broker.message import BULKY
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import REFUSED, SLOW, TAKEN, DeliveryResult, MessageQueue, QueuedMessage
 from homebot.mqtt.broker.retained import Replay
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscriptions import SessionSubscription
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.turn_budget import TurnBudget
 

@@ -1,12 +1,11 @@
-"""Subscriptions of sessions, and by topic: a tree of filters, and a cache of its answers. No I/O."""
+"""Subscriptions by topic: a tree of filters, and a cache of its answers. No I/O."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Self, final
+from typing import TYPE_CHECKING, NamedTuple, final
 
+from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.filter_tree import FilterTree
-from homebot.mqtt.packets import MqttSubscription
-from homebot.mqtt.topics import parse_shared_filter
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.session import BrokerSession
@@ -14,43 +13,6 @@ if TYPE_CHECKING:
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond that the cache starts afresh
 _MAX_CACHED_TARGETS = 50_000  # of all cached topics
 _MAX_TOPIC_LENGTH = 512  # characters of a cached topic
-
-
-class SessionSubscription(NamedTuple):
-    """A filter with its options.
-
-    Attributes:
-        name: The filter as given, with ``$share/GROUP/``; the key for unsubscribing.
-        identifier: The subscription identifier; 0 is none.
-        share: Group and filter of a shared subscription, else None.
-    """
-
-    name: str
-    filter: str
-    qos: int
-    no_local: bool = False
-    retain_as_published: bool = False
-    identifier: int = 0
-    share: tuple[str, str] | None = None
-
-    @classmethod
-    def of(cls, request: MqttSubscription, identifier: int = 0) -> Self:
-        """Make it from one filter of a SUBSCRIBE packet."""
-        shared = parse_shared_filter(request.filter)
-        return cls(
-            request.filter,
-            request.filter if shared is None else shared.filter,
-            request.qos,
-            request.no_local,
-            request.retain_as_published,
-            identifier,
-            None if shared is None else (shared.group, shared.filter),
-        )
-
-    @property
-    def levels(self) -> list[str]:
-        """The filter's levels."""
-        return self.filter.split("/")
 
 
 class Target(NamedTuple):

@@ -22,7 +22,7 @@ from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.drivers.base import first_answer
 from homebot.integrations.esphome.driver.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
 from homebot.integrations.esphome.formats.device import ListedEntity
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 PING_EVERY = 4.0
 """Seconds of silence, at most twice as many, after which the device is pinged; the library then waits 4.5 times as long

@@ -41,7 +41,7 @@ from homebot.integrations.hue.formats.resources import Fields, HueBody, HueResou
 from homebot.integrations.hue.formats.service_rows import press_of
 from homebot.support.backoff import Backoff
 from homebot.support.isolation import ungrouped
-from homebot.support.rate_limit import RateLimit
+from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
     from homebot.gateways.event_stream import ServerEvent
