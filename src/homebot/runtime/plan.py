@@ -193,7 +193,7 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
         gateways=_gateways(config),
         apps=tuple(planned_app(name, table, config, given.get(name)) for name, table in config.apps.items()),
         grants=dict(grants_of(config)) | _grants_left(whole, whole.apps.keys() - config.apps.keys()),
-        tables={f"/{name}": _in_words(name, table) for name, table in config.apps.items()},
+        tables={f"/{name}": _in_words(name, table) for name, table in whole.apps.items()},
         **{name: read(config) for name, read in _TABLES.items()},
     )
 
