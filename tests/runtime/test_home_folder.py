@@ -167,3 +167,10 @@ def test_without_a_file_each_broker_has_its_own_however_it_is_spelt(file: Path) 
     assert place("[gateways.mqtt]\n") == ("villa", "embedded", "index.sqlite")
     assert len({place(text) for text in (BROKER, TLS, HOST)}) == 3
     assert place(HOST) == place(HOST.replace("broker.lan", "Broker.lan:1883"))
+
+
+def test_a_home_whose_id_came_with_its_file_gets_a_folder_here(file: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """A file of another computer was told that the folder could not be written, at its first start."""
+    file.write_text(f'[home]\nid = "{"ab" * 8}"\n{BROKER}')
+    assert start(file).parent.is_dir()
+    assert caplog.text == ""

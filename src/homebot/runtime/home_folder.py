@@ -104,7 +104,7 @@ def settle_home(config: Config, file: Path | None) -> Path:
         names = ", ".join(map(_shown, others))
         _log.warning(OTHERS, message=f"the data in {names} were not taken; `homebot home adopt FOLDER` takes them")
     try:
-        settled = folder if folder and _is_homes(folder) else _made_or_moved(folder, _new_folder(config))
+        settled = _made_or_moved(folder, folder if folder and _is_homes(folder) else _new_folder(config))
         _claim(settled, facts)
     except (OSError, LinkError) as exc:  # tried again at the next start
         place = folder or _new_folder(config)
@@ -133,8 +133,8 @@ def adopt_folder(config: Config, file: Path, wanted: str) -> Path:
 
     check_unused(index_place(config, file).parent)
     check_unused(folder.path)
-    path = (
-        folder.path if _is_homes(folder.path) else _made_or_moved(folder.path, _root() / _HOMES / secrets.token_hex(8))
+    path = _made_or_moved(
+        folder.path, folder.path if _is_homes(folder.path) else _root() / _HOMES / secrets.token_hex(8)
     )
     if not _write_id(file, path.name) and config.home.id:
         raise UsageError(f'{file} cannot be changed; write id = "{path.name}" in [home] yourself')
@@ -223,14 +223,14 @@ def _check_not_copied(config: Config, folder: _HomeFolder, facts: _HomeFacts) ->
 
 
 def _made_or_moved(old: Path | None, new: Path) -> Path:
-    """Return the folder *new*, empty or with the data of *old*, of which a copy stays.
+    """Return the folder *new*, as it is, or empty, or with the data of another one *old*, of which a copy stays.
 
     Raises:
         LinkError: A running homebot has *old* open, or there is no room for the copy.
         OSError: The folder cannot be made, or *old* not be moved.
     """
     new.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    if old is None:
+    if old in {None, new}:
         new.mkdir(exist_ok=True, mode=0o700)
         return new
     from homebot.runtime.saved_files import copy_kept_files  # noqa: PLC0415 - once in the life of a home
