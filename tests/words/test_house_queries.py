@@ -258,6 +258,8 @@ QUESTIONS = [
         ("is the front door open", set(), "none now; in another state there would be front door"),
         ("are there lights in the hall", {"id1"}, ""),
         ("temperature in study", {"id5"}, ""),
+        ("temperature > 26 in study", set(), "no thermometer is there; write 'local temperature' for that of cooler"),
+        ("local temperature > 20 in study", {"id5"}, ""),
         ("which lights are on in the study?", set(), "none now; in another state there would be desk lamp"),
         ("motion sensor in study", set(), "none is in study; there is in hall"),
         ("lights in kichen", set(), "no device is in 'kichen'; areas are garden, hall, study"),

@@ -218,6 +218,10 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
 """Adjectives for the condition of a device, and for the facts of the household, which is one."""
 
 
+OWN_TEMPERATURE = CanDo("local_temperature")
+"""What a thermostat or an air conditioner measures itself."""
+
+
 def meaning_of(phrase: str) -> Query | None:
     """Return the term for *phrase*, folded; None if it is not a query word."""
     if not phrase:
@@ -229,7 +233,7 @@ def meaning_of(phrase: str) -> Query | None:
     capability = CAPABILITY_WORDS.get(phrase)
     if wanted_types(phrase) or phrase in {"sensor", "sensors"}:
         named = type_is(phrase)
-        own = (CanDo("local_temperature"),) if capability == "temperature" else ()  # an air conditioner's sensor
+        own = (OWN_TEMPERATURE,) if capability == "temperature" else ()
         return named if capability is None else Or((named, CanDo(capability), *own))
     return None if capability is None else CanDo(capability)
 

@@ -28,9 +28,18 @@ from homebot.errors import RefusedError, UsageError
 from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo, may_be_typo
 from homebot.support.similar import did_you_mean
-from homebot.words.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
+from homebot.words.vocabulary import (
+    ABILITIES,
+    ADJECTIVES,
+    CAPABILITY_WORDS,
+    CONDITIONS,
+    KEYWORDS,
+    OWN_TEMPERATURE,
+    TYPE_WORDS,
+)
 
 _SHOWN = 12
+_TEMPERATURE = CanDo("temperature")
 _PEOPLE = frozenset({"x_person", "x_household"})
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
 
@@ -145,6 +154,9 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
             return _explain_place(place.text, postings, plan)
     if (able := postings.find(may)) and may != query:
         return f"none now; in another state there would be {_names(able, postings)}"
+    own = _with_each(may, lambda term: OWN_TEMPERATURE if term == _TEMPERATURE else term)
+    if own != may and (measuring := postings.find(own)):
+        return f"no thermometer is there; write 'local temperature' for that of {_names(measuring, postings)}"
     if places and (elsewhere := postings.find(_without(InArea, _without(AreaIs, may)))):
         return f"none is in {' or '.join([place.text for place in places])}; there is in {_rooms(elsewhere, postings)}"
     is_named = not {HasText, NameIs}.isdisjoint(map(type, leaves(may)))
@@ -195,11 +207,16 @@ def _names(devices: Iterable[str], postings: Postings) -> str:
 
 def _without(kind: type[Query], query: Query) -> Query:
     """Return *query* without its terms of a *kind*."""
+    return _with_each(query, lambda term: And(()) if isinstance(term, kind) else term)
+
+
+def _with_each(query: Query, changed: Callable[[Query], Query]) -> Query:
+    """Return *query* with each of its terms *changed*."""
     match query:
         case And(terms) | Or(terms):
-            return type(query)(tuple([_without(kind, term) for term in terms]))
+            return type(query)(tuple([_with_each(term, changed) for term in terms]))
         case _:
-            return And(()) if isinstance(query, kind) else query
+            return changed(query)
 
 
 def _typo(problem: str, word: str, known: Collection[str]) -> str:
