@@ -56,6 +56,13 @@ def test_a_long_refusal_is_shown_to_its_end_where_the_advice_is(homebot: Any, ca
     assert capsys.readouterr().out.endswith("; give it a token\n")
 
 
+@pytest.mark.parametrize("change", ["-10%", "-10 %", "-10", "-.1", "-1K"])
+def test_a_change_downwards_is_no_option(homebot: Any, change: str) -> None:
+    service = Service(homebot, answer(CONFIRMED))
+    assert service.run("Lamp 0", change) == 0
+    assert [request.command for request in service.requests] == [change]
+
+
 def test_why_nothing_was_commanded_is_told(homebot: Any, capsys: Text) -> None:
     assert Service(homebot, answer(message="no device fits 'lmap'")).run("lmap", "on") == 1
     assert capsys.readouterr().err == "homebot: no device fits 'lmap'\n"

@@ -35,6 +35,9 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # n
 _CONNECTION: Final = ("door", "home", "token_file")
 """The options that select the homebot that a command connects to."""
 
+_NEGATIVE: Final = re.compile(r"-\.?[0-9].*")
+"""A value below zero, perhaps with a unit: ``-10%`` is no option."""
+
 _HOST = re.compile(r"[\w.-]+")
 _NUMBER = re.compile(r"-?[0-9]+([.][0-9]*)?")
 
@@ -56,6 +59,7 @@ def set_command(
 ) -> None:
     """Make *parser* run *command*, which returns the exit code and uses these *global_options*."""
     parser.epilog = f"examples:\n{examples}"
+    parser._negative_number_matcher = _NEGATIVE  # noqa: SLF001 - argparse has no other way
     parser.set_defaults(command=command, command_name=parser.prog, used_options=frozenset(global_options))
 
 
