@@ -159,6 +159,26 @@ zh: 解锁, 開鎖, 打开大门, 撤防, 警戒解除, 打开后备箱
 ro: Deblochează ușa, Deschide poarta, Dezarmează, Dezactivează alarma, Deschide portbagaj, Deschide yala
 tr: Kilidi aç, Bahçe kapısını aç, Alarmı devre dışı, Bagajı aç, Kapıyı aç
 el: Ξεκλείδωμα, Άνοιγμα πόρτας, Αφόπλιση, Απενεργοποίηση συναγερμού, Άνοιγμα πορτ μπαγκάζ, Άνοιξε κλειδαριά
+en: Trunk, Frunk, Tailgate, Liftgate
+de: Alarm aus, Alarm ausschalten
+fr: Hayon, Alarme désactivée
+it: Bagagliaio, Spegni allarme
+es: Maletero, Cajuela, Cerradero, Verja
+nl: Kofferbak, Achterklep, Sluitplaat
+pl: Bagażnik, Elektrozamek
+pt: Bagageira, Porta-malas
+sv: Bagagelucka, Frånkoppla
+da: Bagklap, Bagagerum, Frakobl
+no: Bagasjerom, Bagasjeluke
+fi: Tavaratila, Takaluukku
+cs: Kufr
+sk: Kufor
+hu: Csomagtartó, Feloldás
+ru: Багажник, Электрозащёлка
+uk: Багажник, Електрозамок
+ro: Portbagaj
+tr: Bagaj, Kapı otomatiği
+el: Πορτ μπαγκάζ
 """  # noqa: RUF001
 
 
