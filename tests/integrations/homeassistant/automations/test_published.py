@@ -73,6 +73,7 @@ class Play(NamedTuple):
     day: str = "2026-01-14"
 
 
+LIGHTS_OF_ALL = ("light.living_room", "light.kitchen", "light.porch")
 SET = "temp_comfort number 21, temp_eco number 17, "
 PLAYS: tuple[Play, ...] = (
     Play(
@@ -436,6 +437,32 @@ PLAYS: tuple[Play, ...] = (
         ],
         "17:20 18:00",
     ),
+    Play(
+        "everyone_left_and_first_home",
+        "",
+        ["08:10 anna not_home"],
+        [
+            "08:15:01 alarm_control_panel.house alarm armed_away",
+            "08:15:01 climate.bedroom preset_mode away",
+            "08:15:01 climate.living_room preset_mode away",
+            *(f"08:15:01 {lamp} on_off False" for lamp in LIGHTS_OF_ALL),
+            "08:15:01 lock.front_door lock locked",
+        ],
+        "08:00 09:00",
+    ),
+    Play(
+        "everyone_left_and_first_home",
+        "binary_sensor.bedroom_window on",
+        ["08:00 anna not_home"],
+        [
+            "08:05:01 climate.bedroom preset_mode away",
+            "08:05:01 climate.living_room preset_mode away",
+            *(f"08:05:01 {lamp} on_off False" for lamp in LIGHTS_OF_ALL),
+            "08:05:01 lock.front_door lock locked",
+            "08:05:01 notify Alarm not armed: Still open: Bedroom Window",
+        ],
+        "07:50 09:00",
+    ),
     Play("everyone_left_and_first_home", "guest_mode on", ["09:30 anna not_home"], [], "09:20 10:00"),
     Play(
         "vacuum_when_nobody_home",
@@ -444,7 +471,31 @@ PLAYS: tuple[Play, ...] = (
         ["12:00:01 vacuum.rosie vacuum returning"],
         "11:50 12:30",
     ),
-    Play("vacuum_when_nobody_home", "anna not_home", ["10:30 anna home", "16:00 anna not_home"], [], "10:00 16:30"),
+    Play(
+        "vacuum_when_nobody_home",
+        "vacuum_runs number 2",
+        ["09:30 anna not_home", "09:50 vacuum.rosie docked", "10:30 anna home", "12:00 anna not_home"],
+        ["09:45:01 vacuum.rosie vacuum cleaning"],
+        "09:00 13:00",
+    ),
+    Play(
+        "vacuum_when_nobody_home",
+        "vacuum_runs number 4",
+        ["11:00 vacuum_now push"],
+        [
+            "11:00:00 notify Rosie has cleaned 5 times, please empty the bin.",
+            "11:00:00 vacuum.rosie vacuum cleaning",
+        ],
+        "10:50 11:30",
+        "2026-01-18",
+    ),
+    Play(
+        "vacuum_when_nobody_home",
+        "anna not_home",
+        ["10:30 anna home", "16:00 anna not_home", "16:10 anna home"],
+        [],
+        "10:00 17:00",
+    ),
     Play(
         "ev_solar_charging",
         "binary_sensor.wallbox_car_connected on, charge_mode option Solar",
@@ -462,6 +513,18 @@ PLAYS: tuple[Play, ...] = (
         "08:00 17:00",
         "2026-06-14",
     ),
+    Play(
+        "group_of_windows",
+        "light.hall on, switch.fan_plug on",
+        [
+            "10:05 binary_sensor.kitchen_window on",
+            "10:10 binary_sensor.bedroom_window on",
+            "10:15 binary_sensor.kitchen_window off",
+            "10:20 binary_sensor.bedroom_window off",
+        ],
+        ["10:05:00 notify A window is open", "10:20:00 switch.fan_plug on_off False"],
+    ),
+    Play("group_of_windows", "binary_sensor.bedroom_window on", ["10:05 binary_sensor.kitchen_window on"]),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
     Play(
         "thirsty_plants",
@@ -676,6 +739,14 @@ async def test_an_automation_does_what_its_author_expects(play: Play) -> None:
         ]
         tasks.cancel_scope.cancel()
     assert sorted(stamped([*gateway.done, *told])) == sorted(play.expected)
+
+
+async def test_a_group_with_a_length_of_time_or_of_all_its_members_is_refused() -> None:
+    found = await imported("group_of_windows")
+    assert [(one.name, one.problem.partition(";")[0]) for one in found.refused] == [
+        ("Windows for long", "trigger state: group.all_windows is known to be on or off, without `for`"),
+        ("All windows open", "group.all_of_them is nothing that homebot knows"),
+    ]
 
 
 def test_each_file_is_also_played_so_that_it_does_nothing_or_less() -> None:

@@ -101,6 +101,10 @@ def _joined(joint: str, alternatives: Sequence[list[Condition]]) -> list[Conditi
 
 def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
     of_any = kind == "state" and fields.text("match", "all") == "any"
+    named, asked = fields.texts_of("entity_id"), fields.texts_of("state") if kind == "state" else []
+    if asked in (["on"], ["off"]) and len(named) == 1 and (members := automation.entities.members(named[0])):
+        fields.left["entity_id"] = fields.left["entity_id"]._replace(value=[Located(one, 0) for one in members])
+        of_any = asked == ["on"]  # a group is on if any of its members is
     states_of_entities = STATES[kind](automation.entities, fields, "state")
     lasting = fields.duration("for")
     length = f" for {lasting}" if lasting else ""

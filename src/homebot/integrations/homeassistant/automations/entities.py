@@ -31,6 +31,9 @@ _HELPERS: Final = frozenset(
     }
 )
 
+_OF_GROUPS: Final = frozenset({"binary_sensor", "fan", "input_boolean", "light", "siren", "switch"})
+"""The domains of members of groups that are on or off."""
+
 _SENSORS: Final = {"binary_sensor": True, "sensor": False}
 """Whether they measure a truth value."""
 
@@ -169,10 +172,15 @@ class Entities:
     Attributes:
         used: Those that were found since it was last emptied, by id.
         notes: Assumptions since then, for people.
+        marks: The helpers that have the time of the last run of the automation that is read, and are not set here.
+
+    Args:
+        groups: The members of groups that files define, by the ids of these.
     """
 
-    def __init__(self, devices: Sequence[Device]) -> None:
+    def __init__(self, devices: Sequence[Device], groups: Mapping[str, Sequence[str]] | None = None) -> None:
         self._devices = devices
+        self._groups = groups or {}
         self._names = Counter(name for device in devices for name in _names(device))
         self._listed = {entity: (device, unit) for device in devices for entity, unit in _listed(device).items()}
         self._named: dict[str, dict[tuple[str, str, str], _Meant]] = {}
@@ -184,9 +192,12 @@ class Entities:
                     (self._named if is_own else self._also_named).setdefault(f"{domain}.{slug}", {})[key] = meant
         self.used: dict[str, KnownEntity] = {}
         self.notes: list[str] = []
+        self.marks: frozenset[str] = frozenset()
 
     def find(self, entity_id: str) -> KnownEntity:
         """Return the entity *entity_id*."""
+        if entity_id in self.marks:
+            raise NotCarriedError(f"{entity_id} has the time of the last run, which a routine asks only how long ago")
         if entity_id not in self.used:
             if not _ID.fullmatch(entity_id):
                 raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
@@ -212,6 +223,15 @@ class Entities:
                 raise NotCarriedError(f"{entity_id} {problem}{_advice(entity_id)}")
             self.used[entity_id] = KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
         return self.used[entity_id]
+
+    def members(self, entity_id: str) -> list[str]:
+        """Return the entities of a group that is on if one of them is; none for another entity."""
+        members = [*self._groups.get(entity_id, ())]
+        return members if all(member.partition(".")[0] in _OF_GROUPS for member in members) else []
+
+    def expanded(self, ids: Iterable[str]) -> list[str]:
+        """Return *ids* with the members of groups in the place of these."""
+        return [member for entity_id in ids for member in (self.members(entity_id) or [entity_id])]
 
     def find_of_device(self, entity_id: str, device_id: str, domain: str, kind: str) -> KnownEntity:
         """Return the entity *entity_id*, which may be an id of the registry that only its device explains.
@@ -382,7 +402,7 @@ def _advice(entity_id: str) -> str:
     """Return how the house gets to know an entity of its kind; empty if nothing special helps."""
     domain, _, name = entity_id.partition(".")
     if domain == "group":
-        return "; name its entities in place of the group"
+        return "; name its entities in place of the group, or give its file, groups.yaml, beside this one"
     if domain == "person":
         return "; write it in the table [people]"
     if domain == "schedule":
@@ -483,6 +503,7 @@ class Automation:
         own_ids: The ends of the ids that it may have in Home Assistant.
         expressions: Templates of its variables, until the first step.
         calling: The texts of all automations of its file.
+        others: The texts of all others of these, and of the scripts.
     """
 
     entities: Entities
@@ -495,6 +516,7 @@ class Automation:
     own_ids: frozenset[str] = frozenset()
     expressions: dict[str, str] = field(default_factory=dict)
     calling: Sequence[str] = ()
+    others: Sequence[str] = ()
 
     def calls_of(self, script: str) -> int:
         """Return the number of automations that call a script."""

@@ -3,6 +3,7 @@
 Source: Home Assistant core 2026.11, ``util/yaml/loader.py`` and ``components/blueprint``.
 """
 
+from contextlib import suppress
 from typing import Final
 
 from homebot.errors import UsageError
@@ -32,6 +33,29 @@ def with_files(document: Located, load: Load | None) -> Located:
         return node._replace(tag="!secret ") if known is None else known._replace(line=node.line)
 
     return replaced(replaced(document, "!include", included), "!secret", secret)
+
+
+def part_of(document: Located, key: str, load: Load | None) -> dict[str, Located]:
+    """Return what a configuration has under *key*, such as ``script``, else the file beside it, by name."""
+    part = document.value.get(key) if isinstance(document.value, dict) else None
+    if part is None and load is not None:
+        with suppress(UsageError):  # a house may have none
+            part = with_files(load(f"{key}s.yaml"), load)
+    return part.value if part is not None and isinstance(part.value, dict) and not part.tag else {}
+
+
+def groups_of(document: Located, load: Load | None) -> dict[str, list[str]]:
+    """Return the members of the groups of a configuration that are on if any of these is, by the ids of the groups.
+
+    Source: Home Assistant core 2026.11, ``components/group``.
+    """
+    groups: dict[str, list[str]] = {}
+    for name, node in part_of(document, "group", load).items():
+        fields = UnreadFields(node if isinstance(node.value, dict) else Located({"entities": node}, node.line), "group")
+        with suppress(NotCarriedError):
+            if not fields.flag("all", default=False):
+                groups[f"group.{name}"] = fields.texts("entities")
+    return groups
 
 
 def from_blueprint(node: Located, blueprint: Located | None, load: Load | None) -> Located:

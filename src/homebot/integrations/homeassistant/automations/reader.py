@@ -5,7 +5,6 @@ domains; the keys of before 2024.10 count as well.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from functools import partial
 from itertools import chain
 from typing import Final, cast
@@ -34,7 +33,8 @@ from homebot.integrations.homeassistant.automations.entities import (
 )
 from homebot.integrations.homeassistant.automations.expressions import round_limit
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
-from homebot.integrations.homeassistant.automations.files import from_blueprint, with_files
+from homebot.integrations.homeassistant.automations.files import from_blueprint, groups_of, part_of, with_files
+from homebot.integrations.homeassistant.automations.run_marks import marked_by, run_marks
 from homebot.integrations.homeassistant.automations.services import steps_of_service
 from homebot.integrations.homeassistant.automations.template_numbers import step_length
 from homebot.integrations.homeassistant.automations.template_times import random_ends
@@ -201,6 +201,10 @@ class Actions:
 
     def _service(self, fields: UnreadFields, kind: str) -> Sequence[Step]:
         """Read the call of a service; for each value that a template chooses it is one branch of a choice."""
+        if (mark := marked_by(fields.left)) in self._automation.entities.marks:
+            fields.left.clear()
+            self._automation.notes.append(f"{mark} is the time of the last run, which homebot knows itself")
+            return []
         call = Located(dict(fields.left), 0)
         ways = templates_of(self._automation).ways(call)
         if not ways:
@@ -520,7 +524,7 @@ class HomeAssistantAutomations:
         nodes = [*_automations(document)]
         if not nodes:
             raise UsageError(f"{source} has no automations")
-        scripts = _scripts(document, load)
+        scripts = part_of(document, "script", load)
         aliases = [_name(node) for node in nodes]
         own = {slug_of(name): name for name in aliases}
         names = NamesOfIds(
@@ -530,12 +534,15 @@ class HomeAssistantAutomations:
         called: dict[str, tuple[int, set[str]]] = {}
         refused: list[Refusal] = []
         apps: set[str] = set()
-        entities = Entities(devices)
+        entities = Entities(devices, groups_of(document, load))
         written_nodes = [str(plain(node)) for node in nodes]
-        for node, name in zip(nodes, aliases, strict=True):
+        written_scripts = [str(plain(script)) for script in scripts.values()]
+        for place, (node, name) in enumerate(zip(nodes, aliases, strict=True)):
             entities.used.clear()
             entities.notes.clear()
-            automation = Automation(entities, names, calling=written_nodes)
+            entities.marks = frozenset()
+            others = [*written_nodes[:place], *written_nodes[place + 1 :], *written_scripts]
+            automation = Automation(entities, names, calling=written_nodes, others=others)
             written: list[str] = []
             with automation.in_line(node.line):
                 plain_node = from_blueprint(node, blueprint, load) if _has(node, "use_blueprint") else node
@@ -546,8 +553,8 @@ class HomeAssistantAutomations:
                 texts.setdefault(name, []).extend(written)
                 called[name] = node.line, {other for other in own.values() if f'"routine {other} o' in written[0]}
             refused += dict.fromkeys(Refusal(problem.line, name, str(problem)) for problem in automation.problems)
-        for name, (line, others) in called.items():
-            if missing := others - texts.keys() - {*routines}:
+        for name, (line, switched) in called.items():
+            if missing := switched - texts.keys() - {*routines}:
                 del texts[name]
                 refused.append(Refusal(line, name, f"it switches {min(missing)!r}, which is not carried over"))
         return ImportedRoutines(tuple(chain(*texts.values())), tuple(refused), len(nodes))
@@ -570,15 +577,6 @@ def _automations(document: Located) -> Iterator[Located]:
                 yield from [value] if value.tag else items_of(value, key)
         return
     yield from document.value if isinstance(document.value, list) else items_of(document, "automations")
-
-
-def _scripts(document: Located, load: Load | None) -> dict[str, Located]:
-    """Return the scripts of a configuration, else those of the file beside it, by name."""
-    scripts = document.value.get("script") if isinstance(document.value, dict) else None
-    if scripts is None and load is not None:
-        with suppress(UsageError):  # a house may have none
-            scripts = with_files(load("scripts.yaml"), load)
-    return scripts.value if scripts is not None and isinstance(scripts.value, dict) and not scripts.tag else {}
 
 
 def _table(
@@ -604,6 +602,7 @@ def _table(
     )
     with automation.in_line(0):
         fields.end()
+    automation.entities.marks = run_marks(actions, automation.others)
     for number, node in enumerate(triggers):
         given = node.value.get("id") if isinstance(node.value, dict) else None
         known = automation.each([node], "trigger", partial(read_triggers, automation))

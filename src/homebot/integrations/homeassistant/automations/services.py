@@ -114,7 +114,10 @@ def _by_words(entity: KnownEntity, service: str) -> list[str]:
 def _entities_of(automation: Automation, target: "_Target", domain: str) -> list[KnownEntity]:
     """Return the entities of *target*, which a service of *domain* commands."""
     entities = automation.entities
-    known = [*map(entities.find, [entity for entity in target.entities if entity != "all"])]
+    ids = [entity for entity in target.entities if entity != "all" and not entities.members(entity)]
+    members = [member for entity in target.entities for member in entities.members(entity)]
+    ids += [member for member in members if domain in {member.partition(".")[0], "homeassistant"}]
+    known = [*map(entities.find, ids)]
     if "all" in target.entities:
         automation.notes.append(f"all means each {domain} that homebot knows now")
         known += entities.of_domain(domain)

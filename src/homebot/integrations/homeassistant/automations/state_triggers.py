@@ -1,6 +1,6 @@
 """Triggers by the states of entities. Pure."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import timedelta
 from typing import Final, NamedTuple
 
@@ -116,6 +116,8 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
     domain = entity_id.partition(".")[0]
     if domain in _OF_TWO_STATES:
         asked = _of_two_states(asked)
+    if members := automation.entities.members(entity_id):
+        return [*_of_group(automation, entity_id, members, asked)]
     if entity_id in {"sun.sun", "zone.home"} or domain == "group":
         return _begun(automation, entity_id, asked)
     entity = automation.entities.find(entity_id)
@@ -136,6 +138,18 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
             raise NotCarriedError(f"any change of {entity_id} with `for`; name the state with `to`")
         return [StartTrigger(_change(automation, entity, asked), entity=entity_id)]
     return _begun(automation, entity_id, asked)
+
+
+def _of_group(automation: Automation, group: str, members: Sequence[str], asked: _AskedState) -> Iterator[StartTrigger]:
+    """Yield the triggers of a group, which is on if any of its members is: of each of these, with the others off."""
+    if asked.states not in (["on"], ["off"]) or asked.before or asked.attribute or asked.lasting:
+        raise NotCarriedError(f"trigger state: {group} is known to be on or off, without `for`; name its entities")
+    (state,) = asked.states
+    off = {member: bracketed(state_texts(automation.entities, member, ["off"])[0]) for member in members}
+    for member in members:
+        (text,) = state_texts(automation.entities, member, [state], "to")
+        needs = tuple((text,) for other, text in off.items() if other != member)
+        yield StartTrigger(text, entity=group, state=state, needs=needs)
 
 
 def _left(automation: Automation, entity_id: str, state: str, asked: _AskedState) -> StartTrigger:

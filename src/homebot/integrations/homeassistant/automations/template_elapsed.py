@@ -87,6 +87,12 @@ def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
             args=[nodes.Const(value=entity), nodes.Const(value="last_triggered")],
         ):
             return str(entity).removeprefix("automation.") in automation.own_ids
+        case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value=entity)]):
+            return entity in automation.entities.marks
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=entity), nodes.Const(value="timestamp")]
+        ):
+            return entity in automation.entities.marks
         case nodes.Call(node=nodes.Name(name="state_attr"), args=[inner, nodes.Const(value="last_triggered")]):
             return path_of(inner) == ("this", "entity_id")
         case nodes.Getattr(node=nodes.Getattr(attr="attributes") as inner, attr="last_triggered"):

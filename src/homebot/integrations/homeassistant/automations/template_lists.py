@@ -53,7 +53,7 @@ class EntityList(NamedTuple):
         """
         if not self.ids and (of_class := self._of_classes()):
             return of_class
-        entities = [*map(automation.entities.find, self.ids)]
+        entities = [*map(automation.entities.find, automation.entities.expanded(self.ids))]
         if not self.ids:
             entities = automation.entities.of_class(self.domain, self.classes)
             automation.notes.append(f"states.{self.domain} means the devices that homebot knows now")
@@ -83,7 +83,7 @@ def entity_list(node: nodes.Node | None) -> EntityList | None:
         case nodes.Getattr() if len(path := path_of(node)) == 2 and path[0] == "states":
             return EntityList(domain=path[1])
         case nodes.Call(node=nodes.Name(name="expand"), args=args):
-            lists = [*map(entity_list, args)]
+            lists = [_group(arg) or entity_list(arg) for arg in args]
             ids = [known.ids for known in lists if known is not None]
             return EntityList(sum(ids, ())) if lists and None not in lists and all(ids) else None
         case nodes.Const(value=str(entity)) if "." in entity and not entity.startswith("group."):
@@ -94,6 +94,14 @@ def entity_list(node: nodes.Node | None) -> EntityList | None:
             return EntityList(sum(ids, ())) if None not in lists and all(ids) else None
         case nodes.Filter(node=inner) if (known := entity_list(inner)) is not None:
             return _filtered(known, node)
+    return None
+
+
+def _group(node: nodes.Node) -> EntityList | None:
+    """Return the members of the group that *node* names, as ``expand`` takes them; None for another expression."""
+    match node:
+        case nodes.Const(value=str(entity)) if entity.startswith("group."):
+            return EntityList((entity,))
     return None
 
 
@@ -208,7 +216,8 @@ def names_text(automation: Automation, known: EntityList, *, with_states: bool =
     query = texts[0] if len(texts) == 1 else f"({' or '.join(texts)})"
     if not with_states:
         return f"{{names of {query}}}"
-    entities = [*map(automation.entities.find, known.ids)] or automation.entities.of_class(known.domain, known.classes)
+    ids = automation.entities.expanded(known.ids)
+    entities = [*map(automation.entities.find, ids)] or automation.entities.of_class(known.domain, known.classes)
     capabilities = {*of_class} or {entity.capability for entity in entities}
     if len(capabilities) != 1 or "" in capabilities:
         raise NotCarriedError("template: a list of entities with their states, which are of several kinds")

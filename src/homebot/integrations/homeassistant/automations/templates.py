@@ -271,7 +271,7 @@ class Templates:
                 return nodes.Const(option)
             return rebuilt(inner, lambda other: put(other, option))
 
-        return [([self._state(entity, option)], [folded(put(node, option))]) for option in options]
+        return [(self._in_state(entity, option), [folded(put(node, option))]) for option in options]
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
@@ -294,7 +294,7 @@ class Templates:
                     left = operand.expr
                 return conditions
             case nodes.Call(node=nodes.Name(name="is_state"), args=[nodes.Const(value=str(entity)), wanted]):
-                return self._any_of([[self._state(entity, str(state))] for state in constants_in(wanted)])
+                return self._any_of([self._in_state(entity, str(state)) for state in constants_in(wanted)])
             case nodes.Call(
                 node=nodes.Name(name="is_state_attr"),
                 args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute), nodes.Const(value=value)],
@@ -385,9 +385,13 @@ class Templates:
         """Return the condition that a state started it: any other trigger has none, and ends with an error."""
         return self.started_by([trigger for trigger in self._automation.triggers if trigger.entity])
 
-    def _state(self, entity: str, state: str) -> Condition:
-        (text,) = state_texts(self._automation.entities, entity, [state])
-        return (bracketed(text),)
+    def _in_state(self, entity: str, state: str) -> list[Condition]:
+        """Return the conditions that an entity is in a state: a group is on if any of its members is, else off."""
+        entities = self._automation.entities
+        members = entities.members(entity) if state in {"on", "off"} else []
+        texts = [text for one in members or [entity] for text in state_texts(entities, one, [state])]
+        held = [(bracketed(text),) for text in texts]
+        return self._any_of([[condition] for condition in held]) if members and state == "on" else [*held]
 
     def _compared(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
         if sign in {"in", "notin"}:
@@ -443,7 +447,7 @@ class Templates:
         if (unit := unit_of_now(left)) and type(value) is int:
             return of_time(unit, "==", value)
         if entity := state_entity(left):
-            return [self._state(entity, str(value))]
+            return self._in_state(entity, str(value))
         match left:
             case nodes.Call(
                 node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
