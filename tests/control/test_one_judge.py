@@ -25,12 +25,15 @@ from homebot.devices.handles import Handle, HandleChange, Light
 from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry, KnownCause
 from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome, Refused
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 from homebot.features.habits.recorded import is_persons
 from homebot.features.identify.candidates import CandidatePart
 from homebot.features.identify.kept_values import KeptValues
 
 pytestmark = pytest.mark.virtual_time
+
+_MAX_MESSAGE_S = 0.01
+"""Entries of the journal that differ by less are about one report."""
 
 
 class Commanding(Protocol):
@@ -66,6 +69,7 @@ class Play(NamedTuple):
 PERSON = frozenset({"person", "unknown"})
 COMMAND = frozenset({"command", "transition"})
 DEVICE = frozenset({"device"})
+SETTERS: tuple[SetBy, ...] = ("person", "program")
 LIGHT: dict[str, PlainValue] = {"on_off": False, "level": 10.0}
 BLIND: dict[str, PlainValue] = {"position": 100.0}
 
@@ -93,6 +97,17 @@ async def _set(home: Home, **settings: PlainValue) -> Outcome:
     client = home.app.create_client(PerformCommand, PERFORM_COMMAND)
     wanted = tuple(Setting.of(name, value) for name, value in settings.items())
     return await client.call(CommandRequest(device="lamp", settings=wanted, issuer="/app"), timeout=900)
+
+
+def _as_home_assistant_knows(seconds: float, set_by: SetBy) -> Act:
+    """Turn the lamp on by a command, and off so long after by whoever Home Assistant names."""
+
+    async def act(home: Home, lamp: Commanding) -> None:
+        await lamp.command("on_off", True)
+        await anyio.sleep(seconds)
+        await home.gateway.devices.report("lamp", {"on_off": False}, set_by=set_by)
+
+    return act
 
 
 def _cut_fade(seconds: float) -> Act:
@@ -240,6 +255,18 @@ PLAYS = {
         )
         for seconds in (60.0, 300.0, 900.0, 1200.0, 1800.0, 3600.0)
     },
+    **{
+        f"a {set_by} in Home Assistant {seconds} s after a command": Play(
+            "light",
+            ("on_off", "level"),
+            LIGHT,
+            _as_home_assistant_knows(seconds, set_by),
+            "on_off",
+            frozenset({str(set_by)}),
+        )
+        for set_by in SETTERS
+        for seconds in (0.5, 5.0, 60.0)
+    },
     "a blind moved by hand": Play("window_covering", ("position",), BLIND, _move_by_hand, "position", PERSON),
     "a hand at the dimmer between two commands": Play(
         "light", ("on_off", "level"), LIGHT, _dim_by_hand, "level", PERSON, 3
@@ -279,6 +306,8 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         told = [one for one in (await home.read()).entries if one.device == "lamp" and _cause(one, play.of)]
         assert _cause(told[-1], play.of) in play.cause
         newest = await _cause_of(home, play)
+        last = [one for one in told if told[-1].at.to_seconds() - one.at.to_seconds() < _MAX_MESSAGE_S]
+        assert {_cause(one, play.of) for one in last} == {newest.cause}
         assert newest.may_be_person == (play.cause <= PERSON)
         assert newest.cause in play.cause
         assert await changes[-1].cause(play.of) == newest
@@ -323,7 +352,7 @@ HELD = (
 
 
 @pytest.mark.parametrize("play", [PLAYS[name] for name in HELD], ids=HELD)
-async def test_a_lease_that_commands_in_a_play_yields_only_to_a_person(open_home: OpenHome, play: Play) -> None:
+async def test_a_lease_in_a_play_yields_only_to_a_person_or_program(open_home: OpenHome, play: Play) -> None:
     """Nobody may stand at a lamp that has lost its power, whatever it reports after that."""
     async with open_home() as home:
         kind = play.service_type
@@ -332,7 +361,7 @@ async def test_a_lease_that_commands_in_a_play_yields_only_to_a_person(open_home
         await play.act(home, _Holder(home))
         await anyio.sleep(15)
         (held,) = await home.leases()
-        assert bool(held.saw) == (play.cause == PERSON)
+        assert bool(held.saw) == bool(play.cause & {"person", "program"})
         assert len(home.commands) <= play.messages + (play.cause == {"unknown"})  # only the power cut is made good
 
 

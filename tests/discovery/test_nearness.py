@@ -419,6 +419,24 @@ async def test_failed_commands_count_metres() -> None:
             }
 
 
+@pytest.mark.parametrize("cause", ["person", "program"])
+async def test_a_device_is_not_farther_as_somebody_else_undid_its_command(cause: str) -> None:
+    async with golden() as house:
+        done = _outcome("hall_lamp", house.app.graph.clock.now(), "confirmed")
+        undone = _outcome("hall_lamp", house.app.graph.clock.now(), "reverted")
+        past = [*[done] * 4, undone.model_copy(update={"kind": "reverted", "cause": cause})]
+        async with Node(house.app.graph, "journal") as journal:
+
+            def read(_: ReadJournalRequest) -> ReadJournalResponse:
+                return ReadJournalResponse(entries=tuple(past))
+
+            journal.create_service(ReadJournal, READ_JOURNAL, read)
+            await house.robot_at(3.5, 1.0)
+            await house.find("lamp near robi")
+            await anyio.sleep(0.01)
+            assert "0 of 4 commands failed" in (await house.why("lamp near robi"))["hall_lamp"]
+
+
 def _outcome(device: str, at: float, outcome: str) -> JournalEntry:
     result = CommandResult(command_id="c", outcome=outcome, text="")
     return JournalEntry(kind="outcome", at=Time.from_seconds(at), device=device, results=(result,))

@@ -257,7 +257,7 @@ class LeaseService:
         return LeaseState(held=False, outcome=Refused(policy, reason))
 
     def _on_outranked(self, lease: Lease) -> None:
-        self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
+        self._log("control.hand", lease, f"is held {lease.held_value}, but outranked: {lease.saw}")
         self._record("outranked", lease, lease.yielded_to, lease.saw)
 
     def _hand_back(self, lease: Lease) -> None:

@@ -81,7 +81,7 @@ class PastOutcomes:
         tally = self._tallies.setdefault(entry.device, _Tally())
         weight = 2.0 ** ((entry.at.to_seconds() - self._begin) / _HALF_LIFE)
         if entry.kind == "reverted":  # after a success
-            if entry.cause == "person":
+            if entry.cause in {"person", "program"}:
                 return
             tally.succeeded -= weight
             tally.failures += 1

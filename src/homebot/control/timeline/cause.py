@@ -24,7 +24,9 @@ Roles: TypeAlias = Iterable[tuple[CommandProgress, ReportRole]]
 def judge(fact: Reported, roles: Roles) -> Attribution:
     """Return the cause of a report: the only answer to this question; it is stored in the report."""
     if fact.set_by:
-        return Attribution(Cause.PERSON if fact.set_by == "person" else Cause.PROGRAM)
+        setter = Cause.PERSON if fact.set_by == "person" else Cause.PROGRAM
+        undone = [command for command, role in roles if role is ReportRole.UNDONE and not command.is_raw]
+        return Attribution(setter, undone[0].order.id, ReportRole.UNDONE) if undone else Attribution(setter)
     answered, is_led_away = "", False
     for command, role in roles:
         cause = explanation(role, fact, command)

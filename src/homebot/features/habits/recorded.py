@@ -42,7 +42,7 @@ class Home(NamedTuple):
 
 def is_persons(entry: JournalEntry) -> bool:
     """Return whether a person did this by hand, on the page, or as the owner."""
-    if entry.kind == "changed":
+    if entry.kind in {"changed", "reverted"}:  # also within seconds of a command
         return entry.cause == "person"
     return entry.kind == "requested" and is_from_person(entry.issuer, entry.trigger)
 
