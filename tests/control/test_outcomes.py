@@ -739,7 +739,7 @@ async def test_a_lamp_that_goes_back_is_told_as_an_event(home: Home) -> None:
     (event,) = home.events
     assert (event.result.outcome, round(event.result.latency), event.issuer) == ("reverted", 3, "/app")
     assert event.result.command_id == outcome.command_id
-    assert event.result.text == "changed back after 3 s, by a hand or by itself"
+    assert event.result.text == "changed back after 3 s, by hand or by itself"
 
 
 async def test_a_value_that_is_lost_did_not_go_back(home: Home) -> None:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Final, NamedTuple, final
 
+from homebot.devices.outcomes import cause_text
 from homebot.devices.wording.journal_words import issuer_text, name_text, settings_text, trigger_text
 from homebot.devices.wording.time_format import to_seconds
 from homebot.devices.wording.values import plain_value
@@ -83,7 +84,7 @@ class Story:
             case "outcome" | "reverted":
                 self._add_outcome(entry)
             case "changed":
-                self._add(entry, _CHANGED, f"{settings_text(entry.settings)}, by hand or by itself", "dim")
+                self._add(entry, _CHANGED, f"{settings_text(entry.settings)}, {cause_text(entry.cause)}", "dim")
 
     def add_change(self, change: DeviceChange, at: float) -> None:
         """Add a line for a device that disappeared or returned."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.outcomes import has_succeeded
+from homebot.devices.outcomes import cause_text, has_succeeded
 from homebot.devices.wording.journal_words import entry_text, issuer_text, name_text, settings_text, trigger_text
 from homebot.devices.wording.values import plain_value
 from homebot.support.bounded_map import BoundedMap
@@ -31,13 +31,6 @@ _WHY: Final = 32
 _MAX_VALUES: Final = 10_000
 """The limit of known values, and of commands; the oldest are dropped."""
 
-_CAUSES: Final = {
-    "person": "by hand",
-    "program": "by another program",
-    "device": "by itself",
-    "unknown": "by hand or by itself",
-    "command": "raw text",
-}
 _Place: TypeAlias = tuple[str, str, str]
 _Value: TypeAlias = tuple[str, str, str, str]
 """Device, part, capability, and the value as text."""
@@ -153,11 +146,10 @@ class HouseLines:
         if command is not None:
             command.is_seen = True
         issuer = issuer_text(entry.issuer) if entry.issuer else ""
-        why = (
-            "as commanded"
-            if entry.kind == "reported" and entry.cause not in {"person", "program"}
-            else _CAUSES.get(entry.cause, "")
-        )
+        if entry.kind == "reported" and entry.cause not in {"person", "program"}:
+            why = "as commanded"
+        else:
+            why = "raw text" if entry.cause == "command" else cause_text(entry.cause)
         for setting in entry.settings:
             key = (entry.device, entry.part, setting.capability, str(plain_value(setting.value)))
             waiting = next((change for change in self._waiting if key in change.keys and not change.line.why), None)

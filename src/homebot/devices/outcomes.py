@@ -158,12 +158,13 @@ class Reverted(Outcome):
     cause: str = "unknown"
 
     def _clause(self) -> str:
-        return f"changed back after {_seconds_text(self.after)} s, {reverted_by(self.cause)}"
+        return f"changed back after {_seconds_text(self.after)} s, {cause_text(self.cause)}"
 
 
-def reverted_by(cause: str) -> str:
-    """Return the cause of an undoing, in words."""
-    return {"device": "by itself, as usual", "person": "by a hand"}.get(cause, "by a hand or by itself")
+def cause_text(cause: str) -> str:
+    """Return the cause of a change that no command explains, or of an undoing, in words."""
+    words = {"device": "by itself", "person": "by hand", "program": "by another program"}
+    return words.get(cause, "by hand or by itself")
 
 
 @dataclass(frozen=True, slots=True)

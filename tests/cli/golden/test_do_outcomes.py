@@ -25,7 +25,7 @@ CASES: tuple[tuple[Outcome, str, int], ...] = (
     (Confirmed(0.412, Evidence.REPORTED, command_id="a-1"), "confirmed after 0.41 s (reported)", 0),
     (AlreadySo(command_id="a-2"), "it was so already", 0),
     (Contradicted("on_off: on", command_id="a-3"), "contradicted: on_off: on", 1),
-    (Reverted(6.0, command_id="a-4"), "changed back after 6 s, by a hand or by itself", 1),
+    (Reverted(6.0, command_id="a-4"), "changed back after 6 s, by hand or by itself", 1),
     (NoAnswer(9.0, command_id="a-5"), "no answer within 9 s", 1),
     (Superseded("a-9", command_id="a-6"), "superseded by command a-9{names_issuer}", 1),
     (
@@ -34,7 +34,7 @@ CASES: tuple[tuple[Outcome, str, int], ...] = (
         1,
     ),
     (Gone(command_id="a-8"), "the device was removed", 1),
-    (Reverted(6.0, "person", command_id="a-4"), "changed back after 6 s, by a hand", 1),
+    (Reverted(6.0, "person", command_id="a-4"), "changed back after 6 s, by hand", 1),
 )
 """Outcomes, their words, and the exit code."""
 

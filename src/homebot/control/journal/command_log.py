@@ -12,7 +12,7 @@ from homebot.devices import Device
 from homebot.devices.client_rights import is_client
 from homebot.devices.device import ChangedSetting
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.outcomes import AlreadySo, Gone, Refused
+from homebot.devices.outcomes import AlreadySo, Gone, Refused, cause_text
 from homebot.devices.wording.journal_words import settings_text
 from homebot.devices.wording.values import value_text
 from homebot.graph import Node
@@ -26,8 +26,6 @@ FIGHT: Final = "control.fight"
 _INTERVAL: Final = 60.0
 _LINES: Final = 60
 """Lines a minute for the commands of one issuer, or for changes; the next minute's line counts the others."""
-
-_CAUSES: Final = {"person": "by hand", "device": "by itself", "program": "by another program"}
 
 _DELAY: Final = 0.05
 """Seconds after which lines are written, so that commands do not wait for them."""
@@ -85,8 +83,8 @@ class CommandLog:
         label = _label(change, device)
         values = " → ".join(value_text(change.capability, value) for value in (before, change.value.plain()))
         what = values if isinstance(before, bool) else f"{change.capability.replace('_', ' ')} {values}"
-        why = _CAUSES.get(cause, "by hand or by itself")
-        self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)
+        text = f"{label}: {what}, {cause_text(cause)}{end}"
+        self._node.log.info(CHANGED, message=text, device=change.device, cause=cause)
 
     def _log(self, command: CommandChain, ended: JournalNote) -> None:
         """Log a command, unless its issuer has too many lines; then no text is built."""

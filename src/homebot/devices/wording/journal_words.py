@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeAlias
 
-from homebot.devices.outcomes import has_succeeded, reverted_by
+from homebot.devices.outcomes import cause_text, has_succeeded
 from homebot.devices.wording.time_format import ago, to_seconds
 from homebot.devices.wording.values import plain_value, value_text
 from homebot.feature import cause_words
@@ -236,7 +236,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
         return _REASONS.get(first.cause, _UNEXPLAINED)
     if last.kind == "reverted":
         asked = f"{issuer_text(first.issuer)} had asked for {settings_text(first.settings)}"
-        return f"it changed back, {reverted_by(last.cause)}, after {asked}"
+        return f"it changed back, {cause_text(last.cause)}, after {asked}"
     reported = [(entry.device, entry.part) for entry in chain if entry.kind == "reported"]
     if chain[0].kind == "requested" and bool(reported) and (chain[0].device, chain[0].part) not in reported:
         asked_part = f"asked {name_text(first.device, names, first.part)} for"
