@@ -140,6 +140,11 @@ socket.onmessage = (event) => JSON.parse(event.data).service === "/control/hold"
 """
 """Holds a lamp off, as a robot does."""
 
+NEVER_LATER = """
+const later = setTimeout;
+globalThis.setTimeout = (work, delay) => (delay === 2000 ? 0 : later(work, delay));
+"""
+
 HISTORY = """
 const done = arguments[0];
 const socket = new WebSocket(location.origin.replace(/^http/, "ws"));
@@ -589,6 +594,19 @@ async def test_an_alert_of_which_people_are_told_again_has_a_button_until_somebo
     async with keeping(SMOKE) as (broker, _), page(services=(broker,)) as own:
         await own.open(shows="is there a fire?")
         await own.hides("I have seen it")  # nobody is told
+
+
+async def test_an_alert_on_the_first_view_is_in_the_language_of_the_page_at_once(browser: Any, page: OpenPage) -> None:
+    """Its texts are loaded with those of later views, after two seconds."""
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NEVER_LATER})
+    async with keeping(SMOKE) as (broker, _), page(services=(broker,)) as own:
+        await own.open("?language", shows="Kitchen smoke")
+        await to_thread.run_sync(browser.execute_script, "localStorage.setItem('homebot.language', 'de')")
+        await own.open("?german", shows="Brennt es?")
+        await own.shows("Rauch oder Hitze")
+        assert own.problems() == []
+        await to_thread.run_sync(browser.execute_script, "localStorage.clear()")
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
 
 async def test_the_first_plot_of_a_plug_is_its_power(page: OpenPage) -> None:

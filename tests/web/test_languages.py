@@ -17,8 +17,10 @@ from homebot.devices.wording.values import flag_texts
 from homebot.features.routines.gallery import gallery
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
-REASONS: dict[str, list[str]] = json.loads((SOURCE / "reasons.json").read_text())
-TABLE: dict[str, list[str]] = json.loads((SOURCE / "languages.json").read_text()) | REASONS
+PAGE, TOLD, REASONS = (
+    dict[str, list[str]](json.loads((SOURCE / f"{name}.json").read_text())) for name in ("languages", "told", "reasons")
+)
+TABLE = PAGE | TOLD | REASONS
 FEATURES = SOURCE.parents[1] / "features"
 TEXTS = "\n".join(one.read_text() for one in (*SOURCE.rglob("*.js"), *FEATURES.rglob("page/*.js")))
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
@@ -38,6 +40,10 @@ def spoken(name: str) -> str:
 def test_a_text_has_five_translations_with_the_same_fields() -> None:
     fields = {english: [set(FIELD.findall(one)) for one in found if one.strip()] for english, found in TABLE.items()}
     assert [english for english, found in fields.items() if found != [set(FIELD.findall(english))] * 5] == []
+
+
+def test_a_text_stands_in_one_table() -> None:
+    assert len(TABLE) == len(PAGE) + len(TOLD) + len(REASONS)
 
 
 def test_every_text_of_the_page_is_translated() -> None:

@@ -1,1 +1,1 @@
-import"./chunk-YCDYLEI5.js";
+import"./chunk-VQMOVCEH.js";

@@ -13,12 +13,12 @@ for (const name of features) cpSync(`${folder}/${name}/page`, `features/${name}`
 const imports = features.map((name) => `import { page as ${name} } from "./features/${name}/page.js";\n`);
 writeFileSync("features.js", `${imports.join("")}\nexport const FEATURES = [${features.join(", ")}];\n`);
 
-const [texts, reasons] = ["languages.json", "reasons.json"].map((name) => JSON.parse(readFileSync(name, "utf8")));
+const [texts, told, reasons] = ["languages.json", "told.json", "reasons.json"].map((name) => JSON.parse(readFileSync(name, "utf8")));
 const sources = readdirSync(".", { recursive: true }).filter((name) => name.endsWith(".js") && !/node_modules|^languages|^collect/.test(name) && statSync(name).isFile());
 const textOf = (name) => readFileSync(name, "utf8");
 const later = new Set(sources.flatMap((name) => [...textOf(name).matchAll(/\bimport\("(.+?)"\)/g)].map(([, path]) => join(dirname(name), path))));
 
-// Texts of which only later views speak, and reasons, are in a file of their own; what no source says, homebot does.
+// Texts of which only later views speak are in a file of their own; so is what homebot says and no tile shows, and reasons.
 const first = new Set();
 const reach = (name) => {
   if (first.has(name) || !existsSync(name)) return;
@@ -28,24 +28,27 @@ const reach = (name) => {
 reach("page.js");
 const saidIn = (names) => names.map(textOf).join("\n");
 const [early, lately] = [saidIn([...first]), saidIn(sources.filter((name) => !first.has(name)))];
-const isLate = (text) => text in reasons || (!early.includes(JSON.stringify(text)) && lately.includes(JSON.stringify(text)));
+const isLate = (text) => text in told || text in reasons || (!early.includes(JSON.stringify(text)) && lately.includes(JSON.stringify(text)));
 
-const rows = Object.entries({ ...texts, ...reasons });
+const rows = Object.entries({ ...texts, ...told, ...reasons });
 let factor = 33;
 while (new Set(rows.map(([text]) => keyOf(text, factor))).size < rows.length) factor += 2;
 writeFileSync("text_key.js", readFileSync("text_key.js", "utf8").replace("FACTOR = 0", `FACTOR = ${factor}`));
 mkdirSync("languages", { recursive: true });
 ["de", "fr", "es", "nl", "it"].forEach((language, column) => {
-  const [own, late] = [false, true].map((isLater) => Object.fromEntries(rows.filter(([text]) => isLate(text) === isLater).map(([text, row]) => [keyOf(text, factor), row[column]])));
-  writeFileSync(`languages/${language}.js`, `export const texts = ${JSON.stringify(own)};\n`);
-  writeFileSync(`languages/${language}_late.js`, `export const texts = ${JSON.stringify(late)};\nexport const reasons = ${JSON.stringify(Object.keys(reasons))};\n`);
+  for (const isLater of [false, true]) {
+    const own = rows.filter(([text]) => isLate(text) === isLater);
+    const lines = [own.map(([text]) => keyOf(text, factor)).join(""), ...own.map(([, row]) => row[column])]; // the keys in one line pack best
+    const forms = isLater ? `export const reasons = ${JSON.stringify(Object.keys(reasons))};\n` : "";
+    writeFileSync(`languages/${language}${isLater ? "_late" : ""}.js`, `export const texts = ${JSON.stringify(lines.join("\n"))};\n${forms}`);
+  }
 });
 
 for (const name of sources) {
   const signs = [...new Set([...textOf(name).matchAll(/\bmdi\.(\w+)/g)].map(([, sign]) => sign))];
   const own = textOf(name).replace('import * as mdi from "@mdi/js";', signs.map((sign) => `const ${sign} = "${mdi[sign]}";`).join("\n")).replaceAll("mdi.mdi", "mdi");
-  // What is loaded later names the page, so that what the page has itself is in no file of its own.
-  writeFileSync(name, later.has(name) && name !== "rare_icons.js" ? `${own}\nimport "${"../".repeat(name.split("/").length - 1) || "./"}page.js";\n` : own);
+  // What is loaded later names the page or the second file, so that what these have themselves is in no file of its own.
+  writeFileSync(name, later.has(name) ? `${own}\nimport "${"../".repeat(name.split("/").length - 1) || "./"}${["soon.js", "rare_icons.js"].includes(name) ? "page" : "soon"}.js";\n` : own);
 }
 
 // Sizes that nothing changes are written where they are used, and colors have short names: that packs better.

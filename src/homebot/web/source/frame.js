@@ -2,19 +2,20 @@
 import { signal } from "@preact/signals";
 import { outcome } from "./acts.js";
 import { urgent, withAdded } from "./added.js";
-import { EXPIRED, connection, heardAt, logIn, logOut, missing, token } from "./door.js";
+import { connection, heardAt, missing } from "./door.js";
 import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
 import { say } from "./language.js";
-import { later } from "./later.js";
+import { later, soon } from "./later.js";
 import { Agreement, Questions } from "./questions.js";
 import { wall } from "./screen.js";
 import { openOf } from "./summaries.js";
 import { sheet } from "./tile.js";
 import { timeText } from "./words.js";
 
-const Sheet = later(async () => (await import("./sheet.js")).Sheet);
+const LogIn = soon("LogIn");
+const Sheet = soon("Sheet");
 const Wall = later(async () => (await import("./wall.js")).Wall);
 
 /** Whether the form for a token is open. */
@@ -55,21 +56,4 @@ export function Frame({ above, children }) {
       <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
         ${outcome.value?.text} ${outcome.value?.override && html`<button type="button" onClick=${outcome.value.override}>${say("Command it all the same?")}</button>`} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
       </p></div>`;
-}
-
-function LogIn({ reason }) {
-  const submit = (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
-    isLoggingIn.value = false;
-    logIn(given.get("token").trim(), given.get("remember") === "on");
-  };
-  return html`<form class="card fields" aria-label=${say("log in")} onSubmit=${submit}>
-    ${reason && html`<p class="bad">${say(reason)}</p>`}
-    <p>${say("The code that homebot run prints lets a first screen in.")}</p>
-    <p>${say("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
-    <label><span>${say("Token or code")}</span> <input type="password" name="token" autocomplete="off" required /></label>
-    <label class="check"><input type="checkbox" name="remember" /> ${say("keep it in this browser")}</label>
-    <p class="buttons"><button class="chief">${say("log in")}</button> ${reason && (token.value || reason === EXPIRED) && html`<button type="button" onClick=${logOut}>${say("go on without a token")}</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>${say("not now")}</button>`}</p>
-  </form>`;
 }

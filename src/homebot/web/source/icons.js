@@ -48,13 +48,8 @@ export const SIGNS = {
   pause: mdi.mdiPause,
   quieter: mdi.mdiVolumeMinus,
   louder: mdi.mdiVolumePlus,
-  muted: mdi.mdiVolumeOff,
   dock: mdi.mdiHomeImportOutline,
-  locate: mdi.mdiMapMarker,
   alert: mdi.mdiAlert,
-  fire: mdi.mdiFire,
-  leak: mdi.mdiWaterAlert,
-  off: mdi.mdiWifiOff,
   hide: mdi.mdiEyeOff,
   show: mdi.mdiEye,
 };

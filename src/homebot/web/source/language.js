@@ -6,14 +6,20 @@ export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "E
 /** Each language is loaded when it is chosen: what the first views say. */
 const LOADERS = { de: () => import("./languages/de.js"), es: () => import("./languages/es.js"), fr: () => import("./languages/fr.js"), it: () => import("./languages/it.js"), nl: () => import("./languages/nl.js") };
 const LATE = { de: () => import("./languages/de_late.js"), es: () => import("./languages/es_late.js"), fr: () => import("./languages/fr_late.js"), it: () => import("./languages/it_late.js"), nl: () => import("./languages/nl_late.js") };
-const ENGLISH = { texts: {} };
-const SOON = 2000; // ms after which the rest is loaded in any case
+const ENGLISH = { texts: "" };
+export const SOON = 2000; // ms after which the rest is loaded in any case
 const CHOICE = "homebot.language";
 
 const first = [localStorage.getItem(CHOICE), ...navigator.languages].map((one) => one?.slice(0, 2)).find((one) => one in LANGUAGES) ?? "en";
 const tableOf = async (name) => (await LOADERS[name]?.().catch(() => {})) ?? ENGLISH; // English, where homebot is away
 
-const table = signal((await tableOf(first)).texts);
+/** Texts by their keys: the keys, of three letters, are the first line. */
+function byKey(lines) {
+  const [keys, ...texts] = lines.split("\n");
+  return new Map(texts.map((text, at) => [keys.slice(3 * at, 3 * at + 3), text]));
+}
+
+const table = signal(byKey((await tableOf(first)).texts));
 let patterns = [];
 let rest = null;
 
@@ -21,10 +27,10 @@ let rest = null;
 export const loadRest = () => (rest ??= addRest(language.value).catch(() => (rest = null)));
 
 async function addRest(name) {
-  const { texts, reasons } = (await LATE[name]?.()) ?? { texts: {}, reasons: [] };
+  const { texts, reasons } = (await LATE[name]?.()) ?? { ...ENGLISH, reasons: [] };
   if (name !== language.value) return;
   patterns = patternsOf(reasons);
-  table.value = { ...table.value, ...texts };
+  table.value = new Map([...table.value, ...byKey(texts)]);
 }
 setTimeout(loadRest, SOON);
 
@@ -37,7 +43,7 @@ effect(() => (document.documentElement.lang = language.value));
 
 export async function choose(name) {
   localStorage.setItem(CHOICE, name);
-  table.value = (await tableOf(name)).texts;
+  table.value = byKey((await tableOf(name)).texts);
   [patterns, rest] = [[], null];
   language.value = name;
   await loadRest();
@@ -45,7 +51,9 @@ export async function choose(name) {
 
 /** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
 export function say(text, values = {}) {
-  const found = (language.value === "en" ? null : table.value[keyOf(text)]) ?? text.replace(/\|\w+$/, "");
+  const own = language.value === "en" ? "" : table.value.get(keyOf(text));
+  if (own === undefined) loadRest(); // a first view shows what few do, such as an alert
+  const found = own || text.replace(/\|\w+$/, "");
   return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
 }
 

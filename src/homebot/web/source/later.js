@@ -3,7 +3,7 @@ import { effect, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { connection } from "./door.js";
 import { html } from "./html.js";
-import { loadRest } from "./language.js";
+import { SOON, loadRest } from "./language.js";
 
 /** Whether a view could not be loaded: homebot is away, or was updated, so that its files have other names. */
 const isOutdated = signal(false);
@@ -24,3 +24,7 @@ export function later(load) {
     return View && html`<${View} ...${props} />`;
   };
 }
+
+/** What the second file has. */
+export const soon = (name) => later(async () => (await import("./soon.js"))[name]);
+setTimeout(() => import("./soon.js").catch(() => {}), SOON);

@@ -8,14 +8,11 @@ import { Frame } from "./frame.js";
 import { follow, isLoaded, nameOf } from "./house.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
-import { later } from "./later.js";
+import { later, soon } from "./later.js";
 import "./offline.js";
 import { startOf, wall } from "./screen.js";
 import { sheet } from "./tile.js";
 import { Home } from "./views/home.js";
-import { Lights } from "./views/lights.js";
-import { More } from "./views/more.js";
-import { Room } from "./views/room.js";
 import { loadVocabulary, titled } from "./words.js";
 
 /** Each view: its title, its component, the view of the rail that is `above` it, and whether it has a heading of its own; without a title, it is of one thing that the address names. */
@@ -23,14 +20,14 @@ const VIEWS = {
   home: { title: "Home", View: Home, hasHead: true },
   security: { title: "Security", View: later(async () => (await import("./views/security.js")).Security), hasHead: true },
   climate: { title: "Climate", View: later(async () => (await import("./views/climate.js")).Climate), hasHead: true },
-  lights: { title: "Lights", View: Lights, above: "home", hasHead: true },
+  lights: { title: "Lights", View: soon("Lights"), above: "home", hasHead: true },
   plan: { title: "Plan", View: later(async () => (await import("./views/plan.js")).Plan) },
   journal: { title: "Journal", View: later(async () => (await import("./views/journal.js")).Journal) },
   system: { title: "System", View: later(async () => (await import("./views/system.js")).System) },
-  more: { title: "More", View: More, hasHead: true },
+  more: { title: "More", View: soon("More"), hasHead: true },
   setup: { title: "Set up", View: later(async () => (await import("./views/setup.js")).Setup), above: "system" },
   device: { title: "", View: later(async () => (await import("./views/device.js")).Device), above: "home", hasHead: true },
-  room: { title: "", View: Room, above: "home", hasHead: true },
+  room: { title: "", View: soon("Room"), above: "home", hasHead: true },
   graph: { title: "Graph", View: later(async () => (await import("./views/graph.js")).Graph), above: "system" },
   rates: { title: "Rates", View: later(async () => (await import("./views/rates.js")).Rates), above: "system" },
   ...ADDED,

@@ -1,5 +1,6 @@
 // Icons of things that few houses have, first where they are on, open or moved, then where they are not.
 import * as mdi from "@mdi/js";
+import { SIGNS } from "./icons.js";
 
 export const RARE_THINGS = {
   dishwasher: [mdi.mdiDishwasher, mdi.mdiDishwasher],
@@ -13,14 +14,14 @@ export const RARE_THINGS = {
   shutter: [mdi.mdiWindowShutterOpen, mdi.mdiWindowShutter],
   curtain: [mdi.mdiCurtains, mdi.mdiCurtainsClosed],
   awning: [mdi.mdiStorefront, mdi.mdiStorefrontOutline],
-  garage_door: [mdi.mdiGarageOpenVariant, mdi.mdiGarageVariant],
-  gate: [mdi.mdiGateOpen, mdi.mdiGate],
+  garage_door: [SIGNS.garage, mdi.mdiGarageVariant],
+  gate: [SIGNS.gate, mdi.mdiGate],
   water_valve: [mdi.mdiValveOpen, mdi.mdiValveClosed],
   room_air_conditioner: [mdi.mdiAirConditioner, mdi.mdiAirConditioner],
   water_heater: [mdi.mdiWaterBoiler, mdi.mdiWaterBoilerOff],
   rain_sensor: [mdi.mdiWeatherPouring, mdi.mdiWeatherPartlyCloudy],
   water_freeze_detector: [mdi.mdiSnowflakeAlert, mdi.mdiSnowflake],
-  x_alarm_panel: [mdi.mdiShieldLock, mdi.mdiShieldOffOutline],
+  x_alarm_panel: [SIGNS.armed_away, SIGNS.disarmed],
   robotic_vacuum_cleaner: [mdi.mdiRobotVacuum, mdi.mdiRobotVacuum],
   x_lawn_mower: [mdi.mdiRobotMower, mdi.mdiRobotMowerOutline],
   camera: [mdi.mdiCctv, mdi.mdiCctv],

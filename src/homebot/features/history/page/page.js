@@ -3,7 +3,6 @@ import { SIGNS } from "../../icons.js";
 import { later } from "../../later.js";
 import { powerOf } from "../../summaries.js";
 import { valueText } from "../../words.js";
-import { Mini } from "./mini.js";
 
 /** The power of now, among the chips of Home. */
 const EnergyChip = ({ devices, Chip }) =>
@@ -11,5 +10,5 @@ const EnergyChip = ({ devices, Chip }) =>
 
 export const page = {
   views: { energy: { title: "Energy", View: later(async () => (await import("./energy.js")).Energy), after: "climate", hasHead: true } },
-  parts: { chips: EnergyChip, day: Mini, device: later(async () => (await import("./history.js")).History) },
+  parts: { chips: EnergyChip, day: later(async () => (await import("./mini.js")).Mini), device: later(async () => (await import("./history.js")).History) },
 };

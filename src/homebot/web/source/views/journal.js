@@ -1,11 +1,11 @@
 // The journal: what was commanded, by whom, and what it led to; newest first.
 import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribeFrames } from "../door.js";
-import { Entry } from "../entry.js";
+import { Entry, entryText } from "../entry.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
-import { entryText, hasWords } from "../words.js";
+import { hasWords } from "../words.js";
 
 const KEPT = 1000; // entries that can be searched, as many as homebot answers with
 const MOST = 300; // that are shown

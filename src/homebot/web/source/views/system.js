@@ -5,7 +5,7 @@ import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
 import { locale, say, sayReason } from "../language.js";
 import { Managing } from "../managing.js";
-import { Screen } from "../screen.js";
+import { Screen } from "./screen.js";
 import { capital, label, seconds, spoken, timeIn, timeText } from "../words.js";
 
 /** What the owner changes, and two views more. */

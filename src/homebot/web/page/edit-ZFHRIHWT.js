@@ -1,0 +1,19 @@
+import"./chunk-HJ5TEVRD.js";import{A as s,Ea as q,F as y,G as O,J as F,Sa as D,a as B,aa as n,ba as x,c as C,ca as G,d as S,da as E,ea as R,ga as m,ha as d,ka as I,la as $,ma as L,qa as l,ra as M,sa as _,ta as N,va as W,wa as i}from"./chunk-VQMOVCEH.js";function nt({ids:h,onDone:v}){let[p,g]=B(""),{favorites:Q}=x.value,H=h.filter(t=>Q.includes(t)),K=D.value.map(([t])=>t).filter(Boolean),P=I.value.flatMap(([,t])=>t).filter(t=>L(t)||R("not_here",t)),f=S(null),k=S("");C(()=>{f.current.querySelector(".chief").focus()},[]),C(()=>{let{activeElement:t}=document;k.current&&(t.disabled||!f.current.contains(t))&&f.current.querySelector(`[data-step="${CSS.escape(k.current)}"] .step:enabled`)?.focus()});let j=(t,a,o,e)=>{let c=a.indexOf(o)+e,r=a.filter(w=>w!==o);k.current=o,m("order",{list:t,names:[...r.slice(0,c),o,...r.slice(c)]})},z=({name:t,text:a,room:o,mark:e,path:c,choices:r,icons:w,list:A,all:b,children:T})=>n`<li key=${t} data-step=${t} class="editrow">
+      ${!r.length&&n`<span class="icon"><${i} path=${c} /></span>`}${r.length>0&&n`<button type="button" class="icon" aria-expanded=${p===e} aria-label=${`${a}: ${s("icon")}`} onClick=${()=>g(p===e?"":e)}><${i} path=${c} /></button>`}
+      <span class="name"><bdi>${a}</bdi>${o&&n` <small>${y(o)}</small>`}</span>
+      <span class="ways">${b.includes(t)&&n`<${J} text=${`${a}: ${s("earlier")}`} path=${l.left} isOff=${b[0]===t} onClick=${()=>j(A,b,t,-1)} /><${J} text=${`${a}: ${s("later")}`} path=${l.right} isOff=${b.at(-1)===t} onClick=${()=>j(A,b,t,1)} />`}${T}</span>
+      ${p===e&&n`<span class="picks" role="group" aria-label=${s("icon")}>${r.map(u=>n`<button key=${u} type="button" aria-pressed=${E(e)===u} aria-label=${F(u)} onClick=${()=>m("icon",{names:[e],icon:E(e)===u?"":u})}><${i} path=${w(u)} /></button>`)}</span>`}
+    </li>`;return n`<div ref=${f} class="editing">
+    <div class="head"><p class="legend">${s("What you change here, every screen shows.")}</p>
+      <p class="ways"><button type="button" disabled=${!x.value.undoes} onClick=${()=>m("undo")}><${i} path=${l.undo} size=${20} /> ${O(s("undo"))}</button><button type="button" class="chief" onClick=${v}>${O(s("done"))}</button></p></div>
+    <section aria-labelledby="stars"><h2 id="stars">${s("Favorites")}</h2><ul class="edits">
+      ${h.map(t=>{let{name:a,room:o}=$(t).value,e=H.includes(t);return z({name:t,text:a,room:o,mark:t,path:q($(t).value),choices:W($(t).value),icons:c=>M(c)[0],list:"favorites",all:H,children:n`
+          <button type="button" aria-pressed=${e} aria-label=${`${a}: ${s("favorite")}`} onClick=${()=>d("favorites",t,!e)}><${i} path=${e?l.star:l.starOff} /></button>
+          ${!e&&n`<button type="button" aria-label=${`${a}: ${s("not here")}`} onClick=${()=>d("not_here",t,!0)}><${i} path=${l.close} /></button>`}`})})}
+    </ul></section>
+    <section aria-labelledby="places"><h2 id="places">${s("Rooms")}</h2><ul class="edits">
+      ${K.map(t=>{let a=G(t),o=R("hidden",a);return z({name:t,text:y(t),mark:a,path:N(t),choices:Object.keys(_),icons:e=>_[e],list:"rooms",all:K,children:n`
+          <button type="button" aria-pressed=${o} aria-label=${`${y(t)}: ${s("hide")}`} onClick=${()=>d("hidden",a,!o)}><${i} path=${o?l.hide:l.show} /></button>`})})}
+    </ul></section>
+    ${P.length>0&&n`<section aria-labelledby="away"><h2 id="away">${s("Hidden")}</h2><ul class="edits">${P.map(t=>n`<li key=${t} class="editrow"><span class="icon"><${i} path=${q($(t).value)} /></span><span class="name"><bdi>${$(t).value.name}</bdi></span><span class="ways"><button type="button" aria-label=${`${$(t).value.name}: ${s("show")}`} onClick=${()=>d(L(t)?"hidden":"not_here",t,!1)}>${s("show")}</button></span></li>`)}</ul></section>`}
+  </div>`}var J=({text:h,path:v,isOff:p,onClick:g})=>n`<button type="button" class="step" disabled=${p} aria-label=${h} onClick=${g}><${i} path=${v} /></button>`;export{nt as Edit};

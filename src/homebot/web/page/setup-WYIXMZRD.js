@@ -1,0 +1,60 @@
+import{a as x,b as y,c as g,d as H,e as I,f as U}from"./chunk-QWYIVUT5.js";import"./chunk-HJ5TEVRD.js";import{A as e,B as S,Ha as _,Ia as F,a as $,aa as t,b as v,ia as C,jb as G,k as L,ka as N,oa as h,q as P,r as T,s as E,v as q,w as z,x as B,z as M}from"./chunk-VQMOVCEH.js";var ee=10;function V({gateway:o,unpaired:n}){let{device:l,name:a,takes_code:r,within_s:i,problem:c}=n,[u,s]=$(0),[p,m]=$(null),[d,k]=$(null);v(()=>{if(u<=0)return;let f=setTimeout(()=>s(u-1),1e3);return()=>clearTimeout(f)},[u]);let R=async f=>{f.preventDefault();let Y=new FormData(f.target).get("code")?.trim()??"";m(new Set(h.value.map(J=>J.id))),k(null),s(Math.round(i)),k(await E(`/gateway/${o}/pair`,{device:l,code:Y},i+ee)),s(0)},O=p?h.value.filter(f=>!p.has(f.id)):[],b=d?.success;return t`<form class="box" aria-label=${a} onSubmit=${R}><h3><bdi>${a}</bdi></h3>
+    ${c?t`<p>${S(c)}</p>`:!b&&t`
+      ${r?t`<label><span>${e("The code on the device")}</span> <input name="code" required maxlength="255" autocomplete="off" inputmode="numeric" /></label>`:t`<p>${e("Press the button on the device, then \u201Cpair\u201D.")}</p>`}
+      <p class="choices"><button disabled=${u>0}>${e("pair|do")}</button> ${u>0&&t`<span role="timer">${e(r?"{count} s left":"Press its button now: {count} s left",{count:u})}</span>`}</p>`}
+    <div role="status">${d&&!b&&t`<p class="bad">${S(d.message)}</p>`}
+      ${b&&t`<p>${e("{name} is paired.",{name:a})}</p><p>${O.length?`${e("Found:")} ${O.map(f=>f.name).join(", ")}`:e("Its devices appear here.")}</p>`}</div>
+  </form>`}var te=120;async function ae(o){let n=[],l=0;for(;;){let{success:a,message:r,data:i,...c}=await T("/setup/backup",{offset:l},te);if(!a)throw new Error(r);if(n.push(Uint8Array.from(atob(i),u=>u.charCodeAt(0))),l+=n.at(-1).length,o(l/c.size),l>=c.size)return{...c,blob:new Blob(n,{type:"application/x-tar"})}}}function W(){let[o,n]=$({}),l=async()=>{n({part:0});try{let{name:s,blob:p,left_out:m}=await ae(k=>n({part:k})),d=Object.assign(document.createElement("a"),{href:URL.createObjectURL(p),download:s});d.click(),setTimeout(()=>URL.revokeObjectURL(d.href),6e4),n({name:s,size:p.size,leftOut:m})}catch(s){n({problem:s.message})}},{part:a,name:r,size:i,leftOut:c=[],problem:u}=o;return t`<p>${e("It has all that homebot keeps, but no passwords.")}</p>
+    <p class="buttons"><button type="button" class="chief" name="backup" disabled=${a!==void 0} onClick=${l}>${e("make a backup")}</button></p>
+    <div role="status" class=${a===void 0&&!r&&!u?"hidden":"box"}>
+      ${a!==void 0&&t`<p>${e("It is being made \u2026")} ${a>0&&`${Math.round(100*a)} %`}</p>`}
+      ${r&&t`<p>${e("{name} was downloaded ({size} kB).",{name:r,size:Math.ceil(i/1e3).toLocaleString()})}</p><p class="quiet">${e("To put it back:")} <code>homebot restore ${r}</code></p>`}
+      ${c.length>0&&t`<p class="quiet">${e("Left out, as they hold secrets: {files}",{files:c.join(", ")})}</p>`}
+      ${u&&t`<p class="bad">${S(u)}</p>`}
+    </div>`}function Z(){let o=I("people"),[n,l]=$(""),[a,r]=$(0);if(!o)return t`<p class="empty">${e("Asking homebot how it is \u2026")}</p>`;let i=h.value.filter(p=>p.type==="x_tracker").map(p=>p.name),{trackers:c=[],ping:u=""}=o[n]??{},s=async p=>{p.preventDefault();let m=new FormData(p.target),d={trackers:m.getAll("trackers"),ping:m.get("ping").trim()},[k,R]=[!0,!1].map(b=>Object.keys(d).filter(f=>d[f].length>0===b)),O=Object.fromEntries(k.map(b=>[b,y(d[b])]));await g(["people",n||m.get("name").trim()],O,{remove:R})&&(l(""),r(a+1))};return t`<p>${e("homebot knows who is at home by phones in the network, and by trackers.")}</p>
+    ${Object.entries(o).map(([p,m])=>t`<div key=${p} class="box"><p><strong><bdi>${p}</bdi></strong> ${[...m.trackers??[],m.ping].filter(Boolean).join(", ")}</p>
+      <p class="choices"><button type="button" onClick=${()=>l(p)}>${e("change|do")}</button> <${F} name=${p} onRemove=${()=>g(["people"],{},{remove:[p]})} /></p></div>`)}
+    <form key=${`${n} ${a}`} class="fields" aria-label=${e("Person")} onSubmit=${s}>
+      ${n?t`<h3>${n}</h3>`:t`<label><span>${e("Name")}</span> <input name="name" required maxlength="100" /></label>`}
+      <label><span>${e("Phone in the network")}</span> <input name="ping" autocomplete="off" placeholder="192.168.1.23" maxlength="253" pattern="[A-Za-z0-9:._%\\-]*" defaultValue=${u} /></label>
+      ${[...new Set([...c,...i])].map(p=>t`<label key=${p} class="check"><input type="checkbox" name="trackers" value=${p} defaultChecked=${c.includes(p)} /> <bdi>${p}</bdi></label>`)}
+      <p class="buttons"><button>${n?e("save"):e("add")}</button> ${n&&t`<button type="button" onClick=${()=>l("")}>${e("not now")}</button>`}</p>
+    </form>`}var A={language:"Language",home:"Name and place",devices:"Devices",rooms:"Rooms",screens:"Screens"},j={people:"People",alerts:"Alerts",backup:"Backup"},se=60,oe={mqtt:"MQTT",homeassistant:"Home Assistant",hue:"Philips Hue",homekit:"HomeKit",matter:"Matter",mdns:"mDNS",ble:"Bluetooth",coap:"CoAP"},Q={mqtt:{url:"192.168.1.10",user:"",password:""},homeassistant:{url:"192.168.1.20:8123",token:""},hue:{},homekit:{},matter:{},mdns:{},ble:{},coap:{}},ne={homeassistant:"http"},re={url:"Address",user:"User",password:"Password",token:"Token"},D=["password","token"],X=["Kitchen","Living room","Bedroom","Bathroom","Hall","Study","Garden","Garage","Cellar","Terrace"],w=o=>oe[o]??o;function Ge({id:o}){let n=o in A||o in j?o:"language",l=Object.keys(A),a=l[l.indexOf(n)+1],r=fe[n];return v(()=>{x.value=null},[n]),t`
+    ${n in A&&t`<ol class="steps" aria-label=${e("Setup")}>${l.map((i,c)=>t`<li key=${i}><a href=${`#/setup/${i}`} aria-current=${i===n?"step":void 0}><b>${c+1}</b> <span>${e(A[i])}</span></a></li>`)}</ol>`}
+    <section class="card fields"><h2>${e(A[n]??j[n])}</h2>
+      <${_}><${r} /><${U} canRestart=${n!=="devices"} /><//>
+      <p class="choices">${n in j?t`<a href="#/system">${e("System")}</a>`:t`<a class="chief" href=${a?`#/setup/${a}`:"#/home"}>${e(a?"next step":"to the house")}</a>`}</p>
+    </section>`}var ie=()=>t`<p class="choices">${Object.entries(z).map(([o,n])=>t`<button key=${o} type="button" lang=${o} aria-pressed=${o===B.value} onClick=${()=>M(o)}>${n}</button>`)}</p>`;function le(){let[o,n]=$(null),l=async r=>{r.preventDefault();let i=Object.fromEntries(new FormData(r.target)),c={name:y(i.name.trim()),zone:y(i.zone.trim())};for(let u of["latitude","longitude"])i[u]&&(c[u]=Number(i[u]).toFixed(3));await g(["home"],c)},a=()=>navigator.geolocation.getCurrentPosition(({coords:r})=>n(r),r=>x.value={success:!1,message:r.message});return t`<form class="fields" onSubmit=${l}>
+    <label><span>${e("Name")}</span> <input name="name" required maxlength="60" defaultValue=${L.value.home} /></label>
+    <label><span>${e("Time zone")}</span> <input name="zone" required defaultValue=${Intl.DateTimeFormat().resolvedOptions().timeZone} /></label>
+    <label><span>${e("Latitude")}</span> <input name="latitude" type="number" step="any" min="-90" max="90" value=${o?.latitude} /></label>
+    <label><span>${e("Longitude")}</span> <input name="longitude" type="number" step="any" min="-180" max="180" value=${o?.longitude} /></label>
+    <p class="quiet">${e("The place gives sunrise and sunset; it stays here.")}</p>
+    <p class="buttons"><button>${e("save")}</button> ${isSecureContext&&navigator.geolocation&&t`<button type="button" onClick=${a}>${e("where this screen is")}</button>`}</p>
+  </form>`}function ce(){let[o,n]=$(null),[l,a]=$(""),r=()=>T("/setup/found").then(n,()=>{});if(v(()=>P(r),[]),!o)return t`<p class="empty">${e("Asking homebot how it is \u2026")}</p>`;let i=async(s,p)=>{await g(["gateways",s],{act:String(p)})&&r()},c=()=>{a(""),r()},u=Object.keys(Q).filter(s=>!o.gateways.includes(s));return t`
+    <p>${e(C.value===1?"{count} device":"{count} devices",{count:C.value})}</p>
+    ${o.unused.map(s=>t`<section key=${s.gateway+s.url} class="box">
+      <h3>${w(s.gateway)}${s.url&&` \xB7 ${s.url}`}</h3>
+      <p>${s.names.join(", ")||e("A server on this computer")}</p>${s.next&&t`<p class="quiet">${s.next}</p>`}
+      ${l===s.gateway?t`<${K} name=${s.gateway} url=${s.url} onAdded=${c} />`:t`<p class="choices"><button type="button" onClick=${()=>a(s.gateway)}>${e("use {name}",{name:w(s.gateway)})}</button></p>`}
+    </section>`)}
+    ${o.unpaired.map(s=>t`<${V} key=${s.gateway+s.unpaired.device} ...${s} />`)}
+    ${o.gateways.map(s=>t`<label key=${s} class="check"><input type="checkbox" name=${`act-${s}`} checked=${o.acting.includes(s)} onChange=${p=>i(s,p.target.checked)} /> ${e("{name} may command devices",{name:w(s)})}</label>`)}
+    <label><span>${e("Add")}</span> <select name="gateway" value=${l} onChange=${s=>a(s.target.value)}><option value="">…</option>${u.map(s=>t`<option key=${s} value=${s}>${w(s)}</option>`)}</select></label>
+    ${l&&!o.unused.some(s=>s.gateway===l)&&t`<${K} key=${l} name=${l} onAdded=${c} />`}
+    <p class="quiet">${e("New gateways begin with the next start of homebot.")}</p>
+    ${o.can_restart&&t`<p class="choices"><${H} /></p>`}`}function K({name:o,url:n="",onAdded:l}){let a=Object.entries(Q[o]??{});return t`<form class="fields" aria-label=${o} onSubmit=${async i=>{i.preventDefault();let c=new FormData(i.target),u=a.map(([m])=>[m,c.get(m).trim()]).filter(([,m])=>m),s=u.filter(([m])=>!D.includes(m)).map(([m,d])=>[m,y(m==="url"&&!d.includes("://")?`${ne[o]??o}://${d}`:d)]),p=u.filter(([m])=>D.includes(m));await g(["gateways",o],{...Object.fromEntries(s),act:String(c.get("act")==="on")},{secrets:Object.fromEntries(p)})&&l()}}>
+    ${a.map(([i,c])=>t`<label key=${i}><span>${e(re[i])}</span> <input name=${i} type=${D.includes(i)?"password":"text"} autocomplete="off" placeholder=${c} defaultValue=${i==="url"?n:""} required=${i==="url"} /></label>`)}
+    <label class="check"><input type="checkbox" name="act" /> ${e("{name} may command devices",{name:w(o)})}</label>
+    <p class="buttons"><button>${e("use {name}",{name:w(o)})}</button></p>
+  </form>`}function pe(o,n){let l=o.toLowerCase(),a=X.flatMap(r=>[[e(r),e(r)],[r.split(" ")[0],e(r)]]);return[...n.map(r=>[r,r]),...a].find(([r])=>l.includes(r.toLowerCase()))?.[1]??""}function ue(){let o=N.value.map(([a])=>a).filter(Boolean),n=h.value.filter(a=>!a.room).slice(0,se),l=async a=>{a.preventDefault();let r=[...new FormData(a.target)].filter(([,c])=>c.trim()),i=[];for(let[c,u]of r){let{message:s}=await E("/discovery/place",{device:c,room:u.trim(),is_new:!0});s&&i.push(s)}x.value={success:!i.length,message:i.join("; ")||e("saved"),lines:[],isPending:!0}};return n.length?t`<form class="fields" onSubmit=${l}>
+    <datalist id="known-rooms">${[...new Set([...o,...X.map(a=>e(a))])].map(a=>t`<option key=${a} value=${a} />`)}</datalist>
+    ${n.map(a=>t`<label key=${a.id}><span>${a.name}</span> <input name=${a.id} list="known-rooms" maxlength="200" defaultValue=${pe(a.name,o)} /></label>`)}
+    <p class="buttons"><button>${e("save")}</button></p>
+  </form>`:t`<p>${e(C.value?"Every device has a room.":"No device is there yet.")}</p>`}var me={look:["read"],act:["read","act: all"],manage:["read","act: all","manage"]},de={look:"look",act:"look and act",manage:"everything"};function $e(){let[o,n]=$(""),l=async a=>{a.preventDefault();let r=new FormData(a.target),i=await q(r.get("name").trim(),me[r.get("may")]);x.value=i.success?null:i,n(i.token?`${location.origin}/#token=${i.token}`:"")};return t`<p>${e("Each screen has a token of its own, which can be taken away.")}</p>
+    <form class="fields" onSubmit=${l}>
+      <label><span>${e("Name")}</span> <input name="name" required pattern="[A-Za-z0-9_\\-]+" /></label>
+      <label><span>${e("It may")}</span> <select name="may">${Object.entries(de).map(([a,r])=>t`<option key=${a} value=${a} selected=${a==="act"}>${e(r)}</option>`)}</select></label>
+      <p class="buttons"><button>${e("make a token")}</button></p>
+    </form>
+    ${o&&t`<div class="box"><p>${e("Open this once on the screen; it is shown only now:")}</p><pre>${o}</pre></div>`}`}var fe={language:ie,home:le,devices:ce,rooms:ue,screens:$e,people:Z,alerts:()=>t`<${G} at="addresses" />`,backup:W};export{Ge as Setup};
