@@ -193,10 +193,12 @@ def sorted_routes(
     return _with_sorted_routes(parts, order)
 
 
-def silent_strangers(sources: Mapping[SourceKey, SourceRecord]) -> dict[SourceKey, str]:
+def silent_strangers(sources: Mapping[SourceKey, SourceRecord], denied: Collection[SourceKey]) -> dict[SourceKey, str]:
     """Return the announcements that get no commands before their first report, with the reasons in words.
 
     Others of their gateway have reported, and their topics share no name with those of these: they may be anybody's.
+    Of *denied* announcements, which may not use a topic of their commands as others have it, only the state topics
+    count, and the reason is empty.
     """
     silent = [
         source
@@ -206,10 +208,11 @@ def silent_strangers(sources: Mapping[SourceKey, SourceRecord]) -> dict[SourceKe
     if not silent or not (heard := [source for source in sources.values() if source.values]):
         return {}
     known, gateways = frozenset(chain.from_iterable(map(_names, heard))), {source.key[0] for source in heard}
+    why = "has other topics than the device, and gets no commands before its first report"
     return {
-        source.key: f"{source.label} has other topics than the device, and gets no commands before its first report"
+        source.key: "" if source.key in denied else f"{source.label} {why}"
         for source in silent
-        if source.key[0] in gateways and known.isdisjoint(_names(source))
+        if source.key[0] in gateways and known.isdisjoint(_names(source, is_reading=source.key in denied))
     }
 
 
@@ -219,8 +222,12 @@ def routes_without(parts: tuple[DevicePart, ...], strangers: Collection[SourceKe
     return tuple(part.model_copy(update={"routes": routes}) for part, routes in zip(parts, left, strict=True))
 
 
-def _names(source: SourceRecord) -> frozenset[str]:
-    places = [place_of(topic) for part in source.sighting.parts for topic in (*part.reads, *part.writes)]
+def _names(source: SourceRecord, *, is_reading: bool = False) -> frozenset[str]:
+    """Return the names in the topics of an announcement, or in those of its states only."""
+    parts = source.sighting.parts
+    places = [
+        place_of(topic) for part in parts for topic in (part.reads if is_reading else (*part.reads, *part.writes))
+    ]
     return frozenset(chain.from_iterable(place.levels | place.words for place in places))
 
 

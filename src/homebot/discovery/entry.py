@@ -215,9 +215,9 @@ class Entry:
             parts, reachable = described.merged.parts, self.reachability()
             conflicts = described.merged.conflicts
             _, *others = sources  # without a call, as this runs for every announcement
-            strangers = silent_strangers(self.sources) if others else None
+            strangers = silent_strangers(self.sources, topics.denied) if others else None
             if strangers:
-                parts, conflicts = routes_without(parts, strangers), (*conflicts, *strangers.values())
+                parts, conflicts = routes_without(parts, strangers), (*conflicts, *filter(None, strangers.values()))
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
             self.device = _device_of(

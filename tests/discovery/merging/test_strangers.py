@@ -127,6 +127,21 @@ def test_a_stranger_gets_no_commands_before_its_first_report(convention: str, is
 
 
 @pytest.mark.parametrize("is_first", [False, True])
+def test_what_a_stranger_adds_on_the_devices_own_command_topic_is_no_part_before_its_report(*, is_first: bool) -> None:
+    """Each command to the lamp ended with a refusal of this part, which may not command there."""
+    lamp = part_of("light", "on_off", id="l", reads=("kitchen_lamp/state",), writes=("kitchen_lamp/set",))
+    evil = part_of("light", "on_off", "level", id="e", reads=("evil/state",), writes=("kitchen_lamp/set",))
+    true = announce("kitchen_lamp", lamp, ids=(MAC,), name="Lamp", on="homeassistant/light/kitchen_lamp/config")
+    stranger = announce("evil", evil, ids=(MAC,), name="Lamp", on="homeassistant/light/evil/config")
+    index = index_of(*((stranger, true) if is_first else (true, stranger)))
+    for said, parts in (true, ["l"]), (stranger, ["l", "e"]):
+        index.report(tell(said, "on_off", value=True, part=said.parts[0].id), 3.0)
+        device = only_device(index)
+        assert sorted(part.id for part in device.parts) == sorted(parts)
+        assert all("where another announcement" in conflict for conflict in device.conflicts)
+
+
+@pytest.mark.parametrize("is_first", [False, True])
 @pytest.mark.parametrize(
     ("kind", "can", "is_listed"),
     [("light", "color_temperature", False), ("fan", "on_off", False), ("door_lock", "lock", True)],
