@@ -284,7 +284,7 @@ def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:
-    key = "" if table.get("class") in plugin_tables() else f"gateways.{name}"
+    key = "" if str(table.get("class")) in plugin_tables() else f"gateways.{name}"
     gateway = _component(Gateway, GATEWAYS, name, table, config, key)  # type: ignore[type-abstract]
     try:
         gateway.kind.check(gateway.settings)

@@ -1,6 +1,5 @@
 """The table ``[helpers]``."""
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Literal, Self, cast
 
@@ -16,6 +15,7 @@ from homebot.words.times import read_time
 _MAX_HELPERS = 100
 _MAX_CHOICES = 50
 _MAX_TEXT = 500
+_MAX_NUMBER = 1e9
 MAX_TIMER_S = 7 * 86_400
 
 
@@ -34,7 +34,7 @@ class NumberHelper(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     value: float | None = None
-    counter: int | None = None
+    counter: Annotated[int, Field(ge=-_MAX_NUMBER, le=_MAX_NUMBER)] | None = None
     min: float | None = None
     max: float | None = None
 
@@ -54,12 +54,12 @@ class NumberHelper(BaseModel):
     @property
     def low(self) -> float:
         """The least value."""
-        return self.min if self.min is not None else 0.0 if self.counter is not None else -1e9
+        return self.min if self.min is not None else 0.0 if self.counter is not None else -_MAX_NUMBER
 
     @property
     def high(self) -> float:
         """The greatest value."""
-        return 1e9 if self.max is None else self.max
+        return _MAX_NUMBER if self.max is None else self.max
 
 
 class TimerHelper(BaseModel):
@@ -119,7 +119,7 @@ def _setting(value: object) -> HelperSetting:
     match value:
         case bool() | NumberHelper() | TimerHelper() | TimeHelper() | ButtonHelper() | TextHelper():
             return value
-        case int() | float() if math.isfinite(value):
+        case int() | float() if abs(value) <= _MAX_NUMBER:
             return float(value)
         case dict():
             try:
