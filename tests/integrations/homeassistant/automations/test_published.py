@@ -20,12 +20,14 @@ from homebot.devices import Devices
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import COMMAND_DEVICES
+from homebot.devices.part import Part
 from homebot.errors import UsageError
 from homebot.features.routines.text import read_routines
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Node
 from homebot.integrations.homeassistant.automations import HomeAssistantAutomations
+from homebot.integrations.homeassistant.formats.states.presses import APP_KEY, APP_PARTS, RAW_PART, open_button
 from homebot.integrations.homeassistant.gateway.entities import HomeAssistantEntities
 from homebot.support.located import Located
 from homebot.testing import VirtualHouse, virtual_house_of
@@ -524,6 +526,81 @@ PLAYS: tuple[Play, ...] = (
         ],
         ["10:05:00 notify A window is open", "10:20:00 switch.fan_plug on_off False"],
     ),
+    Play(
+        "ios_action_goodnight",
+        "light.living_ceiling on",
+        ["22:45 home_assistant_app#action GOODNIGHT"],
+        [
+            "22:45:00 climate.living_room heating_setpoint 17.5",
+            "22:45:00 cover.all_blinds movement closed",
+            "22:45:00 light.bedside level 20",
+            "22:45:00 light.kitchen_counter on_off False",
+            "22:45:00 light.living_ceiling on_off False",
+            "22:55:00 light.bedside on_off False",
+            "22:55:00 lock.front_door lock locked",
+        ],
+        "22:40 23:10",
+    ),
+    Play(
+        "ios_action_goodnight",
+        "",
+        [
+            "22:45 home_assistant_app#action GOODNIGHT",
+            "22:48 home_assistant_app#action GOODMORNING",
+        ],
+        [
+            "22:45:00 climate.living_room heating_setpoint 17.5",
+            "22:45:00 cover.all_blinds movement closed",
+            "22:45:00 light.bedside level 20",
+            "22:45:00 light.kitchen_counter on_off False",
+            "22:45:00 light.living_ceiling on_off False",
+            "22:48:00 climate.living_room heating_setpoint 21",
+            "22:48:00 cover.all_blinds movement open",
+        ],
+        "22:40 23:10",
+    ),
+    Play(
+        "ios_action_goodnight",
+        "",
+        ["12:00 home_assistant_app#action LUNCH", "12:01 home_assistant_app#tag GOODNIGHT"],
+        [],
+        "11:50 12:30",
+    ),
+    Play(
+        "remotes",
+        "living_scene option Read",
+        [
+            "20:00 living_dial#event_living_dial_button_1 short_release",
+            "20:01 living_dial#event_living_dial_button_2 short_release",
+            "20:02 living_dial#event_living_dial_button_3 short_release",
+            "20:03 tradfri#event on",
+            "20:04 tradfri#event off",
+            "20:05 dimmer#event 1002",
+            "20:06 dimmer#event 4002",
+        ],
+        [
+            "20:00:00 scene.living_relax scene True",
+            "20:01:00 light.floor_lamp on_off True",
+            "20:02:00 light.sofa_lamp on_off False",
+            "20:03:00 light.hall on_off True",
+            "20:04:00 light.hall on_off False",
+            "20:05:00 light.kitchen on_off True",
+            "20:06:00 light.kitchen on_off False",
+        ],
+        "19:50 20:10",
+    ),
+    Play(
+        "remotes",
+        "",
+        [
+            "20:00 living_dial#event_living_dial_button_1 initial_press",
+            "20:01 living_dial#event_living_dial_button_3 long_release",
+            "20:03 tradfri#event stop",
+            "20:05 dimmer#event 1001",
+        ],
+        [],
+        "19:50 20:10",
+    ),
     Play("group_of_windows", "binary_sensor.bedroom_window on", ["10:05 binary_sensor.kitchen_window on"]),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
     Play(
@@ -551,6 +628,14 @@ PLAYS: tuple[Play, ...] = (
     ),
     Play("presence_simulation_random", "", [], [], "17:45 18:25"),
 )
+
+
+OTHERS: tuple[tuple[str, str, tuple[str, ...], tuple[Part, ...]], ...] = (
+    (APP_KEY, "Home Assistant app", (), APP_PARTS),
+    ("tradfri", "Tradfri", ("00:0b:57:ff:fe:12:34:56",), (open_button(RAW_PART, "event"),)),
+    ("dimmer", "Kitchen dimmer", (), (open_button(RAW_PART, "event"),)),
+)
+"""What has no entities: key, name, identifiers and parts; what it presses is an event ``dimmer#event 1002``."""
 
 
 class House(NamedTuple):
@@ -595,10 +680,15 @@ class HousesGateway(MemoryGateway):
                 self._keys[entity["entity_id"]] = place = own.get("device_id", key)
                 for part in described.parts:
                     self._ids[place, part.id] = entity["entity_id"]
-                area = entity.get("area", "")
-                device = GatewayDevice(place, described.name, described.parts, described.metadata, area=area)
+                area, name = entity.get("area", ""), own.get("device_name", described.name)
+                siblings = [one for one in house.listed if one.get("attributes", {}).get("device_id") == place]
+                keys = [self._entities.key_of(one["entity_id"]) for one in siblings] or [key]
+                parts = tuple(part for one in keys for part in self._entities.describe(one).parts)
+                device = GatewayDevice(place, name, parts, described.metadata, area=area)
                 if place not in self.devices.keys:
                     self.devices.put(device, "it is played")
+        for key, called, ids, buttons in OTHERS:
+            self.devices.put(GatewayDevice(key, called, buttons, {}, ids), "it is played")
         for name in house.people:
             tracker = HomeAssistantEntities(1)
             tracker.put(f"device_tracker.{name}", {"s": "home", "a": {"friendly_name": f"{name} phone"}}, is_new=True)
@@ -620,6 +710,10 @@ class HousesGateway(MemoryGateway):
     async def tell(self, line: str) -> None:
         """Report the state of an entity."""
         entity_id, state, *given = line.split(" ")
+        if "#" in entity_id:
+            key, _, part = entity_id.partition("#")
+            await self.devices.report(key, {"press": state}, part)
+            return
         if entity_id not in self._keys:
             await self.devices.report(entity_id, {"place": state}, self._trackers[entity_id])
             return

@@ -20,7 +20,7 @@ from homebot.house.http.web_server import WebPeer
 from homebot.house.wire import as_json, as_object
 from homebot.integrations.homeassistant.gateway import HomeAssistantGateway, HomeAssistantGatewaySettings
 from homebot.integrations.homeassistant.simulated.entity import ServedEntity
-from homebot.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
+from homebot.integrations.homeassistant.simulated.server import Fields, SimulatedHomeAssistant
 
 pytestmark = pytest.mark.slow
 
@@ -85,6 +85,18 @@ class GuardedHomeAssistant(SimulatedHomeAssistant):
         peer.send(as_json({"id": asked["id"], "type": "result", "success": False, "error": error}))
 
 
+class RemoteHomeAssistant(SimulatedHomeAssistant):
+    """A Home Assistant with a remote of ZHA, and a phone."""
+
+    def _listed(self, registry: str) -> list[Fields]:
+        listed = super()._listed(registry)
+        if registry != "device":
+            return listed
+        phone = {"id": "phone", "name": "Phone", "identifiers": [["mobile_app", "1"]], "connections": []}
+        remotes = [{**one, "identifiers": [["zha", "00:0b:57:ff:fe:12:34:56"]]} for one in listed]
+        return [*remotes, phone]
+
+
 class House(WatchedGateway):
     """A lock in a simulated Home Assistant, and what the gateway says of it."""
 
@@ -131,6 +143,28 @@ async def test_a_trigger_of_a_device_is_a_press_and_one_of_an_entity_is_not(tmp_
         assert [one.options for one in buttons.capabilities] == [("remote_button_short_press turn_on",)]
         home.fire(SHORT)
         assert await seen.reported("press") == "remote_button_short_press turn_on"
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "press"),
+    [
+        ("zha_event", {"device_id": "home-lock", "command": "on", "args": []}, "on"),
+        ("deconz_event", {"device_id": "home-lock", "event": 1002}, "1002"),
+        ("ios.action_fired", {"actionName": "GOODNIGHT"}, "GOODNIGHT"),
+        ("tag_scanned", {"tag_id": "4711", "device_id": "phone"}, "4711"),
+    ],
+)
+async def test_an_event_of_a_remote_or_of_an_app_is_a_press(
+    tmp_path: Path, kind: str, data: Fields, press: str
+) -> None:
+    home = RemoteHomeAssistant()
+    home.triggers["home-lock"] = [SHORT]
+    async with house(tmp_path, home) as seen:
+        remote = await seen.sighted(parts=3)
+        assert [part.id for part in remote.parts[1:]] == ["remote_button_short_press_turn_on", "event"]
+        home.tell(kind, {"device_id": "elsewhere", "command": "off"})
+        home.tell(kind, data)
+        assert await seen.reported("press") == press
 
 
 async def test_the_aliases_of_an_entity_are_further_names_of_its_device(tmp_path: Path) -> None:

@@ -462,6 +462,7 @@ class StartTrigger(NamedTuple):
         state: The state that begins; empty for another trigger.
         data: The fields of its event, as far as they are known.
         needs: Conditions that must hold beside it.
+        asks: The field of its event that a condition asks for by the trigger and its value; empty for none.
     """
 
     text: str
@@ -470,6 +471,7 @@ class StartTrigger(NamedTuple):
     state: str = ""
     data: tuple[tuple[str, str], ...] = ()
     needs: tuple[Condition, ...] = ()
+    asks: str = ""
 
     def value(self, path: Sequence[str]) -> str | None:
         """Return the value of ``trigger.…`` at *path*, such as ``("trigger", "id")``; None if it is not known."""
@@ -530,7 +532,7 @@ class Automation:
         for name, node in variables.value.items():
             value = resolved(node, self.constants)
             self.constants.pop(name, None)
-            named = re.compile(rf"\b{re.escape(name)}\b")  # those that name it had its former value
+            named = re.compile(rf"(?<![.\w]){re.escape(name)}\b")  # those that name it had its former value
             self.expressions = {
                 key: text for key, text in self.expressions.items() if not named.search(f"{key} {text}")
             }

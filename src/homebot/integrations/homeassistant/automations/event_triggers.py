@@ -3,10 +3,10 @@
 Source: Home Assistant core 2026.11, ``components/mqtt/device_trigger.py``, ``components/zha``, ``components/hue``.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.device import Device
+from homebot.devices.device import Device, DevicePart
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import (
     Automation,
@@ -14,6 +14,8 @@ from homebot.integrations.homeassistant.automations.entities import (
     text_value,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.formats.states.presses import APP_EVENTS, APP_KEY, RAW_PART
+from homebot.support.folding import fold
 from homebot.words.steps import MAX_LINES
 from homebot.words.triggers import MessageComes, Press, button_names, read_trigger
 
@@ -69,19 +71,39 @@ ADVICE: Final = {
     "tag": "; start it by a button, or by the tag's reader as a device",
     "tag_scanned": "; start it by a button, or by the tag's reader as a device",
     "mobile_app_notification_action": "; messages have no buttons: start it by a button or helper",
-    "ios.action_fired": "; start it by a button or helper",
     "persistent_notification": "; start it by the state that is told of",
     "geo_location": "; homebot knows only who is at home: 'Anna arrives'",
     "sentence": "; a routine of a button does the same",
 }
 """The text to write instead of a trigger, by its kind or event."""
 
+
+class _Sender(NamedTuple):
+    """The fields of events with the address of their device, and with what happened."""
+
+    address: str
+    press: str
+
+
 _SENDERS: Final = {
-    "zha_event": ("device_ieee", "command"),
-    "deconz_event": ("unique_id", "event"),
-    "hue_event": ("unique_id", "type"),
+    "zha_event": _Sender("device_ieee", "command"),
+    "deconz_event": _Sender("unique_id", "event"),
+    "hue_event": _Sender("unique_id", "type"),
 }
-"""The fields of events with the address of the device and its event."""
+_STARTS: Final = frozenset({"homeassistant_started", "homeassistant_start"})
+
+
+class _RemoteButton(NamedTuple):
+    """A button of a device.
+
+    Attributes:
+        number: Its number on the device; empty if that does not count.
+        events: What it tells; None if that is open.
+    """
+
+    name: str
+    number: str
+    events: set[str] | None
 
 
 def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
@@ -91,15 +113,36 @@ def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
         entity = automation.entities.find(data.text("entity_id"))
         data.end()
         return [StartTrigger(press_text(entity.name, "finished"))]
-    if kind in {"homeassistant_started", "homeassistant_start"}:
+    if kind in _STARTS:
         data.end()
         return [StartTrigger("homebot starts")]
-    if kind not in _SENDERS:
+    if kind in APP_EVENTS:
+        return [_of_app(automation, kind, data)]
+    if kind in _SENDERS:
+        return _of_device(automation, kind, data)
+    known = ", ".join((*_SENDERS, *APP_EVENTS))
+    raise NotCarriedError(f"trigger event: {kind!r}{ADVICE.get(kind, '')}; carried over are events of {known}")
+
+
+def _of_app(automation: Automation, kind: str, data: UnreadFields) -> StartTrigger:
+    """Return the action of the app of Home Assistant, or the tag that it reads, as its gateway tells it."""
+    press = data.text(APP_EVENTS[kind].field)
+    data.end()
+    try:
+        device = automation.entities.device_of(APP_KEY)
+    except NotCarriedError:
         raise NotCarriedError(
-            f"trigger event: {kind!r}{ADVICE.get(kind, '')}; carried over are events of {', '.join(_SENDERS)}"
-        )
-    address_field, command_field = _SENDERS[kind]
-    address, command, subtype = (data.text(key, "") for key in (address_field, command_field, "subtype"))
+            f"trigger event: {kind!r}: the gateway of Home Assistant tells it once an app is registered there"
+            f"{ADVICE.get(kind, '; start it by a button or helper')}"
+        ) from None
+    text = press_text(f"{automation.entities.name_of(device)}#{APP_EVENTS[kind].part}", press)
+    return StartTrigger(text, data=((APP_EVENTS[kind].field, press),))
+
+
+def _of_device(automation: Automation, kind: str, data: UnreadFields) -> list[StartTrigger]:
+    """Return the events of a button, or of each that its device has."""
+    sender, known = _SENDERS[kind], automation.entities
+    address, command, subtype = (data.text(key, "") for key in (*sender, "subtype"))
     device_id, slug = data.text("device_id", ""), data.text("id", "")
     data.take("endpoint_id")
     for key in ("args", "params"):  # of an event that its command tells already they are empty
@@ -111,49 +154,75 @@ def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
             "see `homebot bind` in docs/routines.md"
         )
     data.end()
-    known = automation.entities
-    if address:
-        device = known.device_by_address(address)
-    elif device_id:
-        device = known.device_of(device_id)
-    elif slug:
-        device = known.device_called(slug)
-    else:
-        raise NotCarriedError(f"trigger event: {kind} of any device; name its {address_field}")
+    finders = ((address, known.device_by_address), (device_id, known.device_of), (slug, known.device_called))
+    device = next((find(text) for text, find in finders if text), None)
+    if device is None:
+        raise NotCarriedError(f"trigger event: {kind} of any device; name its {sender.address}")
+    triggers = []
+    for button in _buttons(automation, kind, device, subtype):
+        own = (("subtype", button.number),) if button.number else ()
+        events = button.events
+        if events is None:
+            is_asked = "" if command else sender.press
+            told = ((sender.press, command),) if command else ()
+            triggers.append(StartTrigger(press_text(button.name, command), data=(*told, *own), asks=is_asked))
+            continue
+        meant = _HUE_PRESSES.get(command, command) if kind == "hue_event" and command not in events else command
+        if not events or (meant and meant not in events):
+            listed = ", ".join(sorted(events)) or "none"
+            raise NotCarriedError(f"trigger event: {device.name} has no event {command!r} in homebot; it has {listed}")
+        triggers += [
+            StartTrigger(press_text(button.name, event), data=((sender.press, command or event), *own))
+            for event in ([meant] if meant else sorted(events))
+        ]
+    if len(triggers) > MAX_LINES:
+        raise NotCarriedError(f"trigger event: {device.name} has more than {MAX_LINES} events; name one")
+    return triggers
+
+
+def _buttons(automation: Automation, kind: str, device: Device, number: str) -> list[_RemoteButton]:
+    """Return the button *number* of a device of Hue, or all of them; of another device all in one."""
     name = automation.entities.name_of(device)
-    if kind == "hue_event" and subtype:
-        name, device = _button_of(automation, device, subtype)
-    options = options_of(device)
-    events = [_HUE_PRESSES.get(command, command) if kind == "hue_event" else command] if command else sorted(options)
-    if not events or len(events) > MAX_LINES or not options.issuperset(events):
-        listed = ", ".join(sorted(options)) or "none"
-        raise NotCarriedError(f"trigger event: {device.name} has no event {command!r} in homebot; it has {listed}")
-    return [StartTrigger(press_text(name, event), data=((command_field, command or event),)) for event in events]
-
-
-def _button_of(automation: Automation, device: Device, number: str) -> tuple[str, Device]:
-    """Return the name of a button of *device*, and the device with this button alone."""
     parts = [part for part in device.parts if any(can.name in EVENTS for can in part.part.capabilities)]
-    names = [name for part, name in zip(parts, button_names(parts), strict=True) if name.split()[-1:] == [number]]
-    if len(parts) == 1 or len(names) != 1:
+    if kind != "hue_event" or (len(parts) == 1 and not number):
+        is_open = any(part.id == RAW_PART for part in parts)
+        return [
+            _RemoteButton(f"{name}#{RAW_PART}", "", None) if is_open else _RemoteButton(name, "", options_of(device))
+        ]
+    numbered = [
+        _RemoteButton(f"{name}#{button}", button.replace("_", " ").split()[-1], _options(part))
+        for part, button in zip(parts, button_names(parts), strict=True)
+    ]
+    chosen = [button for button in numbered if number in {"", button.number}]
+    if len(parts) == 1 or len({button.number for button in chosen}) != len(chosen) or not chosen:
         raise NotCarriedError(f"trigger event: {device.name} has no button {number} in homebot; name it by its entity")
-    of_name = [part for part, name in zip(parts, button_names(parts), strict=True) if name == names[0]]
-    return f"{automation.entities.name_of(device)}#{names[0]}", device.model_copy(update={"parts": tuple(of_name)})
+    return chosen
+
+
+def asked_press(trigger: StartTrigger, value: str) -> str:
+    """Return the condition that the press of *trigger*, which is any, was *value*.
+
+    Raises:
+        NotCarriedError: It cannot be written.
+    """
+    text = f"{trigger.text} {value if value.isalnum() else text_value(value)}"
+    press = read_trigger(text)
+    if not isinstance(press, Press) or press.value != value.casefold():
+        raise NotCarriedError(f"the event {value!r} cannot be written as a condition")
+    return text
 
 
 _HUE_PRESSES: Final = {"short_release": "single", "double_short_release": "double", "long_press": "long"}
 """Events of Hue buttons in the words of homebot, where these differ."""
 
 
+def _options(part: DevicePart) -> set[str]:
+    return {option for can in part.part.capabilities if can.name in EVENTS for option in can.options}
+
+
 def options_of(device: Device) -> set[str]:
     """Return the events that *device* tells of."""
-    return {
-        option
-        for part in device.parts
-        for can in part.part.capabilities
-        if can.name in EVENTS
-        for option in can.options
-    }
+    return {option for part in device.parts for option in _options(part)}
 
 
 def device_press(automation: Automation, fields: UnreadFields) -> str:
@@ -172,13 +241,12 @@ def device_press(automation: Automation, fields: UnreadFields) -> str:
 def press_text(name: str, event: str) -> str:
     """Return the trigger that a device tells *event*; any event if it is empty."""
     value = event if not event or event.replace("_", "").isalnum() else text_value(event)
-    device, hash_sign, _ = name.partition("#")
-    target = text_value(name) if hash_sign else f"name={text_value(device)}"
-    text = f"{target} press {value}".rstrip()
+    device, hash_sign, part = name.partition("#")
+    text = f"name={text_value(device)}{hash_sign}{part} press {value}".rstrip()
     try:
         trigger = read_trigger(text)
     except UsageError:
         trigger = None
-    if not isinstance(trigger, Press) or trigger.value != event.casefold():
+    if not isinstance(trigger, Press) or (trigger.value, trigger.part) != (event.casefold(), fold(part)):
         raise NotCarriedError(f"the event {event!r} of {name} cannot be written as a trigger")
     return text

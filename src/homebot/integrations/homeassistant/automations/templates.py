@@ -8,6 +8,7 @@ from typing import Final, TypeAlias, TypeVar, cast
 
 from homebot.devices.query.terms import Operator
 from homebot.integrations.homeassistant.automations.entities import NEVER, Automation, Condition, StartTrigger
+from homebot.integrations.homeassistant.automations.event_triggers import asked_press
 from homebot.integrations.homeassistant.automations.expressions import (
     LeftTemplate,
     constant_number,
@@ -425,6 +426,11 @@ class Templates:
         path = path_of(left)
         match path:
             case ("trigger", "id" | "payload" | "platform") | ("trigger", "event", "data", _):
+                triggers = self._automation.triggers
+                if open_ones := [trigger for trigger in triggers if trigger.asks == path[-1]]:
+                    if len(open_ones) < len(triggers):
+                        raise refused_template(shown_tree(left), "not each trigger has it; write it as `choose`")
+                    return [tuple(asked_press(trigger, str(value)) for trigger in open_ones)]
                 return self.started_by(
                     [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
                 )

@@ -16,7 +16,11 @@ from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCode
 from homebot.integrations.homeassistant.formats.device import DeviceInfo
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity
+from homebot.integrations.homeassistant.formats.states.presses import APP_KEY, APP_PARTS, RAW_PART, open_button
 from homebot.integrations.homeassistant.formats.states.registries import Registries
+
+_TELLING = frozenset({"zha", "deconz"})
+"""Integrations that tell the events of remotes."""
 
 MAX_PARTS = 200
 """Of one device."""
@@ -145,6 +149,8 @@ class HomeAssistantEntities:
         for key in self.triggers:
             if self.registries.device(key) is not None and not self.registries.is_left_out(key):
                 groups.setdefault(key, {})
+        if self.registries.has_device_of("mobile_app"):
+            groups.setdefault(APP_KEY, {})
         return groups
 
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
@@ -190,10 +196,10 @@ class HomeAssistantEntities:
         name = device.name
         if not name and entities:
             name = entities[0].name or entities[0].entity_id.partition(".")[2].replace("_", " ")
-        name = name or key
+        name = name or ("Home Assistant app" if key == APP_KEY else key)
         sole = [entity for entity in entities if not entity.entry.category]
         area, floor = self.registries.place(key, [entity.entity_id for entity in sole or entities])
-        parts = [*map(self._part, entities), *self.triggers.get(key, ())]
+        parts = [*map(self._part, entities), *self._buttons(key)]
         shown_as = {text_of(entity.info.get("friendly_name")) for entity in sole if len(sole) == 1} - {"", name}
         aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
         facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
@@ -211,6 +217,15 @@ class HomeAssistantEntities:
             native=False,  # the gateway of its native protocol knows it better
         )
         return described
+
+    def _buttons(self, key: str) -> tuple[Part, ...]:
+        """Return the buttons of a device that are no entities: its triggers, and of a remote all that it tells."""
+        if key == APP_KEY:
+            return APP_PARTS
+        triggers = self.triggers.get(key, ())
+        is_remote = any(part.tag != "device_offline" for part in triggers)
+        is_told = is_remote and self.registries.is_of(key, _TELLING)
+        return (*triggers, open_button(RAW_PART, "event")) if is_told else (*triggers,)
 
     def _part(self, entity: HomeAssistantEntity) -> Part:
         if entity.domain not in {"scene", "person"} and not entity.reaches_others(self.registries):

@@ -26,6 +26,7 @@ from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity, ServiceCall
+from homebot.integrations.homeassistant.formats.states.presses import APP_EVENTS, REMOTE_EVENTS, read_pressed
 from homebot.integrations.homeassistant.formats.states.registries import REGISTRIES
 from homebot.integrations.homeassistant.gateway.entities import HomeAssistantEntities
 from homebot.integrations.homeassistant.gateway.link import GREETS_WITHIN, HomeAssistantLink, connected
@@ -157,6 +158,7 @@ class HomeAssistantGateway(LinkedGateway):
                     await self._load()
                     self._forgot_at = self.node.graph.clock.monotonic()
                     self.on_link()
+                    await self._follow_presses()
                     await self._follow_registries(DeviceTriggers(self._link, self._on_press))
 
     async def _load(self) -> None:
@@ -221,6 +223,16 @@ class HomeAssistantGateway(LinkedGateway):
             await self._list(stale)
             await self._describe_all("Home Assistant described it anew")
             settles = min(max(SETTLES, 4 * (clock.monotonic() - began)), MAX_SETTLING_S)
+
+    async def _follow_presses(self) -> None:
+        """Follow the events that are presses; a user without the right to do so has none."""
+        for kind in (*APP_EVENTS, *REMOTE_EVENTS):
+            with suppress(RefusedError):
+                await self._link.call("the presses", "subscribe_events", {"event_type": kind}, self._on_pressed)
+
+    async def _on_pressed(self, event: Mapping[str, object]) -> None:
+        if (pressed := read_pressed(event)) is not None and pressed.key in self.devices.keys:
+            await self._on_press(*pressed)
 
     async def _on_press(self, key: str, part: str, press: str) -> None:
         if self.devices.admits(key):

@@ -113,10 +113,13 @@ class SimulatedHomeAssistant(WebDevice):
 
     def change_registry(self, registry: str) -> None:
         """Report that a registry has changed."""
-        kind = f"{registry}_registry_updated"
+        self.tell(f"{registry}_registry_updated", {"action": "update"})
+
+    def tell(self, kind: str, data: Fields) -> None:
+        """Send an event of its bus to all that subscribed to it."""
         for peer, subscribed in self._events.items():
             if kind in subscribed and peer in self.server.peers:
-                peer.send(_event(subscribed[kind], {"event_type": kind, "data": {"action": "update"}}))
+                peer.send(_event(subscribed[kind], {"event_type": kind, "data": data}))
 
     def fire(self, trigger: Fields) -> None:
         """Fire a trigger of a device."""

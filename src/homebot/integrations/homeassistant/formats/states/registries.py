@@ -4,7 +4,7 @@ Source: Home Assistant core 2024.3, ``components/config/*_registry.py``.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from itertools import starmap
 from typing import Final, NamedTuple
 
@@ -106,6 +106,14 @@ class Registries:
         return bool(fields.get("disabled_by")) or any(
             domain == "mqtt" and identifier.startswith("homebot_") for domain, identifier in _pairs(fields)
         )
+
+    def is_of(self, device_id: str, integrations: Collection[str]) -> bool:
+        """Return whether one of *integrations* made a device."""
+        return any(domain in integrations for domain, _ in _pairs(self._listed["device"].get(device_id, {})))
+
+    def has_device_of(self, integration: str) -> bool:
+        """Return whether *integration* made any device."""
+        return any(self.is_of(device_id, (integration,)) for device_id in self._listed["device"])
 
     def place(self, device_id: str, entity_ids: Iterable[str]) -> tuple[str, str]:
         """Return the names of the area and of the floor of a device; empty for none.
