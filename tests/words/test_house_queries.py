@@ -254,6 +254,11 @@ QUESTIONS = [
     [
         ("Which lights are on?", {"id1"}, ""),
         ("what is on in the hall", {"id1"}, ""),
+        ("What's on in the hall?", {"id1"}, ""),
+        ("which lights in the hall are on?", {"id1"}, ""),
+        ("show me lights in the hall that are turned on, please", {"id1"}, ""),
+        ("is the light in the study off", {"id2"}, ""),
+        ("list all lights in the hall", {"id1"}, ""),
         ("is the front door locked?", {"id4"}, ""),
         ("is the front door open", set(), "none now; in another state there would be front door"),
         ("are there lights in the hall", {"id1"}, ""),

@@ -21,6 +21,7 @@ that is called like a type that it is not is meant likewise, unless something of
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -88,6 +89,11 @@ _MAX_DEPTH = 20
 _MAX_PHRASE = 5
 _MAX_NAME_WORDS = 12
 _MAX_MEANINGS = 100
+_CONTRACTED = re.compile(r"\b(what|where|who)['\u2019]s\b", re.IGNORECASE)
+_REQUEST = re.compile(r"\A(?:please )?(?:list|(?:show|give|tell) me) (?=\S)", re.IGNORECASE)
+"""The words before a query in a sentence, which are none of its own."""
+
+_VERBS = frozenset({"are", "is"})
 
 
 def parse_query(text: str, exists: Exists | None = None) -> Query:
@@ -139,7 +145,7 @@ def parse_alternatives(text: str) -> tuple[tuple[Term, ...], ...]:
 
 class _Parser:
     def __init__(self, text: str, exists: Exists | None = None, *, is_any: bool = False) -> None:
-        self._text = text.rstrip().removesuffix("?")
+        self._text = _CONTRACTED.sub(r"\1 is", _REQUEST.sub("", text.strip().removesuffix("?")))
         self._tokens = tokens_of(self._text)
         self._is_any, self._is_denied = is_any, False
         self._known_states: dict[int, tuple[Query | None, int]] = {}
@@ -511,7 +517,7 @@ _FIELD_NAMES = frozenset({"in", "near"})
 
 def _ends_area(word: str, words: list[str]) -> bool:
     """Return whether *word* cannot be part of a room name that begins with *words*."""
-    return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and is_meaningful(word))
+    return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and (word in _VERBS | RELATIVES or is_meaningful(word)))
 
 
 def _of_part(query: Query, name: str) -> Query:

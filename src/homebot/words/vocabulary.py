@@ -30,7 +30,10 @@ from homebot.support.folding import fold
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
-_FILLERS = "the a an all any anything every everything each which what there device devices are is my of"
+_FILLERS = """
+the a an all any anything every everything each which what there device devices are is my of please
+currently now turned switched
+"""
 FILLERS = frozenset(_FILLERS.split())
 """Words without meaning that turn a query into a sentence."""
 
