@@ -12,6 +12,7 @@ from homebot.control.policies.rights import ALWAYS_ASK, APPROVAL, GRANTS
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.client_rights import ASK, CLIENT_RIGHTS, HARMLESS
 from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.findings import FindingKind
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.wording.values import flag_texts
 from homebot.features.routines.gallery import gallery
@@ -25,10 +26,9 @@ FEATURES = SOURCE.parents[1] / "features"
 TEXTS = "\n".join(one.read_text() for one in (*SOURCE.rglob("*.js"), *FEATURES.rglob("page/*.js")))
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
 LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
-PYTHON = "\n".join(
-    one.read_text()
-    for folder in ("bridges", "control", "devices", "features", "gateways", "runtime")
-    for one in (SOURCE.parents[1] / folder).rglob("*.py")
+PYTHON = "\n".join(one.read_text() for one in SOURCE.parents[1].rglob("*.py"))
+COUNTERS = re.compile(
+    r'(\w+): int = (?:fault|loss)\(\)|Count\(name="(\w+)"[^)]*severity|Count\.each\(\{"(\w+)": [^}]*\}, S'
 )
 FIELD = re.compile(r"\{\w+\}")
 
@@ -50,6 +50,15 @@ def test_every_text_of_the_page_is_translated() -> None:
     said = {text for found in SAID.findall(TEXTS) for text in found if text}
     assert len(said) > 100
     assert said - TABLE.keys() == set()
+
+
+def test_what_the_doctor_finds_is_translated() -> None:
+    """Titles, next steps, and the counters that should be 0."""
+    forms = {re.sub(r"\{\w+\}", "{}", one) for one in TABLE}
+    texts = {text for kind in FindingKind for text in (kind.title, kind.next_step) if text}
+    counters = {spoken(name) for found in COUNTERS.findall(PYTHON) for name in found if name}
+    assert {"commands refused", "journal failures", "news missed"} <= counters
+    assert (texts | counters) - forms == set()
 
 
 def test_ready_made_routines_are_translated() -> None:

@@ -51,7 +51,7 @@ class UnpairedDevice(Message):
     """A device that waits to be paired.
 
     Attributes:
-        device: The gateway's key of it.
+        device: The gateway's key of it; empty for any device that has a code.
         takes_code: Whether it is paired by the code on it, and not by a button.
         within_s: Seconds that pairing may take, such as those for which the button is waited for.
         problem: Why it cannot be paired now; empty if it can.

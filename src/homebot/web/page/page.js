@@ -1,1 +1,1 @@
-import"./chunk-VQMOVCEH.js";
+import"./chunk-L5TU7CXW.js";

@@ -46,7 +46,10 @@ mkdirSync("languages", { recursive: true });
 
 for (const name of sources) {
   const signs = [...new Set([...textOf(name).matchAll(/\bmdi\.(\w+)/g)].map(([, sign]) => sign))];
-  const own = textOf(name).replace('import * as mdi from "@mdi/js";', signs.map((sign) => `const ${sign} = "${mdi[sign]}";`).join("\n")).replaceAll("mdi.mdi", "mdi");
+  const own = textOf(name)
+    .replace(/(?<=>)\s*\n\s*|\s*\n\s*(?=<|\$\{)/g, "") // between tags, where it says nothing
+    .replace('import * as mdi from "@mdi/js";', signs.map((sign) => `const ${sign} = "${mdi[sign]}";`).join("\n"))
+    .replaceAll("mdi.mdi", "mdi");
   // What is loaded later names the page or the second file, so that what these have themselves is in no file of its own.
   writeFileSync(name, later.has(name) ? `${own}\nimport "${"../".repeat(name.split("/").length - 1) || "./"}${["soon.js", "rare_icons.js"].includes(name) ? "page" : "soon"}.js";\n` : own);
 }

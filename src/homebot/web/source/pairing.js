@@ -28,11 +28,12 @@ export function Unpaired({ gateway, unpaired }) {
   };
   const added = before ? shown.value.filter((one) => !before.has(one.id)) : [];
   const isPaired = answer?.success;
+  const isDone = isPaired && device; // without one, more devices may have a code
   return html`<form class="box" aria-label=${name} onSubmit=${pair}><h3><bdi>${name}</bdi></h3>
-    ${problem ? html`<p>${sayReason(problem)}</p>` : !isPaired && html`
+    ${problem ? html`<p>${sayReason(problem)}</p>` : !isDone && html`
       ${takesCode ? html`<label><span>${say("The code on the device")}</span> <input name="code" required maxlength="255" autocomplete="off" inputmode="numeric" /></label>` : html`<p>${say("Press the button on the device, then “pair”.")}</p>`}
       <p class="choices"><button disabled=${left > 0}>${say("pair|do")}</button> ${left > 0 && html`<span role="timer">${say(takesCode ? "{count} s left" : "Press its button now: {count} s left", { count: left })}</span>`}</p>`}
     <div role="status">${answer && !isPaired && html`<p class="bad">${sayReason(answer.message)}</p>`}
-      ${isPaired && html`<p>${say("{name} is paired.", { name })}</p><p>${added.length ? `${say("Found:")} ${added.map((one) => one.name).join(", ")}` : say("Its devices appear here.")}</p>`}</div>
+      ${isPaired && html`<p>${say("{name} is paired.", { name: answer.name || name })}</p><p>${added.length ? `${say("Found:")} ${added.map((one) => one.name).join(", ")}` : say("Its devices appear here.")}</p>`}</div>
   </form>`;
 }

@@ -16,9 +16,18 @@ from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand
+from homebot.devices.names import PairingNames
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
-from homebot.gateways.pairing import PairResponse
+from homebot.gateways.pairing import (
+    ListUnpaired,
+    Pair,
+    PairRequest,
+    PairResponse,
+    Unpair,
+    UnpairedRequest,
+    UnpairRequest,
+)
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.matter.gateway.gateway import (
@@ -82,6 +91,25 @@ async def test_a_device_joins_by_its_code_and_leaves(code: str, caplog: pytest.L
         assert (again.success, again.key) == (True, "node-2")
         assert code not in repr(home.gateway.__dict__)
     assert code not in caplog.text
+
+
+async def test_the_page_pairs_any_device_that_has_a_code() -> None:
+    """It asks each gateway for the devices that wait."""
+    names = PairingNames("matter")
+    async with house() as home:
+        await new_lamp(home, DIGITS)
+        pair = home.watcher.create_client(Pair, names.pair)
+        waiting = await home.watcher.create_client(ListUnpaired, names.unpaired).call(UnpairedRequest())
+        assert [(one.device, one.name, one.takes_code, one.problem) for one in waiting.devices] == [
+            ("", "Matter", True, "")
+        ]
+        assert "11 or 21 digits" in (await pair.call(PairRequest(device="", code=""))).message
+        joined = await pair.call(PairRequest(device="", code=DIGITS), timeout=PATIENCE)
+        assert (joined.success, joined.name) == (True, "New lamp")
+        assert "commissioned already" in (await pair.call(PairRequest(device="node-1", code=DIGITS))).message
+        unpair = home.watcher.create_client(Unpair, names.unpair)
+        left = await unpair.call(UnpairRequest(device="node-1"), timeout=PATIENCE)
+        assert (left.success, left.name, home.server.nodes) == (True, "New lamp", {})
 
 
 @pytest.mark.parametrize(

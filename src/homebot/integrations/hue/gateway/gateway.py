@@ -117,7 +117,7 @@ class HueGateway(Gateway):
                 while (made := await create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
                     await anyio.sleep(_EACH)
         if made is None:
-            reason = f"its button was not pressed within {self.pressed_within:g} s; press it, and run the command again"
+            reason = f"its button was not pressed within {self.pressed_within:g} s; press it and try again"
             raise RefusedError(f"pairing {bridge.name}", reason)
         secrets = {"key": made.get_secret_value(), "certificate": certificate}
         await self._save_pairings(bridge, self._pairings | {key: {"name": bridge.name, "origin": origin, **secrets}})

@@ -1,6 +1,6 @@
 """The Matter gateway: the nodes of a Matter server, over its WebSocket."""
 
-from collections.abc import Awaitable, Callable, Collection
+from collections.abc import Awaitable, Callable, Collection, Iterator
 from functools import partial
 from typing import Annotated, ClassVar, Final
 from urllib.parse import urlsplit
@@ -16,7 +16,7 @@ from homebot.errors import LinkError, PeerError, RefusedError, UnableError, Wire
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import GatewayContext, GatewaySettings
 from homebot.gateways.linked_gateway import LinkedGateway
-from homebot.gateways.pairing import ActingGateway, PairingRequests, PairResponse
+from homebot.gateways.pairing import ActingGateway, PairingRequests, PairingServices, PairResponse, UnpairedDevice
 from homebot.graph import Node
 from homebot.integrations.matter.formats.ecosystem import check_matter_setup_code
 from homebot.integrations.matter.formats.endpoint import DESCRIPTOR, MatterEndpoint
@@ -144,6 +144,7 @@ class MatterGateway(LinkedGateway):
         self._scenes = SceneReader(self, self._on_scenes)
         self.devices = PublishedDevices(self, self._perform, settings, refresh=self._refresh)
         serve_commissioning(node, self, self._commission, self._decommission)
+        PairingServices(self, node)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -325,6 +326,22 @@ class MatterGateway(LinkedGateway):
                 return  # all nodes are listed again after the next connection
             except PeerError as exc:
                 self.devices.reject(self.peer, b"", f"node {node_id} cannot be read again: {exc}")
+
+    async def pair(self, key: str, code: str) -> str:
+        """Commission the device that has the setup code, and return its name; *key* is empty."""
+        if key in self._node_of:
+            raise UnableError(f"{key} is commissioned already")
+        check_matter_setup_code(code)
+        return (await self._commission(CommissionRequest(code=code)))[1]
+
+    async def unpair(self, key: str) -> str:
+        """Remove a node, and return its name."""
+        return (await self._decommission(key))[1]
+
+    def unpaired(self) -> Iterator[UnpairedDevice]:
+        """Yield any device that has a setup code: the server knows none before."""
+        problem = f"{self.peer} cannot be reached: {self.problem}" if self.problem else ""
+        yield UnpairedDevice(device="", name="Matter", takes_code=True, within_s=COMMISSIONS_WITHIN, problem=problem)
 
     async def _commission(self, request: CommissionRequest) -> tuple[str, str]:
         """Add the device with a setup code."""

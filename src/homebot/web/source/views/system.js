@@ -90,7 +90,7 @@ function Log() {
 /** A finding of the doctor, with the devices that it is about. */
 function Finding({ finding }) {
   const more = finding.total - finding.rows.length;
-  const nameIn = (row) => (deviceOf(row.what) ? html`<a href=${`#/device/${encodeURIComponent(row.what)}`}>${nameOf(row.what)}</a>` : row.what);
+  const nameIn = (row) => (deviceOf(row.what) ? html`<a href=${`#/device/${encodeURIComponent(row.what)}`}>${nameOf(row.what)}</a>` : say(row.what));
   return html`<li>
     <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${sayReason(finding.title)}:`}</span>
     ${finding.rows.map((row, index) => html` ${(row.what || index > 0) && html`<br />`}${nameIn(row)} ${row.why !== nameOf(row.what) && sayReason(row.why)}`)}

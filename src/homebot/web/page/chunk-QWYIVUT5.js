@@ -1,7 +1,0 @@
-import{A as r,B as f,a as p,aa as s,b as m,e as d,k as b,r as g,s as c}from"./chunk-VQMOVCEH.js";var h=60,o=d(null),k=e=>JSON.stringify(e),$=e=>Object.entries(e).map(([t,n])=>({key:t,value:n}));async function N(e,t,{secrets:n={},remove:a=[]}={}){return o.value={message:r("writing \u2026"),lines:[],success:!0,isPending:!0},o.value=await c("/setup/change",{table:e,values:$(t),secrets:$(n),remove:a},h),o.value.success}var v=async()=>o.value={...await c("/setup/change",{undo:!0},h),isUndone:!0},x=async()=>o.value={...await c("/setup/change",{restart:!0}),lines:[],isUndone:!1,isPending:!0},y=()=>s`<button type="button" name="again" onClick=${x}>${r("start homebot again")}</button>`;function S(e){let[t,n]=p(null),a=b.value.state==="open";return m(()=>{!a||o.value?.isPending||g("/setup/table",{table:[e]}).then(({values:l})=>n(Object.fromEntries(l.map(({key:i,value:u})=>[i,JSON.parse(u)]))),()=>{})},[a,o.value]),t}function U({canRestart:e=!1}){let{message:t,lines:n=[],success:a,isPending:l,isUndone:i}=o.value??{},u=a&&!l;return s`<div role="status" class=${o.value?"box":"hidden"}>
-    ${u&&(i||n.length>0)&&s`<p>${r(i?"undone":"This is in homebot.toml now:")}</p>`}
-    ${n.length>0&&s`<pre>${n.join(`
-`)}</pre>`}
-    ${t&&s`<p class=${a?"quiet":"bad"}>${f(t)}</p>`}
-    ${u&&s`<p class="choices">${!i&&s`<button type="button" onClick=${v}>${r("undo|setup")}</button>`} ${e&&t?.includes("restart homebot")&&s`<${y} />`}</p>`}
-  </div>`}export{o as a,k as b,N as c,y as d,S as e,U as f};
