@@ -7,7 +7,7 @@ from homebot.apps.rooms import in_room, per_room
 from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
 from homebot.units import Seconds
 
-SHORTEST, LONGEST = 60.0, 3600.0  # seconds until lamps that stayed on are checked again, longer each time
+MIN_WAIT_S, MAX_WAIT_S = 60.0, 3600.0  # seconds until lamps that stayed on are checked again, longer each time
 
 
 class LightsOutSettings(AppSettings):
@@ -35,13 +35,13 @@ class LightsOut(App[LightsOutSettings]):
     async def _count_down(self, change: HandleChange[Handle]) -> None:
         room, wait = change.handle.area, self.settings.quiet_after
         await anyio.sleep(wait)
-        wait = max(wait, SHORTEST)
+        wait = max(wait, MIN_WAIT_S)
         while lamps := in_room(await self.devices.find(Light, on=True), room):
             if await self._is_quiet(room) and all(
                 result.succeeded for result in await self.each(Light.turn_off, lamps)
             ):
                 return
-            wait = min(2 * wait, max(wait, LONGEST))  # each attempt is an entry in the journal
+            wait = min(2 * wait, max(wait, MAX_WAIT_S))  # each attempt is an entry in the journal
             await anyio.sleep(wait)
 
     async def _is_quiet(self, room: str) -> bool:

@@ -22,7 +22,7 @@ from homebot.support.addresses import network_of
 from homebot.support.bounded_map import BoundedMap
 
 _FREE_ATTEMPTS = 5
-_FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
+_MIN_DELAY_S, _MAX_DELAY_S = 0.1, 1.0
 _DECAY_INTERVAL = 10.0
 """Seconds after which one wrong token is forgotten."""
 
@@ -71,7 +71,7 @@ class TokenCheck:
             if attempts.waiting >= _MAX_WAITING:
                 return None
             attempts.waiting += 1
-            wait = min(_LONGEST_DELAY, _FIRST_DELAY * 2 ** (attempts.wrong - _FREE_ATTEMPTS))
+            wait = min(_MAX_DELAY_S, _MIN_DELAY_S * 2 ** (attempts.wrong - _FREE_ATTEMPTS))
         try:
             await anyio.sleep(wait)
         finally:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _WIDE: Final = 70
 """Terminal width from which the rooms are in two columns."""
 
-_LEAST_STORY, _MOST_STORY = 4, 10
+_MIN_STORY_LINES, _MAX_STORY_LINES = 4, 10
 """Lines of the story if there is room."""
 
 _STORY_BESIDE_PLAN: Final = 6
@@ -76,7 +76,7 @@ def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
     plan = _plan(picture, width, height - 3 - len(rooms) - _STORY_BESIDE_PLAN) if is_wide else []
     head: list[Line] = [[(picture.title, "bold")], *([[("", "")]] if height >= _TIGHT and not plan else [])]
     left = height - len(head) - len(plan) - 2
-    story = max(_LEAST_STORY, min(_MOST_STORY, left - len(rooms)))
+    story = max(_MIN_STORY_LINES, min(_MAX_STORY_LINES, left - len(rooms)))
     story_lines = _story(picture.story, width, story)
     return [
         *head,

@@ -80,7 +80,7 @@ class PartBuilder(Generic[MessageT]):
         """Add the capability *name*, settable with a *writer*. Without any access it is left out."""
         if not readable and writer is None:
             return
-        make = _capability if len(fields.get("options", ())) <= _FEW_OPTIONS else Capability
+        make = _capability if len(fields.get("options", ())) <= _MAX_SHARED_OPTIONS else Capability
         self._capabilities[name] = make(name=name, readable=readable, settable=writer is not None, **fields)
         if writer is not None:
             self._writers[name] = writer
@@ -186,7 +186,7 @@ def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPa
     return tuple(described_parts.values())
 
 
-_FEW_OPTIONS = 50
+_MAX_SHARED_OPTIONS = 50
 
 
 _capability = lru_cache(maxsize=512)(Capability)

@@ -67,7 +67,7 @@ _MIN_GAPS = 3
 _SILENCE_FACTOR = 3.0
 """Usual gaps that silence may last: two reports may be lost on the way."""
 
-_MAX_OF_FEW = 86_400.0
+_MAX_FIRST_SILENCE_S = 86_400.0
 
 _MAX_INTERVAL_S = 7 * 86_400.0
 
@@ -120,7 +120,7 @@ def _usual_silence(gaps: tuple[float, ...]) -> float:
     if not gaps:
         return 0.0
     if len(gaps) < _MIN_GAPS:
-        return min(_SILENCE_FACTOR * min(gaps), _MAX_OF_FEW)
+        return min(_SILENCE_FACTOR * min(gaps), _MAX_FIRST_SILENCE_S)
     return min(_SILENCE_FACTOR * sorted(gaps)[-2], _MAX_INTERVAL_S)
 
 

@@ -118,7 +118,7 @@ _MAX_TIMEOUT = 3600.0
 _OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
 _ROSAPI = "/rosapi/"
 """The services that libraries call with types of their own: ``rosapi/Topics``, ``rosapi_msgs/srv/ActionServers``."""
-_MOST, _LONGEST = 200, 100  # names compared, and their lengths: a client may ask repeatedly
+_MAX_COMPARED, _MAX_NAME_CHARACTERS = 200, 100  # names compared, and their lengths: a client may ask repeatedly
 
 
 async def call_service(
@@ -228,7 +228,9 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
 
 def similar_name(name: str, known: Sequence[str], listing: str) -> str:
     """Return a suggestion for the misspelt *name*: a similar one, or the service that lists all."""
-    similar = get_close_matches(name[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
+    similar = (
+        get_close_matches(name[:_MAX_NAME_CHARACTERS], known, n=1, cutoff=0.7) if len(known) <= _MAX_COMPARED else []
+    )
     return f"did you mean {similar[0]}?" if similar else f"{listing} lists all"
 
 

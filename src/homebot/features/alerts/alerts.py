@@ -52,7 +52,7 @@ from homebot.words.vocabulary import HOUSEHOLD
 MAX_INCIDENTS: Final = 100
 """The limit of those that last, the worst first, and of all others; of more alerts people are not told."""
 
-_GATHER, _AGAIN, _LONGEST_PAUSE = 0.5, 60.0, 3600.0
+_GATHER_S, _MIN_PAUSE_S, _MAX_PAUSE_S = 0.5, 60.0, 3600.0
 """Seconds for which changes are gathered, between looks while something is wrong, and after unsent notifications."""
 
 _CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
@@ -191,7 +191,7 @@ class Alerts(App[AlertsSettings]):
         self._is_empty = False
         self._shown: tuple[Finding, ...] = ()
         self._published: Findings | None = None
-        self._changed, self._pause = anyio.Event(), _AGAIN / 2
+        self._changed, self._pause = anyio.Event(), _MIN_PAUSE_S / 2
         node.create_subscription(ChangedSettings, DEVICE_SETTINGS, self._on_values, 100)
         node.create_subscription(DeviceChange, DEVICE_CHANGES, lambda _: self._changed.set(), 1)
         for gateway in filter(None, map(gateway_of, node.graph.get_node_names())):
@@ -202,7 +202,7 @@ class Alerts(App[AlertsSettings]):
         self._asked = BoundedMap[str, None](_MAX_ASKED)
         node.create_subscription(OpenQuestions, OPEN_QUESTIONS, self._on_questions, qos_profile_latched)
         while True:
-            await anyio.sleep(_GATHER)
+            await anyio.sleep(_GATHER_S)
             self._changed = anyio.Event()
             with anyio.move_on_after(await self._look()):
                 await self._changed.wait()
@@ -258,7 +258,7 @@ class Alerts(App[AlertsSettings]):
             alerts = await self._alerts(now)
             ended, held = await self._ended(self._incidents.keys() - alerts.keys(), now)
         except ServiceError:
-            return _AGAIN
+            return _MIN_PAUSE_S
         self._shown = findings_of(alert for alert in alerts.values() if alert.is_shown(now))
         self._publish()
         lasting = alerts | held
@@ -267,9 +267,9 @@ class Alerts(App[AlertsSettings]):
         self._publish()
         if self._incidents or "incidents" in self.store:
             self.store["incidents"] = self._incidents
-        self._pause = _AGAIN / 2 if is_told else min(2 * self._pause, _LONGEST_PAUSE)
+        self._pause = _MIN_PAUSE_S / 2 if is_told else min(2 * self._pause, _MAX_PAUSE_S)
         wait = min(map(self._due, self._incidents), default=math.inf) - now
-        return max(0.0, min(wait, _AGAIN if lasting else math.inf)) if is_told else self._pause
+        return max(0.0, min(wait, _MIN_PAUSE_S if lasting else math.inf)) if is_told else self._pause
 
     async def _publish_news(self, now: float) -> bool:
         """Tell people what began, lasts or ended; return False if some of that failed."""

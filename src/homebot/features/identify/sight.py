@@ -59,7 +59,7 @@ _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
 
 _MAX_LOOKS: Final = 100
-_FEW_VALUES: Final = 4
+_MAX_COARSE_VALUES: Final = 4
 """Values and looks: those of a sensor with fine steps differ in each look."""
 
 _COARSE: Final = 0.05
@@ -84,7 +84,7 @@ class Noise:
         values = sorted(counts)
         step = min((after - before for before, after in pairwise(values)), default=math.inf)
         is_coarse = bool(values) and step > _COARSE * values[-1]
-        if is_coarse and len(values) <= _FEW_VALUES <= len(self._looks) and counts.total() > len(self._looks):
+        if is_coarse and len(values) <= _MAX_COARSE_VALUES <= len(self._looks) and counts.total() > len(self._looks):
             return (
                 f"what is seen has only the values {', '.join(f'{value:g}' for value in values)}: too coarse for this"
             )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from homebot.messages.message import Message
 
 _QOS: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_MOST: Final = {GatewayState: 1, CommandAnswer: 1000, RawMessage: 1000}
+_MAX_OF_KIND: Final = {GatewayState: 1, CommandAnswer: 1000, RawMessage: 1000}
 MAX_OF_EACH: Final = 500_000
 """Devices and reports: as many as a gateway may keep for late joiners."""
 
@@ -97,4 +97,4 @@ class PendingUpdates:
 
 
 def _most(kind: type[Message]) -> int:
-    return _MOST.get(kind, MAX_OF_EACH)
+    return _MAX_OF_KIND.get(kind, MAX_OF_EACH)

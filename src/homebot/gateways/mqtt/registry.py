@@ -26,7 +26,7 @@ _MAX_ROUTES = 50_000
 _MAX_GROUPS = 64
 """Distinct sets of conventions that share topics: few, however many topics there are."""
 
-_FEW_PARTS = 100
+_MAX_QUICK_PARTS = 100
 """Most parts that read one message without a pause."""
 
 _BOUNDS = RegistryLimits()
@@ -334,7 +334,7 @@ def _route_of(
     availability_readers = tuple(reader for reader in readers if isinstance(reader, AvailabilityReader))
     announced_parts = tuple(reader for reader in readers if isinstance(reader, AnnouncedPart))
     only_text = None if conventions or readers else text
-    only_states = not any((conventions, texts, text, availability_readers)) and len(announced_parts) <= _FEW_PARTS
+    only_states = not any((conventions, texts, text, availability_readers)) and len(announced_parts) <= _MAX_QUICK_PARTS
     return TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts, only_states)
 
 

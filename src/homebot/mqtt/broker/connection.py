@@ -15,7 +15,7 @@ from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.byte_account import ByteAccount
 
-_READ_AT_MOST = 16 * 1024
+_MAX_READ_BYTES = 16 * 1024
 _PER_CLIENT = 2  # logins must not keep others out, but need a bound
 
 
@@ -29,7 +29,7 @@ class Sockets:
     """
 
     def __init__(self, max_unsent: int) -> None:
-        self.read_buffer = memoryview(bytearray(_READ_AT_MOST))
+        self.read_buffer = memoryview(bytearray(_MAX_READ_BYTES))
         self._open: dict[BrokerConnection, None] = {}
         self.unsent = ByteAccount(max_unsent, self._open.keys, BrokerConnection.count_unsent, BrokerConnection.cut_slow)
         self._ending: dict[BrokerConnection, None] = {}  # the oldest first
@@ -85,7 +85,7 @@ class Sockets:
 
 
 _WORTH_COUNTING = 16 * 1024  # bytes waiting for one socket
-_JOIN_AT_MOST = 128 * 1024  # larger data is written at once, so that the transport's limit applies
+_MAX_JOINED_BYTES = 128 * 1024  # larger data is written at once, so that the transport's limit applies
 _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # only on Linux
 
 
@@ -172,7 +172,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._loop.call_soon(self._flush)
         self._out.append(data)
         self._out_size += len(data)
-        if self._out_size > _JOIN_AT_MOST:
+        if self._out_size > _MAX_JOINED_BYTES:
             self._flush()
 
     def pause_reading(self) -> None:

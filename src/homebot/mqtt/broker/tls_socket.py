@@ -12,8 +12,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Final, cast, final
 
-_READ_AT_MOST: Final = 16 * 1024
-_ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are passed on
+_MAX_READ_BYTES: Final = 16 * 1024
+_MAX_ENCRYPTED_BYTES: Final = 64 * 1024  # bytes, before they are passed on
 
 
 @final
@@ -48,7 +48,7 @@ class TlsSocket(asyncio.BufferedProtocol):
     def get_buffer(self, sizehint: int) -> bytearray:  # noqa: ARG002 - asyncio's signature
         """Return the buffer for the next bytes."""
         if not self._buffer:
-            self._buffer = bytearray(_READ_AT_MOST)
+            self._buffer = bytearray(_MAX_READ_BYTES)
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -80,8 +80,8 @@ class TlsSocket(asyncio.BufferedProtocol):
             return
         view = memoryview(data)
         try:
-            for start in range(0, len(view), _ENCRYPT_AT_MOST):
-                self._tls.write(view[start : start + _ENCRYPT_AT_MOST])
+            for start in range(0, len(view), _MAX_ENCRYPTED_BYTES):
+                self._tls.write(view[start : start + _MAX_ENCRYPTED_BYTES])
                 self._send()
         except ssl.SSLError as error:
             self._fail(error)
@@ -111,7 +111,7 @@ class TlsSocket(asyncio.BufferedProtocol):
                 self._tls.do_handshake()
                 self._is_ready = True
             while self._is_ready and not self._is_paused and not self._is_over:
-                count = self._tls.read(_READ_AT_MOST, self._user.get_buffer(-1))
+                count = self._tls.read(_MAX_READ_BYTES, self._user.get_buffer(-1))
                 if not count:
                     self._end()
                     return

@@ -164,7 +164,7 @@ _PRESSES: Final = {
 """The events of a button, by homebot's words for those that other protocols have as well."""
 
 _TURNS: Final = {"clock_wise": "rotate_right", "counter_clock_wise": "rotate_left"}
-_LOG_STEPS, _MOST_LOG = 10_000.0, 200_000.0
+_LOG_STEPS, _MAX_LOG = 10_000.0, 200_000.0
 
 
 def press_of(change: Fields) -> tuple[str, str]:
@@ -202,7 +202,7 @@ def _read_celsius(sensor: Fields) -> PlainValue:
 
 def _read_lux(sensor: Fields) -> PlainValue:
     level = finite_number(_sensed(sensor, "light", "light_level"))
-    if level is None or not 0 <= level <= _MOST_LOG:
+    if level is None or not 0 <= level <= _MAX_LOG:
         return None
     return round(10 ** ((level - 1) / _LOG_STEPS), 2) if level > 0 else 0.0
 

@@ -42,10 +42,10 @@ MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
 WASHER, _SPIN, _RINSE, ENERGY_MODE, PLAYBACK, SERVICE_AREA = 83, 1, 2, 159, 0x0506, 336
 DISHWASHER_ALARM, CHIME, _SELECTED_SOUND = 93, 0x0556, 1
-MICROWAVE, _COOK_TIME, _LONGEST = 95, 0, 1
+MICROWAVE, _COOK_TIME, _MAX_COOK_TIME = 95, 0, 1
 _RINSES: Final = {0: "none", 1: "normal", 2: "extra", 3: "most"}
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
-_SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
+_SUPPLY, _CIRCUIT_CURRENT, _MIN_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
 """Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:
 the plain and the energy's are parts beside the mode that operates an endpoint."""
@@ -200,7 +200,7 @@ def _write_charging(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     """Return the order to charge without an end, at most with the current of the circuit, or not to charge."""
     if not command.value.flag:
         return (ClusterInvocation(EVSE, "Disable", is_timed=True),)
-    least, most = (endpoint.whole(EVSE, attribute) or 0 for attribute in (_LEAST_CURRENT, _CIRCUIT_CURRENT))
+    least, most = (endpoint.whole(EVSE, attribute) or 0 for attribute in (_MIN_CURRENT, _CIRCUIT_CURRENT))
     currents = {"minimumChargeCurrent": least, "maximumChargeCurrent": most}
     return (ClusterInvocation(EVSE, "EnableCharging", {"chargingEnabledUntil": None, **currents}, is_timed=True),)
 
@@ -234,7 +234,7 @@ APPLIANCE_ROWS: Final = (
         lambda _at, command: (
             ClusterInvocation(MICROWAVE, "SetCookingParameters", {"cookTime": round(command.value.number)}),
         ),
-        bounds=lambda endpoint: (1, endpoint.number(MICROWAVE, _LONGEST, 1) or 86_400),
+        bounds=lambda endpoint: (1, endpoint.number(MICROWAVE, _MAX_COOK_TIME, 1) or 86_400),
         unit="s",
         part="cook_time",
     ),

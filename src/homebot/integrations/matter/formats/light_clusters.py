@@ -22,7 +22,7 @@ _ON_OFF_VALUE = 0
 _OFF_ONLY: Final = 1 << 2
 _CURRENT_LEVEL, _MIN_LEVEL, _MAX_LEVEL = 0, 2, 3
 _HUE, _SATURATION, _X, _Y, _MIREDS, _COLOR_MODE = 0, 1, 3, 4, 7, 8
-_ENHANCED_HUE, _ENHANCED_MODE, _CAPABILITIES, _LEAST_MIREDS, _MOST_MIREDS = 0x4000, 0x4001, 0x400A, 0x400B, 0x400C
+_ENHANCED_HUE, _ENHANCED_MODE, _CAPABILITIES, _MIN_MIREDS, _MAX_MIREDS = 0x4000, 0x4001, 0x400A, 0x400B, 0x400C
 _HAS_HUE, _HAS_ENHANCED_HUE, _HAS_XY, _HAS_MIREDS = 1 << 0, 1 << 1, 1 << 3, 1 << 4
 _MODE_XY, _MODE_MIREDS = 1, 2
 
@@ -90,7 +90,7 @@ def _write_level(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
 
 
 def _mired_range(endpoint: MatterEndpoint) -> tuple[float, float]:
-    least, most = endpoint.number(COLOR, _LEAST_MIREDS), endpoint.number(COLOR, _MOST_MIREDS)
+    least, most = endpoint.number(COLOR, _MIN_MIREDS), endpoint.number(COLOR, _MAX_MIREDS)
     if least is None or most is None or not 25 <= least < most <= 1000:
         return MIRED / _WHITES[1], MIRED / _WHITES[0]
     return least, most

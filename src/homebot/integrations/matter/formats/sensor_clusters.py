@@ -84,7 +84,7 @@ _CONCENTRATION, _UNIT = 0, 8
 _ORGANIC: Final = 1070
 _SCALED_PRESSURE, _SCALE = 16, 20
 _HOLD, _HOLD_LIMITS = 3, 4
-SENSITIVITY, _MOST_LEVELS = 128, 10
+SENSITIVITY, _MAX_LEVELS = 128, 10
 _HAS_BATTERY: Final = 1 << 1
 _CHARGING: Final = {1: True, 2: False, 3: False}
 _FAULT, _END_OF_SERVICE, _EXPIRED = 6, 7, 1
@@ -130,7 +130,7 @@ def _hold_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
 
 
 def _levels(endpoint: MatterEndpoint) -> dict[int, str]:
-    return {level: str(level + 1) for level in range(min(endpoint.whole(SENSITIVITY, 1) or 0, _MOST_LEVELS))}
+    return {level: str(level + 1) for level in range(min(endpoint.whole(SENSITIVITY, 1) or 0, _MAX_LEVELS))}
 
 
 def _unit_of(cluster: int, endpoint: MatterEndpoint) -> int:
