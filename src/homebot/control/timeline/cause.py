@@ -24,9 +24,7 @@ Roles: TypeAlias = Iterable[tuple[CommandProgress, ReportRole]]
 def judge(fact: Reported, roles: Roles) -> Attribution:
     """Return the cause of a report: the only answer to this question; it is stored in the report."""
     if fact.set_by:
-        setter = Cause.PERSON if fact.set_by == "person" else Cause.PROGRAM
-        undone = [command for command, role in roles if role is ReportRole.UNDONE and not command.is_raw]
-        return Attribution(setter, undone[0].order.id, ReportRole.UNDONE) if undone else Attribution(setter)
+        return _told_by_gateway(fact, roles)
     answered, is_led_away = "", False
     for command, role in roles:
         cause = explanation(role, fact, command)
@@ -35,7 +33,7 @@ def judge(fact: Reported, roles: Roles) -> Attribution:
             return Attribution(cause, order.id, role_told, order.is_foreign, fact.was_absent)
         if role is ReportRole.UNRELATED and command.is_open:
             answered = answered or command.order.id
-            is_led_away = command.motion.has_faded and not command.motion.may_pass(fact.capability, fact.value)
+            is_led_away = command.motion.is_led_away(fact.capability, fact.value)
     cause, along = _cause_without_command(fact)
     if answered and not along and cause is not Cause.DEVICE:  # a person, or the device's own answer
         cause = Cause.PERSON if is_led_away and cause is Cause.PERSON else Cause.UNKNOWN
@@ -78,6 +76,13 @@ class HeldValue:
             self.on_report(value, attribution)
 
 
+def _told_by_gateway(fact: Reported, roles: Roles) -> Attribution:
+    """Return the cause that the gateway knows, with the command whose value it ended."""
+    cause = Cause.PERSON if fact.set_by == "person" else Cause.PROGRAM
+    undone = [command for command, role in roles if role is ReportRole.UNDONE and not command.is_raw]
+    return Attribution(cause, undone[0].order.id, ReportRole.UNDONE) if undone else Attribution(cause)
+
+
 def _cause_without_command(fact: Reported) -> tuple[Cause, str]:
     """Return the cause of a report that no command to its part explains, and the command to another part behind it."""
     if fact.value is None or fact.is_first or fact.is_after_loss or fact.was_absent:
@@ -104,15 +109,20 @@ def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> C
     if fact.is_after_loss or fact.was_absent:
         return None
     if role is ReportRole.UNDONE:
-        if fact.timed >= ENOUGH or fact.capability in command.suspected:
-            return Cause.DEVICE
-        is_by_hand = fact.was_kept and not (fact.timed or fact.along or command.may_be_taken_back(fact))
-        return Cause.PERSON if is_by_hand else Cause.UNKNOWN
+        return _cause_of_undoing(fact, command)
     if role is ReportRole.DEVIATES:
         return Cause.UNKNOWN
     if role is ReportRole.MATCHES:
         return Cause.COMMAND if _came_along(fact, command) else None
     return Cause.COMMAND if role is ReportRole.SIDE_EFFECT and rests_where_sent(fact, command) else None
+
+
+def _cause_of_undoing(fact: Reported, command: CommandProgress) -> Cause:
+    """Return the cause of the end of a commanded value."""
+    if fact.timed >= ENOUGH or fact.capability in command.suspected:
+        return Cause.DEVICE
+    is_by_hand = fact.was_kept and not (fact.timed or fact.along or command.may_be_taken_back(fact))
+    return Cause.PERSON if is_by_hand else Cause.UNKNOWN
 
 
 def _came_along(fact: Reported, command: CommandProgress) -> bool:

@@ -202,6 +202,10 @@ class Motion:
         lowest, highest = self._range
         return capability != "level" or not isinstance(value, float) or lowest <= value < highest + STEP
 
+    def is_led_away(self, capability: str, value: PlainValue) -> bool:
+        """Return whether a *value* is not on the way of a dimmer that was seen on it."""
+        return self.has_faded and not self.may_pass(capability, value)
+
     def fade_sign(self, at: float) -> Literal["fading", "back", "unknown"]:
         """Return what the level in a message at that time shows of a lamp that is on after it was told off."""
         if at - self.moved_at <= durations.SAME_MESSAGE:

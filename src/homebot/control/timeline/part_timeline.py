@@ -24,7 +24,7 @@ from homebot.control.timeline.facts import (
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile, ProgramWatch, may_be_timer
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer
 from homebot.devices.value import PlainValue, SetBy
 from homebot.devices.value_comparison import changes, fits, related
 
@@ -313,16 +313,13 @@ class PartTimeline:
             return None
         is_replaced = False
         for sent in reversed(self.commands):
-            outcome, sendings, settings = sent.outcome, sent.transmission, sent.order.settings
-            if not sent.is_confirmed and sent.has_failed and not settings.keys().isdisjoint(related(capability)):
-                # If it is contradicted, certain is what it has reported since the last sending.
-                unsure_since = sendings.sent_at if isinstance(outcome, Contradicted) else sent.ended_at
-                if told_at <= unsure_since + _MAX_CLOCK_ERROR_S:
-                    return None
-            has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
-            if has_effect and not is_replaced and sent.order.id != except_id:
+            settings = sent.order.settings
+            is_unsure = told_at <= sent.unsure_until + _MAX_CLOCK_ERROR_S
+            if is_unsure and not settings.keys().isdisjoint(related(capability)):
+                return None
+            if sent.may_have_effect and not is_replaced and sent.order.id != except_id:
                 if settings.get(capability) != value:
-                    is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
+                    is_before = told_at < sent.transmission.sent_at - _MAX_CLOCK_ERROR_S
                     may_change = is_before or _is_on_its_way(sent, capability, now)
                     if may_change and self._changes(settings, capability, value):
                         return None
@@ -377,15 +374,21 @@ class PartTimeline:
             return
         if not attribution.command:
             self.nearby.explain(fact, self.place, self.profile)
-        if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
-            lasted = fact.at - brought.at
-            fact.timed = self.profile.learn_stay(fact.capability, fact.previous, lasted) or int(may_be_timer(lasted))
-            if attribution.cause is Cause.UNKNOWN and not (is_unexplained or fact.timed):
-                self.nearby.explain(fact, self.place, self.profile)
-            fact.was_kept = self.profile.keeps(fact.capability, brought.value)
+        if not fact.along and brought is not None:
+            self._relate_to_end(fact, brought, is_explained=not is_unexplained)
         if is_unexplained and not (fact.along or fact.timed >= ENOUGH):
             is_on, _, since = self._latest.get("on_off", (True, 0.0, -math.inf))
             fact.by_program = self._programs.cause(fact, math.inf if is_on is False else since)
+
+    def _relate_to_end(self, fact: Reported, brought: _Brought, *, is_explained: bool) -> None:
+        """Relate the end of a commanded value to how long it lasted: a timer may have ended it."""
+        if not self.profile.fits(fact.capability, brought.value, fact.previous):
+            return
+        lasted = fact.at - brought.at
+        fact.timed = self.profile.learn_stay(fact.capability, fact.previous, lasted) or int(may_be_timer(lasted))
+        if is_explained and fact.attribution.cause is Cause.UNKNOWN and not fact.timed:
+            self.nearby.explain(fact, self.place, self.profile)
+        fact.was_kept = self.profile.keeps(fact.capability, brought.value)
 
     def _judge(self, fact: Reported, roles: Roles) -> None:
         """Store the cause of a report, the only time that it is asked for."""
@@ -401,7 +404,7 @@ class PartTimeline:
                     command.will_at = fact.at
 
     def _record_change(self, fact: Reported, roles: Roles) -> None:
-        """Keep the newest changes, and stop the repetitions of commands against what may be a person's will."""
+        """Keep the newest changes, and the times of what may be a person's will."""
         is_change, may_be_person = fact.is_change, fact.attribution.may_be_person
         newest = self.newest.get(fact.capability)
         if is_change or fact.is_first or (newest is not None and newest.value != fact.value):  # or takes back an echo
@@ -410,8 +413,16 @@ class PartTimeline:
             self.unexplained_change = fact
         elif self.unexplained_change is fact:
             self.unexplained_change = None
-        is_will = (is_change or fact.is_news) and (may_be_person or fact.attribution.cause is Cause.PROGRAM)
-        for command, _ in roles if is_will or (fact.is_first and may_be_person) else ():
+        if may_be_person or fact.attribution.cause is Cause.PROGRAM:
+            self._record_will(fact, roles)
+
+    @staticmethod
+    def _record_will(fact: Reported, roles: Roles) -> None:
+        """Stop the repetitions of commands against what may be a person's will, or a program's."""
+        is_will = fact.is_change or fact.is_news
+        if not is_will and not (fact.is_first and fact.attribution.may_be_person):
+            return
+        for command, _ in roles:
             if is_will or command.last.get(fact.capability, fact.value) != fact.value:
                 command.will_at = fact.at
 

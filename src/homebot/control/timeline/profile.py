@@ -354,19 +354,27 @@ class ProgramWatch:
         """
         capability, is_look = fact.capability, fact.capability in _LOOKS
         value = "" if is_look else fact.value  # each value is another one
-        last_at = self._changed_at.pop((capability, value), -math.inf)
-        self._changed_at[capability, value] = fact.at
-        if len(self._changed_at) > KEPT:
-            del self._changed_at[next(iter(self._changed_at))]
-        creep = self._creep
-        if is_look and creep is not None and fact.at - creep.at < durations.CREEPS:
-            return self._cause_of_step(fact, creep)
-        gap = fact.at - last_at
+        gap = self._since_last(capability, value, fact.at)
+        if is_look and self._creep is not None and fact.at - self._creep.at < durations.CREEPS:
+            return self._cause_of_step(fact, self._creep)
         is_tick = is_look and self._profile.is_tick(capability, gap)
         is_interval = gap <= durations.INTERVAL or (isinstance(value, float) and gap < math.inf)
         is_usual = is_interval and self._profile.learn_gap(capability, value, gap)
-        if not (is_look and lit_since <= fact.at):
-            return Cause.PROGRAM if is_usual else None
+        if is_look and lit_since <= fact.at:
+            return self._cause_of_look(fact, lit_since, is_usual=is_usual, is_tick=is_tick)
+        return Cause.PROGRAM if is_usual else None
+
+    def _since_last(self, capability: str, value: PlainValue, at: float) -> float:
+        """Record a change at that time; return the seconds since the last one like it."""
+        last_at = self._changed_at.pop((capability, value), -math.inf)
+        self._changed_at[capability, value] = at
+        if len(self._changed_at) > KEPT:
+            del self._changed_at[next(iter(self._changed_at))]
+        return at - last_at
+
+    def _cause_of_look(self, fact: Reported, lit_since: float, *, is_usual: bool, is_tick: bool) -> Cause | None:
+        """Return the cause of a first step of the level or colour of a lit lamp."""
+        capability, creep = fact.capability, self._creep
         catches_up = self._profile.creeps == ENOUGH and (creep is None or creep.at < lit_since)
         is_small = not catches_up and _is_small(capability, fact.previous, fact.value)
         is_usual = is_usual or is_tick if catches_up else self._profile.learn_creep(is_small=is_small) or is_usual

@@ -26,7 +26,7 @@ from homebot.control.timeline.facts import (
 )
 from homebot.control.timeline.goal import Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 from homebot.devices.value_comparison import STOPPED, changes, is_intermediate, is_same, related
 
@@ -192,6 +192,22 @@ class CommandProgress:
         return self.outcome is not None and self.outcome.may_obey_later and not self.is_raw
 
     @property
+    def may_have_effect(self) -> bool:
+        """True if it is open, or may have had an effect, or may have one yet."""
+        outcome = self.outcome
+        return outcome is None or (self.transmission.count > 0 and (outcome.succeeded or outcome.may_obey_later))
+
+    @property
+    def unsure_until(self) -> float:
+        """The time after which a report is certain, although the command failed; -inf if it did not fail.
+
+        If it is contradicted, certain is what the part has reported since the last sending.
+        """
+        if self.is_confirmed or not self.has_failed:
+            return -math.inf
+        return self.transmission.sent_at if isinstance(self.outcome, Contradicted) else self.ended_at
+
+    @property
     def was_so(self) -> bool:
         """True if it was certain before that the values are the wanted ones."""
         if self.order.opens_further:
@@ -310,8 +326,12 @@ class CommandProgress:
             return self._side_role(fact)
         if self.is_confirmed:
             return self._confirmed_role(wanted, fact)
-        if not (wanted.fits(value) and wanted.is_told(value)):
-            return self._departure(wanted, fact)
+        if wanted.fits(value) and wanted.is_told(value):
+            return self._arrival(wanted, fact)
+        return self._departure(wanted, fact)
+
+    def _arrival(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        """Return the role of the wanted value while the command is open, or had no answer."""
         if self.transmission.group.echoed and self._is_of_group(fact) and not self.members:
             wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
             return ReportRole.ECHO
