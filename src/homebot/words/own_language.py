@@ -3,8 +3,8 @@
 A language is a table ``languages/CODE.json``. Its forms stand by the English form, the one that is shown first. Slots
 are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or another name, ``t`` a length of time,
 ``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``e`` and ``f`` days of the year or months, ``n`` a
-number with its unit, ``v`` a measured value, ``w`` a type after "no", ``s`` a state, ``g`` triggers, ``m`` a message,
-and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second value and device.
+number with its unit, ``v`` a measured value, ``w`` a type after "no", ``s`` and ``i`` states, ``g`` triggers, ``m`` a
+message, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second value and device.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
@@ -303,7 +303,7 @@ class _Table:
                 return self._meanings["values"].get(self._plain(text).casefold())
             case "w":
                 return self._meanings["none"].get(text.casefold())
-            case "s":
+            case "s" | "i":
                 return self.read(text, "state")
         return with_values(_unquoted(text), lambda value: self.read(value, "value") or value)
 
@@ -333,7 +333,7 @@ class _Table:
                 return next(iter(self._lists["values"].get(text.casefold(), ())), None)
             case "w":
                 return next(iter(self._lists["none"].get(text.casefold(), ())), None)
-            case "s":
+            case "s" | "i":
                 shown = self.shown(text, "state") or ""
                 return " ".join(self._awaited.get(word, word) for word in shown.split(" "))
         return f'"{with_values(_unquoted(text), lambda value: self.shown(value, "value") or value)}"'
