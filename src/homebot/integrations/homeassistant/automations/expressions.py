@@ -57,7 +57,7 @@ def parts_of_body(body: Sequence[nodes.Node], text: str) -> list[nodes.Node]:
     parts: list[nodes.Node] = []
     for node in body:
         if not isinstance(node, nodes.Output | nodes.If | nodes.For):
-            raise refused_template(text, "it has statements")
+            raise refused_template(text, f"it has statements; {_WAYS}")
         parts += node.nodes if isinstance(node, nodes.Output) else [node]
     return parts
 
@@ -78,7 +78,7 @@ def _output_of(text: str) -> list[nodes.Output]:
             return [nodes.Output([test if words[0] == "true" else nodes.Not(test)])]
         case [nodes.If() as choice] if choice.else_:
             return [nodes.Output([_as_expression(choice, text)])]
-    raise refused_template(text, "it has statements")
+    raise refused_template(text, f"it has statements; {_WAYS}")
 
 
 def _is_space(node: nodes.Node) -> bool:
@@ -100,11 +100,11 @@ def _as_expression(choice: nodes.If, text: str) -> nodes.CondExpr:
             case [nodes.Output(nodes=parts)]:
                 parts = [part for part in parts if not (isinstance(part, nodes.TemplateData) and not part.data.strip())]
                 if len(parts) != 1:
-                    raise refused_template(text, "it has statements")
+                    raise refused_template(text, f"it has statements; {_WAYS}")
                 value = parts[0]
                 values.append(nodes.Const(value.data.strip()) if isinstance(value, nodes.TemplateData) else value)
             case _:
-                raise refused_template(text, "it has statements")
+                raise refused_template(text, f"it has statements; {_WAYS}")
     return nodes.CondExpr(cast("nodes.Expr", choice.test), values[0], values[1])
 
 
@@ -217,9 +217,30 @@ def folded(node: nodes.Node) -> nodes.Node:
         return node
 
 
-def refused_template(text: str, reason: str = "routines have no words for it") -> NotCarriedError:
-    """Return the error for the template *text*."""
+_INSTEAD: Final = (
+    (("namespace", "{% for"), "write a list of names, such as `{names with battery of battery below 20}`"),
+    (("| min", "| max", "| round", " * ", " / "), "write each range as a way of `choose`, with the number of that"),
+    (("trigger.event.data.args", "args["), "write a trigger for each press, or bind the button by `homebot bind`"),
+    (("payload_json",), "write a trigger for each value, such as `message on home/bell with action = left`"),
+    (("wait.trigger",), "ask for the state that was waited for, or for `wait.trigger is none`"),
+    (("trigger.",), "give each trigger an `id`, and ask for that"),
+    (("state_attr(",), "ask for a sensor with this value"),
+    (("now()", "as_timestamp", "strptime"), "write the time as a condition, or `last_changed` of an entity"),
+    (("range(", "random"), "write each value as a way of `choose`"),
+    (("[",), "write each way as one of `choose`"),
+)
+"""What to write instead of templates, by what is in their texts."""
+
+_WAYS: Final = "write each value as a way of `choose`, or a list as `{names of window open}`"
+_STATES_INSTEAD: Final = "write the value itself, or each way as one of `choose` that asks for a state"
+
+
+def refused_template(text: str, reason: str = "") -> NotCarriedError:
+    """Return the error for the template *text*: the reason, else that it has no counterpart, and what to write."""
     shown = " ".join(text.split())
+    if not reason:
+        advice = next((advice for marks, advice in _INSTEAD if any(mark in shown for mark in marks)), _STATES_INSTEAD)
+        reason = f"routines have no words for it; {advice}"
     shown = shown if len(shown) <= _MAX_SHOWN else f"{shown[:_MAX_SHOWN]}…"
     return NotCarriedError(
         f"template {shown!r}: {reason}; carried over are states, numbers against limits, now() and the trigger"
@@ -301,6 +322,10 @@ def shown_tree(node: nodes.Node) -> str:
             return f"{shown_tree(left)} - {shown_tree(right)}"
         case nodes.Compare(expr=left, ops=ops):
             return f"{shown_tree(left)} {' '.join(f'{one.op} {shown_tree(one.expr)}' for one in ops)}"
+        case nodes.Getitem(node=inner, arg=arg):
+            return f"{shown_tree(inner)}[{shown_tree(arg)}]"
+        case nodes.List(items=items):
+            return f"[{', '.join(map(shown_tree, items))}]"
         case nodes.BinExpr(left=left, right=right):
             return f"{shown_tree(left)} {node.operator} {shown_tree(right)}"
     return type(node).__name__.lower()
