@@ -12,7 +12,7 @@ CASES ?= 100000
 HOUSES ?= 100
 DAYS ?= 1000
 
-.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel bench lock audit test-lowest test-newest clean
+.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel release bench lock audit test-lowest test-newest clean
 
 ## Prints this list.
 help:
@@ -96,6 +96,17 @@ wheel: $(VENV)/.dev
 	@$(BIN)/pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
 	@$(BIN)/twine check --strict dist/*
 
+# SIGN=1 signs each file by sigstore, as the person in a browser or as the CI.
+## Builds what is published into dist/: wheel, sdist, documentation, bill of materials, image, and the hashes of all.
+release: docs wheel $(AUDIT)/.ready
+	@cat requirements/run.txt requirements/all.txt | $(AUDIT)/bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible -o dist/homebot.cdx.json -
+	@$(BIN)/python -m hatchling build -t sdist -d dist && $(BIN)/twine check --strict dist/*.tar.gz
+	@tar -czf dist/homebot-site.tar.gz -C site .
+	@engine=$$(command -v podman docker | head -n 1); if [ -z "$$engine" ]; then echo "no image: there is no podman or docker"; else \
+		$$engine build --quiet --tag homebot . && $$engine save --output dist/homebot-image.tar homebot; fi
+	@cd dist && sha256sum * > SHA256SUMS && cat SHA256SUMS
+	@[ -z "$(SIGN)" ] || { $(AUDIT)/bin/pip install --quiet --disable-pip-version-check sigstore && $(AUDIT)/bin/sigstore sign dist/*; }
+
 ## Measures speed and memory, compared with Home Assistant if it can be installed.
 bench: $(BENCH)/.ready $(VENV)/.peers $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --extras $(BIN)/python --home-assistant $(BENCH)-ha/bin/python $(ARGS)
@@ -108,11 +119,8 @@ lock:
 	rm -rf .venv-lock
 
 # The names of packages are sent to PyPI, which answers with their advisories.
-## Looks up advisories on every locked package, and writes the bill of materials dist/homebot.cdx.json.
-audit:
-	@test -d $(AUDIT) || { $(PYTHON) -m venv $(AUDIT) && $(AUDIT)/bin/pip install --quiet --disable-pip-version-check pip-audit==2.10.1 cyclonedx-bom==7.5.0; }
-	@mkdir -p dist && cat requirements/run.txt requirements/all.txt > dist/locked.txt
-	$(AUDIT)/bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible -o dist/homebot.cdx.json dist/locked.txt
+## Looks up advisories on every locked package.
+audit: $(AUDIT)/.ready
 	$(AUDIT)/bin/pip-audit --strict --require-hashes --disable-pip $(call LOCKED,run all dev peers)
 
 ## Runs all tests with the lower bounds of pyproject.toml.
@@ -130,6 +138,11 @@ test-newest:
 ## Removes everything that these targets created.
 clean:
 	rm -rf dist $(VENV) $(AUDIT) .venv-lowest .venv-newest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+
+$(AUDIT)/.ready:
+	$(PYTHON) -m venv $(AUDIT)
+	$(AUDIT)/bin/pip install --quiet --disable-pip-version-check pip-audit==2.10.1 cyclonedx-bom==7.5.0
+	@touch $@
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
