@@ -375,6 +375,27 @@ async def test_people_read_of_no_id_of_what_cannot_be_reached(house: VirtualHous
     assert told(house) == ["Alert: Sink is unreachable", "Over: Sink is reachable again"]
 
 
+@pytest.mark.rooms("homeassistant")
+@pytest.mark.house(config=NOTIFY)
+async def test_a_door_whose_state_is_unknown_for_moments_is_told_in_time_unless_it_was_closed(
+    house: VirtualHouse,
+) -> None:
+    """Every restart of Home Assistant passes through unknown: each began the quarter of an hour anew."""
+    await announce(house, "Haustür", "door")
+    await house.says("home/Haustür", "ON")
+    for between, count in (["None"], 1), (["None", "OFF"], 0):
+        before = len(told(house))
+        for _ in range(4):
+            await house.run_for("5m")
+            for state in (*between, "ON"):
+                await house.says("home/Haustür", state)
+                await house.run_for("10s")
+        assert len(told(house)) == before + count
+        await house.says("home/Haustür", "OFF")
+        await house.run_for("2h")
+        await house.says("home/Haustür", "ON")
+
+
 @pytest.mark.house
 async def test_a_gateway_that_is_away_is_shown_at_once_and_told_after_two_minutes(house: VirtualHouse) -> None:
     async with Node(house.runtime.graph, "hub", namespace="/gateway") as node:

@@ -117,6 +117,7 @@ class Incident(NamedTuple):
     """One cause of alerts, until a day after its end at *over_at*; times in seconds since the Unix epoch, or 0.
 
     Attributes:
+        since: When it began, also while an unknown value hides whether it lasts; 0 once it is over.
         told_at: When people were told of it last.
         repeats: How often they were told of it again; -1 once they have seen it.
     """
@@ -131,9 +132,8 @@ class Incident(NamedTuple):
     repeats: int = 0
 
     def lasting(self, alert: Alert, now: float, language: Language = "en") -> "Incident":
-        """Return it with its present *alert*; one that was over unnoticed begins anew."""
-        is_new = not self.since or (self.over_at and not self.is_told)
-        since = min(alert.since or now, now) if is_new else self.since
+        """Return it with its present *alert*; one that was over begins anew."""
+        since = self.since or min(alert.since or now, now)
         return self._replace(since=since, over_at=0.0, end_text=alert.over(language), text=alert.told(language))
 
     def repeats_at(self, urgency: Urgency) -> float:
@@ -158,7 +158,7 @@ def update_incidents(
 ) -> dict[str, Incident]:
     """Return the incidents by key with the present *alerts*, and those that have *ended*. Pure."""
     known_now = {
-        key: _ended(incident, now) if key not in alerts and (not incident.is_told or key in ended) else incident
+        key: incident if key in alerts else _hidden(incident, now, is_over=key in ended)
         for key, incident in before.items()
     }
     incidents = {key: incident for key, incident in known_now.items() if _is_remembered(incident, now)}
@@ -167,13 +167,17 @@ def update_incidents(
     return dict(list(incidents.items())[-2 * MAX_INCIDENTS :])
 
 
-def _ended(incident: Incident, now: float) -> Incident:
-    return incident if incident.over_at else incident._replace(over_at=now)
+def _hidden(incident: Incident, now: float, *, is_over: bool) -> Incident:
+    """Return an incident without a present alert; of one that was told, only an end that is known counts."""
+    if is_over:
+        return incident._replace(since=0.0, over_at=incident.over_at or now)
+    return incident if incident.is_told or incident.over_at else incident._replace(over_at=now)
 
 
 def _is_remembered(incident: Incident, now: float) -> bool:
     """Return whether it is not over, is still to be told as over, or may come again within a day."""
-    return incident.is_told or not incident.over_at or bool(incident.times and now < incident.over_at + _DAY)
+    may_return = bool(incident.times or incident.since) and now < incident.over_at + _DAY
+    return incident.is_told or not incident.over_at or may_return
 
 
 class Alerts(App[AlertsSettings]):
