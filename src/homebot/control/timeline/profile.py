@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Annotated, Final, NamedTuple, TypeAlias, TypeVar, final
 
 from pydantic import Field
@@ -95,18 +95,9 @@ class DeviceProfile:
 
     def add(self, earlier: DeviceProfile) -> None:
         """Add the knowledge of an earlier run, except about capabilities and routes that are known already."""
-        self.times = earlier.times | self.times
-        self.returns = earlier.returns | self.returns
-        self.echoes = earlier.echoes | self.echoes
-        self.answers = earlier.answers | self.answers
-        self.stays = earlier.stays | self.stays
-        self.gaps = earlier.gaps | self.gaps
-        self.kept = earlier.kept | self.kept
-        self.creeps = max(self.creeps, earlier.creeps)
-        self.pairs = earlier.pairs | self.pairs
-        self.failures = earlier.failures | self.failures
-        self.changes = max(self.changes, earlier.changes)
-        self.is_told_once = self.is_told_once or earlier.is_told_once
+        for item in fields(self):
+            own, before = getattr(self, item.name), getattr(earlier, item.name)
+            setattr(self, item.name, {**before, **own} if isinstance(own, dict) else max(own, before))
 
     def answer_time(self, capabilities: Iterable[str], first: float) -> tuple[float, float]:
         """Return how long to wait for an answer, and the longest known answer, in seconds.
