@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import deepcopy
 from typing import Any, Final, cast
@@ -65,16 +65,21 @@ def _candidates(text: str, table: tuple[str, ...], key: str, value: object) -> I
     at = line_of(text, *table, key) - 1
     for line in (new, new and f"{name}.{new}") if key and at >= 0 else ():
         yield "".join((*lines[:at], *([_with_comment(lines[at], line)] if line else []), *lines[at + 1 :]))
-    if value is REMOVED and at >= 0:  # a table, without the comments above the next
-        end = next((line for line in range(at + 1, len(lines)) if lines[line].startswith("[")), len(lines))
-        while lines[end - 1].startswith("#") or not lines[end - 1].strip():
-            end -= 1
-        yield "".join((*lines[: at - (at > 0 and not lines[at - 1].strip())], *lines[end:]))
+    if value is REMOVED and at >= 0:
+        yield _without_table(lines, at)
     if head := line_of(text, *table):
         yield "".join((*lines[:head], new, *lines[head:]))
         yield "".join((*lines[: head - 1], new and f"{name}.{new}", *lines[head - 1 :]))  # beside a dotted key
     gap = "" if not text else "\n" if text.endswith("\n") else "\n\n"
     yield f"{text}{gap}[{name}]\n{new}"
+
+
+def _without_table(lines: Sequence[str], at: int) -> str:
+    """Return *lines* without the table that begins *at* a line; the comments above the next table stay."""
+    end = next((line for line in range(at + 1, len(lines)) if lines[line].startswith("[")), len(lines))
+    while lines[end - 1].startswith("#") or not lines[end - 1].strip():
+        end -= 1
+    return "".join((*lines[: at - (at > 0 and not lines[at - 1].strip())], *lines[end:]))
 
 
 def _with_comment(old: str, new: str) -> str:

@@ -161,7 +161,7 @@ def read_condition(text: str) -> Condition:
 
 
 def _read_condition(plain: str) -> Condition:
-    if plain[:1] == "(" and plain[-1:] == ")" and _is_lasting(plain[1:-1]) and len(split_at(plain, "or")) == 1:
+    if _is_bracketed(plain):
         return read_condition(plain[1:-1])
     parts = split_at(plain, "or")
     if any(map(_stands_alone, parts if len(parts) > 1 else ())) or _denies(parts):
@@ -177,6 +177,12 @@ def _read_condition(plain: str) -> Condition:
     if (press := read_press(plain)) is not None and NOT.match(plain):
         raise UsageError(f"{plain!r}: a press is not denied; write it without the `not`, and the steps into `else`")
     return _of_people(plain) or press or _of_state(plain)
+
+
+def _is_bracketed(plain: str) -> bool:
+    """Return whether *plain* is one lasting condition in brackets."""
+    is_in_brackets = plain[:1] == "(" and plain[-1:] == ")"
+    return is_in_brackets and _is_lasting(plain[1:-1]) and len(split_at(plain, "or")) == 1
 
 
 def single_conditions(condition: Condition) -> Iterator[Condition]:

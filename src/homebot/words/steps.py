@@ -419,14 +419,15 @@ def _is_command(text: str) -> bool:
     if _is_number(word) or (word.startswith(("brighter", "darker")) and is_relative(word)):
         return True
     words = word.removeprefix("set ").split(" ")
-    for place in range(1, len(words)):
-        name, value = " ".join(words[:place]), " ".join(words[place:])
-        is_set = name.replace(" ", "_") in SETTABLE  # not heat, as in ``kitchen heat to 16 °C``
-        number = value.removeprefix("to ") if is_set else ""
-        is_of_name = name in _WORDS and value in _WORDS  # as in ``kitchen heat off``
-        if name in _SETTABLE and not is_of_name and (" " not in value or value in _WORDS or _is_number(number)):
-            return True
-    return False
+    return any(_is_setting(" ".join(words[:place]), " ".join(words[place:])) for place in range(1, len(words)))
+
+
+def _is_setting(name: str, value: str) -> bool:
+    """Return whether *name* is what a command sets, to *value*."""
+    if name not in _SETTABLE or (name in _WORDS and value in _WORDS):  # as in ``kitchen heat off``
+        return False
+    is_set = name.replace(" ", "_") in SETTABLE  # not heat, as in ``kitchen heat to 16 °C``
+    return " " not in value or value in _WORDS or (is_set and _is_number(value.removeprefix("to ")))
 
 
 def _combined(text: str, target: str, commands: list[str]) -> Do:

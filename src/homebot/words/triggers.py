@@ -421,12 +421,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     if (none := NOT.match(state)) is not None:
         state, is_none = none["state"], True
     state = _with_value_last(state)
-    if ALL.match(state):
-        if _OF_TIME.intersection(state.casefold().split()):
-            raise UsageError(f"{text!r}: write an interval like 'every 30m', or a time like '22:00 on weekdays'")
-        raise UsageError(
-            f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'"
-        )
+    _reject_all(text, state)
     try:
         query = parse_query(state)
         if is_none and MOTION.match(state) and StateIs not in map(type, leaves(query)):
@@ -438,14 +433,27 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
-    found = Becomes(text, query, length, state, is_none, of_house)
-    if not found.capabilities and (chosen := _choice(state)):
-        found = Becomes(text, parse_query(chosen), length, chosen, is_none, of_house)
-    if not found.capabilities:
-        what, _, value = state.rpartition(" is ")
-        chosen = f"; of a helper or device with choices, '{what} option {value}'" if what and " " not in value else ""
-        raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}{chosen}")
-    return found
+    becomes = Becomes(text, query, length, state, is_none, of_house)
+    if not becomes.capabilities and (chosen := _choice(state)):
+        becomes = Becomes(text, parse_query(chosen), length, chosen, is_none, of_house)
+    if not becomes.capabilities:
+        raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}{_choice_hint(state)}")
+    return becomes
+
+
+def _reject_all(text: str, state: str) -> None:
+    """Reject a state of all devices, which would hold as soon as one of them has it."""
+    if not ALL.match(state):
+        return
+    if _OF_TIME.intersection(state.casefold().split()):
+        raise UsageError(f"{text!r}: write an interval like 'every 30m', or a time like '22:00 on weekdays'")
+    raise UsageError(f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'")
+
+
+def _choice_hint(state: str) -> str:
+    """Return how a state such as ``mode is day`` is written; empty for others."""
+    what, _, value = state.rpartition(" is ")
+    return f"; of a helper or device with choices, '{what} option {value}'" if what and " " not in value else ""
 
 
 def _with_value_last(state: str) -> str:

@@ -3,7 +3,7 @@
 Queries are parsed without knowing the house, so a misspelt room or type is only noticed here.
 """
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
@@ -154,6 +154,13 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
             return _explain_place(place.text, postings, plan)
     if (able := postings.find(may)) and may != query:
         return f"none now; in another state there would be {_names(able, postings)}"
+    if other := _explain_others(may, places, postings):
+        return other
+    return next(filter(None, (_missing(term, postings) for term in leaves(may) if not postings.find(term))), "")
+
+
+def _explain_others(may: Query, places: Sequence[InArea | AreaIs], postings: Postings) -> str:
+    """Return which devices fit all but one condition of *may*: what they measure, where they are, or what they can."""
     own = _with_each(may, lambda term: OWN_TEMPERATURE if term == _TEMPERATURE else term)
     if own != may and (measuring := postings.find(own)):
         return f"no thermometer is there; write 'local temperature' for that of {_names(measuring, postings)}"
@@ -162,7 +169,7 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
     is_named = not {HasText, NameIs}.isdisjoint(map(type, leaves(may)))
     if is_named and (others := postings.find(_without(CanDo, may))):
         return f"what is called so has no such value: {_names(others, postings)}"
-    return next(filter(None, (_missing(term, postings) for term in leaves(may) if not postings.find(term))), "")
+    return ""
 
 
 def _is_unknown_person(term: Query, postings: Postings) -> bool:

@@ -17,6 +17,7 @@ from typing_extensions import TypeVar
 from homebot.apps import App
 from homebot.apps.jobs import Job
 from homebot.apps.run_modes import HandlerRuns
+from homebot.devices import Device
 from homebot.devices.command_messages import CommandDevices
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
@@ -258,9 +259,7 @@ class RoutineBase(App[SettingsT_co]):
                 holds = compared(condition, await self.devices.find())
                 return condition.is_denied if holds is None else holds
             case HouseSpan():
-                devices = await self.devices.find()
-                begin, end = time_of(condition.begin, devices), time_of(condition.end, devices)
-                return begin is not None and end is not None and TimeSpan(begin, end).has(self.now().time())
+                return _is_within(condition, await self.devices.find(), self.now().time())
             case Chance():
                 self._chances += 1
                 seed = f"{self.title} {self.clock.now()} {self._chances}"
@@ -307,6 +306,12 @@ class RoutineBase(App[SettingsT_co]):
         if nearest.date() == today:
             return nearest.time()
         return time.max if nearest.date() > today else time(microsecond=1)
+
+
+def _is_within(span: HouseSpan, devices: Sequence[Device], now: time) -> bool:
+    """Return whether *now* is between two times of the house; False if one is unknown."""
+    begin, end = time_of(span.begin, devices), time_of(span.end, devices)
+    return begin is not None and end is not None and TimeSpan(begin, end).has(now)
 
 
 def _is_of_run(condition: StartedBy | TimedOut, facts: RoutineRunFacts) -> bool:

@@ -306,25 +306,25 @@ class RoutineRun:
         devices, change = await self._owner.devices.find(), CURRENT_CAUSE.get()
         by = change.device if isinstance(change, StateChange | DeviceChange) else ""
         cause = next((device for device in devices if device.id == by), None) if isinstance(by, str) else by
-        texts: list[str] = []
-        for piece in step.pieces:
-            if isinstance(piece, str):
-                texts.append(piece)
-            elif piece.kind in {"name", "room"}:
-                device = next(iter(fitting(piece.words, devices)), None) if piece.words else cause
-                if piece.kind == "room":
-                    texts.append("unknown" if device is None else device.area or "unknown")
-                else:
-                    texts.append(device.name or device.id if device else "nothing" if piece.words else "a time")
-            elif piece.kind == "routine":
-                texts.append(self._owner.title)
-            elif piece.kind == "time":
-                texts.append(f"{self._owner.now():%H:%M}")
-            elif piece.kind == "names":
-                texts.append(", ".join(_names(piece, devices)) or "none")
-            else:
-                texts.append(value_text(piece.capability, value_of(piece, devices)))
+        texts = [piece if isinstance(piece, str) else self._piece(piece, devices, cause) for piece in step.pieces]
         return "".join(texts)
+
+    def _piece(self, value: MessageValue, devices: Sequence[Device], cause: Device | None) -> str:
+        """Return a value of now in words; *cause* is the device that started the run."""
+        match value.kind:
+            case "name" | "room":
+                device = next(iter(fitting(value.words, devices)), None) if value.words else cause
+                if value.kind == "room":
+                    return "unknown" if device is None else device.area or "unknown"
+                return device.name or device.id if device else "nothing" if value.words else "a time"
+            case "routine":
+                return self._owner.title
+            case "time":
+                return f"{self._owner.now():%H:%M}"
+            case "names":
+                return ", ".join(_names(value, devices)) or "none"
+            case _:
+                return value_text(value.capability, value_of(value, devices))
 
     async def _with_numbers(self, step: Step) -> Step:
         """Return *step* with the numbers of now, or as no wait at all while one of them is unknown."""

@@ -3,7 +3,7 @@
 The entities of one device of Home Assistant are the parts of one device; an entity without a device is a device.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from homebot.conventions.description import Publication, Publications
@@ -193,10 +193,7 @@ class HomeAssistantEntities:
         entities = self.of(key)
         ids = [entity.entity_id for entity in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
-        name = device.name
-        if not name and entities:
-            name = entities[0].name or entities[0].entity_id.partition(".")[2].replace("_", " ")
-        name = name or ("Home Assistant app" if key == APP_KEY else key)
+        name = device.name or _name_of(key, entities)
         sole = [entity for entity in entities if not entity.entry.category]
         area, floor = self.registries.place(key, [entity.entity_id for entity in sole or entities])
         parts = [*map(self._part, entities), *self._buttons(key)]
@@ -238,6 +235,13 @@ class HomeAssistantEntities:
         info = self._entities[entity_id].info
         unit = text_of(info.get("unit_of_measurement"))
         return entity_id if unit in {"", quantity_of_entity(info).unit} else f"{entity_id} ({unit})"
+
+
+def _name_of(key: str, entities: Sequence[HomeAssistantEntity]) -> str:
+    """Return the name of a device without one of its own: that of its first entity."""
+    if not entities:
+        return "Home Assistant app" if key == APP_KEY else key
+    return entities[0].name or entities[0].entity_id.partition(".")[2].replace("_", " ") or key
 
 
 def _order(key_and_entity: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
