@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 RESTORED: Final = (
     *("on_off", "level", "color", "color_temperature", "fan_speed", "volume"),
-    *("position", "tilt", "movement", "heating_setpoint", "cooling_setpoint"),
+    *("position", "tilt", "movement", "thermostat_mode", "preset_mode", "heating_setpoint", "cooling_setpoint"),
 )
 """The values that an undo brings back, in this order. It opens nothing that was locked, and arms nothing."""
 

@@ -16,7 +16,7 @@ from homebot.errors import RefusedError
 from homebot.words.amounts import split_commands
 from homebot.words.commands import SET, parse_command_words
 
-_SAVED: Final = (*RESTORED, "thermostat_mode", "fan_mode", "preset_mode", "effect")
+_SAVED: Final = (*RESTORED, "fan_mode", "effect")
 """The capabilities of a saved scene, in the order of sending."""
 
 _DEEDS: Final = MOMENTARY | {"scene", "locate"}
