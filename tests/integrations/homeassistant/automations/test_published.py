@@ -601,6 +601,46 @@ PLAYS: tuple[Play, ...] = (
         [],
         "19:50 20:10",
     ),
+    Play(
+        "window_open_heating",
+        "climate.office heat temperature=21",
+        [
+            "09:00 binary_sensor.office_window_left on",
+            "09:05 binary_sensor.office_window_right on",
+            "09:20 binary_sensor.office_window_left off",
+            "09:30 binary_sensor.office_window_right off",
+        ],
+        [
+            "09:02:00 climate.office thermostat_mode off",
+            "09:30:30 climate.office thermostat_mode heat",
+        ],
+        "08:50 10:00",
+    ),
+    Play(
+        "window_open_heating",
+        "climate.office heat temperature=21, sensor.office_temperature 14.26",
+        ["09:00 binary_sensor.office_window_right on", "11:00 binary_sensor.office_window_right off"],
+        [
+            "09:02:00 climate.office thermostat_mode off",
+            "10:02:00 notify Office window open for an hour, it is 14.3 °C inside.",
+            "11:00:30 climate.office thermostat_mode heat",
+        ],
+        "08:50 11:30",
+    ),
+    Play(
+        "window_open_heating",
+        "climate.office heat temperature=21",
+        ["09:00 binary_sensor.office_window_left on", "09:01:50 binary_sensor.office_window_left off"],
+        [],
+        "08:50 10:00",
+    ),
+    Play(
+        "window_open_heating",
+        "media_player.kitchen playing volume_level=0.3",
+        [],
+        ["12:00:00 media_player.kitchen volume 60", "12:10:00 media_player.kitchen volume 30"],
+        "11:50 12:30",
+    ),
     Play("group_of_windows", "binary_sensor.bedroom_window on", ["10:05 binary_sensor.kitchen_window on"]),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
     Play(
@@ -840,6 +880,14 @@ async def test_a_group_with_a_length_of_time_or_of_all_its_members_is_refused() 
     assert [(one.name, one.problem.partition(";")[0]) for one in found.refused] == [
         ("Windows for long", "trigger state: group.all_windows is known to be on or off, without `for`"),
         ("All windows open", "group.all_of_them is nothing that homebot knows"),
+    ]
+
+
+async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None:
+    found = await imported("window_open_heating")
+    assert list(dict.fromkeys(one.name for one in found.refused)) == [
+        "Brings back less than it sets",
+        "Tells what it keeps",
     ]
 
 

@@ -34,6 +34,7 @@ from homebot.integrations.homeassistant.automations.entities import (
 from homebot.integrations.homeassistant.automations.expressions import round_limit
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
 from homebot.integrations.homeassistant.automations.files import from_blueprint, groups_of, part_of, with_files
+from homebot.integrations.homeassistant.automations.kept_values import with_snapshot
 from homebot.integrations.homeassistant.automations.run_marks import marked_by, run_marks
 from homebot.integrations.homeassistant.automations.services import steps_of_service
 from homebot.integrations.homeassistant.automations.template_numbers import step_length
@@ -86,7 +87,7 @@ class Actions:
 
         A new run ends the one before it, or waits for it, before its actions ask for anything.
         """
-        first, steps = self._read(nodes)
+        first, steps = self._read(self._with_snapshot(nodes))
         if first and self._automation.has_waited and self._mode in {"restart", "queued"}:
             with self._automation.in_line(nodes[0].line):
                 first, steps = [], _choice(first, steps, [])
@@ -126,6 +127,7 @@ class Actions:
         self, constants: Mapping[str, object], variables: Located, nodes: Sequence[Located]
     ) -> tuple[list[Condition], list[Step]]:
         """Read *nodes* with variables; one that keeps whether a state was so is a choice between two ways."""
+        nodes = self._with_snapshot(nodes)
         names = [name for name in cast("dict[str, Located]", variables.value) if name in self._automation.expressions]
         for name in names:
             text = self._automation.expressions[name]
@@ -142,6 +144,16 @@ class Actions:
                     ways.append(self._branch([resolved(node, {**constants, name: value}) for node in nodes]))
                 return [], _choice(held, *ways)
         return self._read([resolved(other, constants) for other in nodes])
+
+    def _with_snapshot(self, nodes: Sequence[Located]) -> Sequence[Located]:
+        """Return *nodes* with a snapshot of the entity whose values variables keep to bring them back; else as is."""
+        if (kept := with_snapshot(self._automation.expressions, nodes)) is None:
+            return nodes
+        entity_id, actions = kept
+        if (entity := self._automation.entities.find(entity_id)).name in self._commanded:
+            return nodes
+        self._snapshots[f"scene.kept {entity_id}"] = {entity.name}
+        return actions
 
     def _by_value(
         self,
@@ -246,6 +258,10 @@ class Actions:
                 scene, entities = data.text("scene_id"), data.texts("snapshot_entities")
                 data.end()
                 known = [*map(self._automation.entities.find, entities)]
+                if before := self._commanded & {entity.name for entity in known}:
+                    raise NotCarriedError(
+                        f"scene.create after a command to {min(before)}: `undo` would bring back the values before that"
+                    )
                 if not known:
                     raise NotCarriedError("scene.create: `snapshot_entities` is missing; write the scene in homebot")
                 self._snapshots[f"scene.{scene}"] = {entity.name for entity in known}

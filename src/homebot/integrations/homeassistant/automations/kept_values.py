@@ -1,0 +1,122 @@
+"""Values of an entity that an automation keeps in variables, and brings back later: as a snapshot of it. Pure."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final, NamedTuple
+
+from homebot.integrations.homeassistant.automations.expressions import expression_of, state_entity
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, walk
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
+from homebot.support.located import Located
+
+_KEPT: Final[Mapping[tuple[str, str], str]] = {
+    ("climate", ""): "hvac_mode",
+    ("climate", "temperature"): "temperature",
+    ("climate", "preset_mode"): "preset_mode",
+    ("media_player", "volume_level"): "volume_level",
+    ("cover", "current_position"): "position",
+}
+"""The fields with which a service sets the state of an entity of a domain, or an attribute."""
+
+_SETS: Final[Mapping[str, frozenset[str]]] = {
+    **{f"climate.{name}": frozenset({"hvac_mode"}) for name in ("set_hvac_mode", "turn_off")},
+    "climate.set_temperature": frozenset({"hvac_mode", "temperature"}),
+    "climate.set_preset_mode": frozenset({"preset_mode"}),
+    "media_player.volume_set": frozenset({"volume_level"}),
+    **{f"cover.{name}": frozenset({"position"}) for name in ("set_cover_position", "open_cover", "close_cover")},
+}
+"""The fields that services set; one with several sets those in its data."""
+
+_VARIABLE: Final = re.compile(r"\{\{ *(\w+) *(?:\| *(?:float|int) *)?\}\}")
+
+
+class _Call(NamedTuple):
+    """A call of a service that sets fields of one entity."""
+
+    entity: str
+    fields: frozenset[str]
+    names: frozenset[str] = frozenset()
+
+
+def with_snapshot(expressions: Mapping[str, str], actions: Sequence[Located]) -> tuple[str, list[Located]] | None:
+    """Return an entity whose values *expressions* keep, and *actions* with one call of a scene that brings them back.
+
+    The scene is ``scene.kept`` with the name of the entity. None unless all that *actions* set of it is brought back,
+    by calls in a row.
+    """
+    kept = {name: known for name, text in expressions.items() if (known := _kept(text)) is not None}
+    calls = [_restoring(action, kept) for action in actions]
+    begin = next((place for place, call in enumerate(calls) if call is not None), None)
+    if begin is None or (first := calls[begin]) is None:
+        return None
+    end = begin
+    while end < len(calls) and (call := calls[end]) is not None and call.entity == first.entity:
+        end += 1
+    restored = [call for call in calls[begin:end] if call is not None]
+    fields, names = (
+        frozenset().union(*sets) for sets in zip(*((one.fields, one.names) for one in restored), strict=True)
+    )
+    others = [*actions[:begin], *actions[end:]]
+    if any(re.search(rf"\b{name}\b", str(other)) for name in names for other in others):
+        return None
+    for mapping in (inner for action in actions[:begin] for inner in walk(action)):
+        if first.entity in str(mapping.get("target", "")) + str(mapping.get("entity_id", "")) and _is_call(mapping):
+            call = _call_of(mapping)
+            if call is None or not call.fields <= fields:
+                return None
+    scene = {"service": Located("scene.turn_on", 0), "entity_id": Located(f"scene.kept {first.entity}", 0)}
+    return first.entity, [*actions[:begin], actions[begin]._replace(value=scene), *actions[end:]]
+
+
+def _kept(text: str) -> tuple[str, str] | None:
+    """Return the entity, and the field that sets it, of the state or attribute that *text* is; None for none."""
+    try:
+        node = expression_of(text)
+    except NotCarriedError:
+        return None
+    while isinstance(node, nodes.Filter) and node.name in {"float", "int"} and node.node is not None:
+        node = node.node
+    entity, attribute = state_entity(node), ""
+    match node:
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"),
+            args=[nodes.Const(value=str(entity)), nodes.Const(value=str(attribute))],
+        ):
+            pass
+    field = _KEPT.get((entity.partition(".")[0], attribute), "")
+    return (entity, field) if field else None
+
+
+def _is_call(fields: Mapping[str, Located]) -> bool:
+    return not {"service", "action"}.isdisjoint(fields)
+
+
+def _call_of(fields: Mapping[str, Located]) -> _Call | None:
+    """Return the call that *fields* are; None for another one, or of several entities."""
+    name = str(next((fields[key].value for key in ("service", "action") if key in fields), ""))
+    try:
+        call = UnreadFields(Located(dict(fields), 0), "action")
+        data = call.inner("data", "data_template")
+        ids = [text for place in (call.inner("target"), data, call) for text in place.texts("entity_id")]
+    except NotCarriedError:
+        return None
+    known = _SETS.get(name, frozenset())
+    set_fields = known & data.left.keys() if len(known) > 1 else known
+    return _Call(ids[0], set_fields) if len(ids) == 1 and set_fields else None
+
+
+def _restoring(action: Located, kept: Mapping[str, tuple[str, str]]) -> _Call | None:
+    """Return the call with which *action* brings back *kept* values; None for another action."""
+    fields = action.value if isinstance(action.value, dict) else {}
+    call = _call_of(fields) if _is_call(fields) and "enabled" not in fields else None
+    if call is None:
+        return None
+    names = set()
+    data = fields.get("data", Located({}, 0)).value
+    given = {key: node.value for key, node in data.items() if key != "entity_id"} if isinstance(data, dict) else {}
+    for key, value in given.items():
+        found = _VARIABLE.fullmatch(value.strip()) if isinstance(value, str) else None
+        if found is None or kept.get(found[1]) != (call.entity, key):
+            return None
+        names.add(found[1])
+    return call._replace(names=frozenset(names)) if names and given.keys() == call.fields else None
