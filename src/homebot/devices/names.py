@@ -124,6 +124,9 @@ TAG = "tag"
 PREFER = "prefer"
 """The owner's fact that names the preferred gateways for commands to a device, best first."""
 
+OWN_MODEL = "homebot"
+"""The model of homebot's own bridges to other ecosystems, on the network: its gateways leave them out."""
+
 NEEDS_GATEWAY = "needs_gateway"
 """The fact that names the plug-in of an unconfigured gateway that could use the device."""
 

@@ -20,7 +20,6 @@ from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
 from homebot.mqtt.options import MqttOptions
 from homebot.support.addresses import ip_version
-from homebot.support.connect_errors import connect_problem
 
 _PORTION: Final = 32 * 1024
 """Bytes parsed in one turn of the loop: a few hundred messages, a few milliseconds of work."""
@@ -297,6 +296,8 @@ def socket_error(error: OSError) -> LinkError | RefusedError:
         reason = error.reason or "handshake failed"
         plain = reason.lower().replace("_", " ")
         return RefusedError("TLS", next((words for part, words in _TLS_PROBLEMS if part in reason), plain))
+    from homebot.support.connect_errors import connect_problem  # noqa: PLC0415 - most connections last
+
     return LinkError(_LOST.get(error.errno or 0) or connect_problem(error))
 
 

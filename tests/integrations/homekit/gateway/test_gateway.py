@@ -323,3 +323,13 @@ async def test_what_could_not_be_read_back_is_reported_once_it_is_read() -> None
         await anyio.sleep(1.0)
         server.away.clear()
         await reading(reports, "level", 40.0)
+
+
+async def test_the_bridge_of_a_homebot_is_left_out() -> None:
+    async with house(lamp()) as home:
+        for name, model in (("Villa", "homebot"), ("Other", "Other bridge")):
+            key = f"02:48:42:00:00:{len(name):02}"
+            home.mdns.sight(name, dns_sd_type="_hap._tcp", txt_id=key, txt_sf="1", port="1", txt_md=model)
+        await anyio.sleep(1)
+        notes = "; ".join((await home.health()).notes)
+        assert ("Other" in notes, "Villa" in notes) == (True, False)

@@ -13,6 +13,7 @@ from typing import Final
 
 from homebot.conventions.dns_sd import FoundService, name_of
 from homebot.conventions.ecosystem import Ecosystem, SetupCode
+from homebot.devices.names import OWN_MODEL
 from homebot.errors import WireError
 
 _BASE36: Final = digits + ascii_uppercase
@@ -81,4 +82,5 @@ class Homekit(Ecosystem):
         """Return how an accessory is paired that is paired with nobody yet."""
         flags = service.properties.get("sf", "")
         is_free = flags.isdecimal() and len(flags) <= _FLAG_DIGITS and bool(int(flags) & 1)
+        is_free = is_free and service.properties.get("md") != OWN_MODEL
         return f"add [gateways.homekit], then: homebot pair '{name_of(service)}' CODE" if is_free else ""

@@ -15,6 +15,7 @@ from typing import Final, TypeAlias
 import anyio
 
 from homebot.devices import Sighting
+from homebot.devices.names import OWN_MODEL
 from homebot.errors import WireError
 from homebot.integrations.homekit.formats.accessory import CharacteristicId
 
@@ -71,9 +72,9 @@ class FoundAccessory:
 
     @classmethod
     def of(cls, sighting: Sighting) -> FoundAccessory | None:
-        """Return the accessory in an mDNS sighting, None for another service; raise WireError if it is invalid."""
+        """Return the accessory in an mDNS sighting, None for others, also homebot; raise WireError if it is wrong."""
         facts = {fact.key: fact.value for fact in sighting.metadata}
-        if (service_type := facts.get("dns_sd_type", "")) not in _SERVICE_TYPES:
+        if (service_type := facts.get("dns_sd_type", "")) not in _SERVICE_TYPES or facts.get("txt_md") == OWN_MODEL:
             return None
         key = facts.get("txt_id", "").upper()
         flags, port, features = (facts.get(name, "0") for name in ("txt_sf", "port", "txt_ff"))

@@ -1,0 +1,583 @@
+"""A bridge of HomeKit by HAP-python; the one file that imports it.
+
+The library serves the connections and keeps the characteristics. What is replaced, as it would not do for a house:
+writes are answered once their outcome is known, requests and answers have limits, setup codes cannot be tried without
+end, nothing is written to files, and no task outlives :meth:`HapBridge.serve`.
+
+Concurrency: each connection has one request at a time; writes of several run side by side.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import json
+import os
+import secrets
+import string
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+from functools import partial
+from hashlib import blake2b, sha512
+from typing import Any, Final, NamedTuple, TypeAlias, cast
+
+import anyio
+import anyio.lowlevel
+from anyio.abc import TaskStatus
+from anyio.streams.memory import MemoryObjectSendStream
+from pyhap import tlv
+from pyhap.accessory import Accessory, Bridge, get_topic
+from pyhap.accessory_driver import AccessoryDriver, AccessoryMDNSServiceInfo, AsyncZeroconf
+from pyhap.characteristic import Characteristic
+from pyhap.encoder import AccessoryEncoder
+from pyhap.hap_handler import HAP_TLV_STATES, HAP_TLV_TAGS, HAPResponse, HAPServerHandler, UnprivilegedRequestException
+from pyhap.hap_protocol import HAPServerProtocol
+from pyhap.hap_server import HAPServer
+from pyhap.hsrp import Server as SrpServer
+from pyhap.iid_manager import IIDManager
+from pyhap.loader import get_loader
+from pyhap.params import get_srp_context
+from pyhap.util import generate_pincode, generate_setup_id
+
+from homebot.clock import Clock
+from homebot.devices.names import OWN_MODEL
+from homebot.errors import LinkError, WireError
+from homebot.features.homekit_bridge.services import HapValue, PartService, Written
+from homebot.support.listening import stop_accepting
+from homebot.support.own_addresses import own_addresses
+
+OK, REFUSED, NO_RESPONSE, BUSY, READ_ONLY, MISSING, INVALID = 0, -70401, -70402, -70403, -70404, -70409, -70410
+"""HAP's status codes (table 6-11)."""
+
+MAX_ACCESSORIES: Final = 149
+"""Behind one bridge (6.1: 150 with the bridge itself)."""
+
+MAX_CONNECTIONS: Final = 64
+MAX_REQUEST_BYTES: Final = 1 << 20
+MAX_UNSENT_BYTES: Final = 4 << 20
+MAX_TRIES: Final = 100
+"""Wrong setup codes until the next start (5.6.2)."""
+
+_TRY_EVERY_S: Final = 0.1
+"""Between two steps of pairings: each takes some milliseconds of arithmetic."""
+
+_PREPARED_S: Final = 60.0
+_BUSY_ERROR, _TRIES_ERROR = b"\x07", b"\x05"
+_BASE36: Final = string.digits + string.ascii_uppercase
+_BRIDGE_BY_IP: Final = 2 << 4 | 2
+"""The category, and the flag of IP, of a setup payload (4.2.2.1)."""
+
+_MAX_JSON_INT: Final = 1 << 53
+
+OnWrite: TypeAlias = Callable[[Mapping[str, Written]], Awaitable[Mapping[str, int]]]
+"""Carries out what was written to services of an accessory, by their keys, and returns HAP's status of each."""
+
+
+class HapSetup(NamedTuple):
+    """All about a bridge for who pairs it.
+
+    Attributes:
+        code: The setup code, a secret, as ``123-45-678``.
+        uri: The text of its QR code.
+    """
+
+    id: str
+    port: int
+    code: str
+    uri: str
+    controllers: int
+
+
+class HapBridge:
+    """A bridge.
+
+    Args:
+        kept: What :meth:`state` returned in an earlier run; empty for a new bridge.
+        on_change: Called when :meth:`state` has changed.
+
+    Attributes:
+        lost: What was refused or cut off, by its limit.
+
+    Raises:
+        WireError: *kept* is not of a bridge.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        address: str,
+        port: int,
+        clock: Clock,
+        kept: Mapping[str, object],
+        on_change: Callable[[], object],
+        *,
+        is_announced: bool,
+    ) -> None:
+        self._driver = driver = _HapDriver(self, name, address, port, clock)
+        self._is_announced, self._address, self._on_change = is_announced, address, on_change
+        self._news = anyio.Event()
+        self._accessories: dict[int, _BridgedAccessory] = {}
+        self.lost = {"connections": 0, "requests": 0, "answers": 0, "codes": 0}
+        if kept:
+            try:
+                AccessoryEncoder.load_into(io.StringIO(json.dumps(kept["state"])), driver.state)
+                driver.state.pincode = str(kept["code"]).encode()
+                driver.state.setup_id = str(kept["setup_id"])
+            except (KeyError, TypeError, ValueError) as exc:
+                raise WireError(f"a kept bridge lacks, or has a wrong, {str(exc)[:40]}") from None
+        self._bridge = Bridge(driver, name)
+        self._bridge.set_info_service("1.0", "homebot", "Bridge", driver.state.mac)
+        driver.add_accessory(self._bridge)
+
+    def state(self) -> dict[str, object]:
+        """Return all that it needs to be the same bridge after a restart: keys, pairings, code. A secret."""
+        text = io.StringIO()
+        state = self._driver.state
+        AccessoryEncoder.persist(text, state)
+        kept = json.loads(text.getvalue())
+        return {"state": kept, "code": state.pincode.decode(), "setup_id": state.setup_id}
+
+    def setup(self) -> HapSetup:
+        """Return its address and code."""
+        state = self._driver.state
+        number = _BRIDGE_BY_IP << 27 | int(state.pincode.replace(b"-", b""))
+        digits = [_BASE36[number // 36**place % 36] for place in reversed(range(9))]
+        uri = f"X-HM://{''.join(digits)}{state.setup_id}"
+        return HapSetup(state.mac, state.port, state.pincode.decode(), uri, len(state.paired_clients))
+
+    def put(self, aid: int, name: str, model: str, services: Iterable[PartService], on_write: OnWrite) -> None:
+        """Add an accessory, or replace it; :meth:`describe` tells controllers."""
+        self.remove(aid)
+        accessory = _BridgedAccessory(self._driver, aid, name, model, services, on_write)
+        self._accessories[aid] = accessory
+        self._bridge.add_accessory(accessory)
+
+    def remove(self, aid: int) -> None:
+        """Remove an accessory; idempotent."""
+        if self._accessories.pop(aid, None) is not None:
+            del self._bridge.accessories[aid]
+
+    def show(self, aid: int, name: str, values: Mapping[str, Mapping[str, HapValue | None]], *, is_there: bool) -> None:
+        """Set the values of an accessory by services and characteristics, and send events for those that changed."""
+        self._accessories[aid].show(name, values, is_there=is_there)
+
+    def repeat(self, aid: int, service: str) -> None:
+        """Send events with the present values of a service: a controller believes that it has others."""
+        self._accessories[aid].repeat(service)
+
+    def describe(self) -> None:
+        """Let controllers read the accessories again, if they have changed."""
+        driver = self._driver
+        if driver.state.set_accessories_hash(driver.accessories_hash):
+            self.on_change()
+
+    def on_change(self) -> None:
+        """Keep and announce the new state; sessions of controllers without a pairing end."""
+        for connection in tuple(self._driver.http_server.connections.values()):
+            client = connection.handler.client_uuid
+            if client is not None and client not in self._driver.state.paired_clients:
+                self._driver.loop.call_soon(connection.close)
+        self._on_change()
+        self._news.set()
+
+    def unpair(self) -> int:
+        """End all pairings, and take another setup code; return how many there were."""
+        state = self._driver.state
+        count = len(state.paired_clients)
+        for client in tuple(state.paired_clients):
+            state.paired_clients.pop(client, None)
+            state.client_properties.pop(client, None)
+            state.uuid_to_bytes.pop(client, None)
+        state.pincode, state.setup_id = generate_pincode(), generate_setup_id()
+        self.on_change()
+        return count
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve controllers until cancelled.
+
+        Raises:
+            LinkError: Its address cannot be used.
+        """
+        driver = self._driver
+        driver.aio_stop_event = asyncio.Event()
+        server = driver.http_server
+        try:
+            await server.async_start(driver.loop)
+        except OSError as exc:
+            where = f"{self._address}, port {driver.state.port}"
+            raise LinkError(f"the bridge for HomeKit cannot listen on {where}: {exc.strerror or exc}") from exc
+        driver.state.port = server.server.sockets[0].getsockname()[1]
+        try:
+            driver.to_write, writes = anyio.create_memory_object_stream[_Write](MAX_CONNECTIONS)
+            async with driver.to_write, writes, anyio.create_task_group() as tasks:
+                if self._is_announced:
+                    await tasks.start(self._announce)
+                task_status.started()
+                async for write in writes:
+                    tasks.start_soon(driver.write, write)
+        finally:
+            driver.aio_stop_event.set()
+            with anyio.CancelScope(shield=True):
+                await stop_accepting(server.server.sockets)
+                server.async_stop()
+                await anyio.lowlevel.checkpoint()
+
+    async def _announce(self, *, task_status: TaskStatus[None]) -> None:
+        driver, anywhere = self._driver, self._address in {"0.0.0.0", "::"}  # noqa: S104 - compared only
+        if anywhere:
+            driver.state.addresses = own_addresses()
+        responder = AsyncZeroconf() if anywhere else AsyncZeroconf(interfaces=[self._address])
+        try:
+            await (await responder.async_register_service(_info(driver), cooperating_responders=True))
+            task_status.started()
+            while True:
+                self._news = anyio.Event()
+                await self._news.wait()
+                await (await responder.async_update_service(_info(driver)))
+        finally:
+            with anyio.CancelScope(shield=True):
+                await responder.async_unregister_all_services()
+                await responder.async_close()
+
+
+def _info(driver: AccessoryDriver) -> AccessoryMDNSServiceInfo:
+    class Info(AccessoryMDNSServiceInfo):  # type: ignore[misc]
+        def _get_advert_data(self) -> dict[str, str]:
+            return {**super()._get_advert_data(), "md": OWN_MODEL}
+
+    return Info(driver.accessory, driver.state)
+
+
+def read_library() -> None:
+    """Read the library's descriptions of services from its files."""
+    get_loader()
+
+
+def stable_number(text: str) -> int:
+    """Return the number of *text* in HomeKit, the same at each start; 2 and more."""
+    return 2 + int.from_bytes(blake2b(text.encode(), digest_size=8).digest()) % (_MAX_JSON_INT - 2)
+
+
+class _StableIids(IIDManager):  # type: ignore[misc]
+    """Numbers of services and characteristics that stay when others come or go; those of the first are 1 and more."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.prefix = ""
+
+    def get_iid_for_obj(self, obj: Any) -> int:
+        if not self.prefix:
+            return int(super().get_iid_for_obj(obj))
+        iid = stable_number(f"{self.prefix}/{obj.type_id}")
+        while iid in self.objs:
+            iid += 1
+        return iid
+
+
+class _BridgedAccessory(Accessory):  # type: ignore[misc]
+    def __init__(
+        self,
+        driver: AccessoryDriver,
+        aid: int,
+        name: str,
+        model: str,
+        services: Iterable[PartService],
+        on_write: OnWrite,
+    ) -> None:
+        iids = _StableIids()
+        super().__init__(driver, name, aid=aid, iid_manager=iids)
+        self.set_info_service("1.0", "homebot", model or "Device", str(aid))
+        self.on_write, self._is_there = on_write, False
+        self._characteristics: dict[str, dict[str, Characteristic]] = {}
+        self.places: dict[Characteristic, tuple[str, str]] = {}
+        self.unknown: set[Characteristic] = set()
+        for service in services:
+            iids.prefix = service.key
+            wanted = service.characteristics()
+            hap = driver.loader.get_service(service.kind.name)
+            for characteristic in [one for one in hap.characteristics if one.display_name not in wanted]:
+                hap.characteristics.remove(characteristic)
+            known = {one.display_name for one in hap.characteristics}
+            for extra in (*(one for one in wanted if one not in known), *(("Name",) if service.title else ())):
+                hap.add_characteristic(driver.loader.get_char(extra))
+            if service.title:
+                hap.configure_char("Name", value=service.title)
+            for characteristic_name, properties in wanted.items():
+                characteristic = hap.get_characteristic(characteristic_name)
+                valid = cast("dict[str, int] | None", properties.get("ValidValues"))
+                bounds = {key: value for key, value in properties.items() if key != "ValidValues"}
+                if valid or bounds:
+                    if valid:
+                        characteristic.value = min(valid.values())
+                    characteristic.override_properties(properties=bounds or None, valid_values=valid)
+                self._characteristics.setdefault(service.key, {})[characteristic_name] = characteristic
+                self.places[characteristic] = service.key, characteristic_name
+            self.add_service(hap)
+        self.unknown.update(self.places)
+
+    @property
+    def available(self) -> bool:
+        return self._is_there
+
+    def show(self, name: str, values: Mapping[str, Mapping[str, HapValue | None]], *, is_there: bool) -> None:
+        self._is_there = is_there
+        self.get_service("AccessoryInformation").get_characteristic("Name").set_value(name)
+        for key, characteristics in self._characteristics.items():
+            for characteristic_name, characteristic in characteristics.items():
+                value = values[key].get(characteristic_name)
+                valid = characteristic.properties.get("ValidValues")
+                if value is None or (valid and value not in valid.values()):
+                    self.unknown.add(characteristic)
+                else:
+                    self.unknown.discard(characteristic)
+                    characteristic.set_value(value)
+
+    def repeat(self, service: str) -> None:
+        for characteristic in self._characteristics.get(service, {}).values():
+            characteristic.notify()
+
+
+class _SrpServer(SrpServer):  # type: ignore[misc]
+    """The arithmetic of the setup code, as RFC 5054 wants it, which HAP-python 5.0.0 does not do.
+
+    A controller whose public key is 0 would know the key of the session without the code. The shared secret has all
+    its bytes, as in aiohomekit and HAP-NodeJS.
+    """
+
+    def __init__(self, code: bytes, on_wrong: Callable[[], object]) -> None:
+        super().__init__(get_srp_context(3072, sha512, 16), b"Pair-Setup", code)
+        self._on_wrong, self._is_proven = on_wrong, False
+        while self.B.bit_length() <= self.N.bit_length() - 8:  # a byte of 0 in front would be left out
+            self.b = secrets.randbits(512)
+            self.B: int = self._derive_B()
+            self.Bb = self.B.to_bytes(self.N_len // 8)
+
+    def _get_K(self) -> int:  # noqa: N802 - the library's name
+        return int(self._hexdigest_int16(self._padN(self.Sb)))
+
+    def verify(self, M: bytes) -> bytes | None:  # noqa: N803 - the library's name
+        self._is_proven = self.A % self.N != 0 and secrets.compare_digest(self.M, M)
+        if not self._is_proven:
+            self._on_wrong()
+        return self.HAMK if self._is_proven else None
+
+    def get_session_key(self) -> int:
+        return int(self.K) if self._is_proven else int.from_bytes(os.urandom(64))
+
+
+class _Write(NamedTuple):
+    request: Any
+    client: Any
+    response: HAPResponse
+    body: asyncio.Future[bytes]
+
+
+class _HapDriver(AccessoryDriver):  # type: ignore[misc]
+    def __init__(self, bridge: HapBridge, name: str, address: str, port: int, clock: Clock) -> None:
+        super().__init__(
+            address=address,
+            port=port or 1,
+            persist_file="",
+            loop=asyncio.get_running_loop(),
+            loader=get_loader(),
+        )
+        self.bridge, self.clock = bridge, clock
+        self.name = name
+        self.next_try = 0.0
+        self.to_write: MemoryObjectSendStream[_Write] | None = None
+        self.http_server = _Server((address, port), self)
+
+    def add_accessory(self, accessory: Accessory) -> None:
+        """Serve the bridge, without a file."""
+        self.accessory = accessory
+
+    def async_persist(self) -> None:
+        """Have the state kept, once the answer is on its way."""
+        self.loop.call_soon(self.bridge.on_change)
+
+    def finish_pair(self) -> None:
+        """Do nothing: the state was announced when it changed."""
+
+    def setup_srp_verifier(self) -> None:
+        """Begin a try of the setup code."""
+        self.srp_verifier = _SrpServer(self.state.pincode, self._count_wrong)
+
+    def _count_wrong(self) -> None:
+        self.bridge.lost["codes"] += 1
+
+    def prepare(self, prepare_query: Any, client_addr: Any) -> dict[str, int]:
+        """Remember one write to come for each connection."""
+        pid, ttl = _number(prepare_query, "pid"), _number(prepare_query, "ttl")
+        if pid is None or ttl is None:
+            return {"status": INVALID}
+        self.prepared_writes[client_addr] = {pid: self.clock.monotonic() + min(max(ttl / 1000, 0.0), _PREPARED_S)}
+        return {"status": OK}
+
+    def get_characteristics(self, char_ids: list[str]) -> dict[str, list[dict[str, object]]]:
+        """Return values; no response for what is away or unknown."""
+        rows: list[dict[str, object]] = []
+        for text in char_ids:
+            aid, iid = (int(number) for number in text.split("."))
+            accessory = self._accessory(aid)
+            characteristic = None if accessory is None else accessory.get_characteristic(aid, iid)
+            row: dict[str, object] = {"aid": aid, "iid": iid, "status": MISSING}
+            if isinstance(characteristic, Characteristic):
+                is_known = accessory is self.accessory or (
+                    accessory.available and characteristic not in accessory.unknown
+                )
+                row |= {"status": OK, "value": characteristic.get_value()} if is_known else {"status": NO_RESPONSE}
+            rows.append(row)
+        return {"characteristics": rows}
+
+    def begin_write(self, request: Any, client: Any, response: HAPResponse) -> asyncio.Future[bytes]:
+        """Return the future body of *response*, which gets its status with it."""
+        future: asyncio.Future[bytes] = self.loop.create_future()
+        try:
+            if self.to_write is not None:
+                self.to_write.send_nowait(_Write(request, client, response, future))
+        except (anyio.WouldBlock, anyio.ClosedResourceError):
+            future.cancel()
+        return future
+
+    async def write(self, write: _Write) -> None:
+        """Carry out a request, and set the body of its response."""
+        request, client, response, future = write
+        try:
+            rows = await self._written(request, client)
+        except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError):  # the request breaks the rules
+            response.status_code, response.reason = 400, "Bad Request"
+            rows = []
+        if any(row["status"] for row in rows):
+            response.status_code, response.reason = 207, "Multi-Status"
+            response.headers.append(("Content-Type", "application/hap+json"))
+        if not future.done():
+            is_told = response.status_code == 207
+            future.set_result(json.dumps({"characteristics": rows}).encode() if is_told else b"")
+
+    async def _written(self, request: Any, client: Any) -> list[dict[str, Any]]:
+        """Carry out subscriptions and writes, and return the status of each."""
+        pid = request.get("pid")
+        until = self.prepared_writes.get(client, {}).pop(pid, 0.0) if pid is not None else 0.0
+        is_late = pid is not None and self.clock.monotonic() > until
+        rows: list[dict[str, Any]] = []
+        wanted: dict[int, dict[str, dict[str, HapValue]]] = {}
+        places: list[tuple[dict[str, Any], int, str]] = []
+        for query in request["characteristics"]:
+            aid, iid = query["aid"], query["iid"]
+            accessory = self._accessory(aid)
+            characteristic = None if accessory is None else accessory.get_characteristic(aid, iid)
+            row = {"aid": aid, "iid": iid, "status": OK}
+            rows.append(row)
+            if not isinstance(characteristic, Characteristic):
+                row["status"] = MISSING
+                continue
+            if "ev" in query:
+                self.async_subscribe_client_topic(client, get_topic(aid, iid), bool(query["ev"]))
+            if "value" not in query:
+                continue
+            place = getattr(accessory, "places", {}).get(characteristic)
+            if place is None or "pw" not in characteristic.properties["Permissions"]:
+                row["status"] = READ_ONLY
+            elif is_late:
+                row["status"] = INVALID
+            else:
+                try:
+                    value = characteristic.to_valid_value(query["value"])
+                    characteristic.valid_value_or_raise(value)
+                except (TypeError, ValueError):
+                    row["status"] = INVALID
+                    continue
+                wanted.setdefault(aid, {}).setdefault(place[0], {})[place[1]] = value
+                places.append((row, aid, place[0]))
+        statuses: dict[int, Mapping[str, int]] = {}
+
+        async def write(aid: int, written: Mapping[str, Written]) -> None:
+            statuses[aid] = await self._accessory(aid).on_write(written)
+
+        async with anyio.create_task_group() as tasks:
+            for aid, written in wanted.items():
+                tasks.start_soon(write, aid, written)
+        for row, aid, service in places:
+            row["status"] = statuses[aid][service]
+        return rows
+
+    def _accessory(self, aid: object) -> Any:
+        return self.accessory if aid == self.accessory.aid else self.accessory.accessories.get(aid)
+
+
+class _Server(HAPServer):  # type: ignore[misc]
+    async def async_start(self, loop: asyncio.AbstractEventLoop) -> None:
+        self.loop = loop
+        connect = partial(_Protocol, loop, self.connections, self.accessory_handler)
+        self.server = await loop.create_server(connect, *self._addr_port)
+        self.async_cleanup_connections()
+
+
+class _Handler(HAPServerHandler):  # type: ignore[misc]
+    def handle_set_characteristics(self) -> None:
+        """Begin a write; the answer is that of its outcome."""
+        if not self.is_encrypted:
+            raise UnprivilegedRequestException
+        request = json.loads(self.request_body)
+        self.response.status_code, self.response.reason = 204, "No Content"
+        self.response.task = self.accessory_handler.begin_write(request, self.client_address, self.response)
+
+    def handle_pairing(self) -> None:
+        """Take a step of a pairing, at a limited rate."""
+        driver, now = self.accessory_handler, self.accessory_handler.clock.monotonic()
+        step = tlv.decode(self.request_body).get(HAP_TLV_TAGS.SEQUENCE_NUM)
+        error = b""
+        if not self.state.paired and driver.bridge.lost["codes"] >= MAX_TRIES:
+            error = _TRIES_ERROR
+        elif step == HAP_TLV_STATES.M1:
+            error = _BUSY_ERROR if now < driver.next_try else b""
+            driver.next_try = max(driver.next_try, now + _TRY_EVERY_S)
+        elif step == HAP_TLV_STATES.M3 and getattr(driver.srp_verifier, "A", 0) is not None:
+            error = _BUSY_ERROR  # one try for each beginning
+        if error:
+            data = (HAP_TLV_TAGS.SEQUENCE_NUM, HAP_TLV_STATES.M2, HAP_TLV_TAGS.ERROR_CODE, error)
+            self._send_tlv_pairing_response(tlv.encode(*data))
+            return
+        super().handle_pairing()
+
+
+class _Protocol(HAPServerProtocol):  # type: ignore[misc]
+    """A connection, with limits; one that exceeds them is cut off and counted."""
+
+    def connection_made(self, transport: Any) -> None:
+        super().connection_made(transport)
+        self.handler = _Handler(self.accessory_driver, self.peername)
+        self._unread = 0
+        if len(self.connections) > MAX_CONNECTIONS:
+            self._cut("connections")
+
+    def data_received(self, data: bytes) -> None:
+        self._unread = self._unread + len(data) if self.response is not None else 0
+        super().data_received(data)
+        if sum(map(len, self.request_body)) + self._unread > MAX_REQUEST_BYTES:
+            self._cut("requests")
+
+    def write(self, data: bytes) -> None:
+        super().write(data)
+        if self.transport.get_write_buffer_size() > MAX_UNSENT_BYTES:
+            self._cut("answers")
+
+    def _process_one_event(self) -> bool:
+        """Leave the next request for when the last one is answered."""
+        return False if self.response is not None else bool(super()._process_one_event())
+
+    def _handle_response_ready(self, task: asyncio.Future[bytes]) -> None:
+        if task.cancelled():
+            self._cut("answers")
+            return
+        super()._handle_response_ready(task)
+        if not self.transport.is_closing():
+            self._process_events()
+
+    def _cut(self, what: str) -> None:
+        self.accessory_driver.bridge.lost[what] += 1
+        self.transport.abort()
+
+
+def _number(query: Any, key: str) -> int | None:
+    value = query.get(key) if isinstance(query, dict) else None
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
