@@ -10,8 +10,11 @@ from homebot.clock import LoopClock
 from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light, WindowCovering
-from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry
+from homebot.devices.names import GET_CAUSES
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.memory import MemoryGateway
+from homebot.graph import Node
 
 pytestmark = pytest.mark.virtual_time
 
@@ -257,3 +260,25 @@ async def test_a_raw_command_of_nobody_known_is_there_too(home: Home) -> None:
     await anyio.sleep(1)
     (published,) = (await home.read()).entries
     assert (published.kind, published.issuer, published.device) == ("published", "", lamp.id)
+
+
+async def test_a_hand_is_known_also_by_another_gateway_than_that_of_the_last_command(open_home: OpenHome) -> None:
+    """A hub comes that has the lamp, too, and the bridge by which it was commanded loses it."""
+    async with open_home() as home:
+        part = simple_part("light", settable=("on_off",))
+        lamp = GatewayDevice("lamp", "Lamp", (part,), identifiers=("mac:aabbccddeeff",))
+        home.gateway.devices.put(lamp, "the test says so")
+        await home.report("lamp", "on_off", False)
+        await (await home.handle(Light)).turn_on()
+        hub = MemoryGateway(Node(home.graph, "hub", namespace="/gateway"))
+        await home.tasks.start(hub.serve)
+        hub.devices.put(lamp, "the test says so")
+        await hub.devices.report("lamp", {"on_off": True})
+        home.gateway.devices.remove("lamp", "the test says so")
+        await anyio.sleep(1000)
+        await hub.devices.report("lamp", {"on_off": False})
+        (change,) = await changes(home)
+        causes = home.app.create_client(GetCauses, GET_CAUSES)
+        (known,) = (await causes.call(GetCausesRequest(devices=("lamp",)))).causes
+        assert (known.value.plain(), known.cause) == (False, change.cause)
+        assert known.may_be_person

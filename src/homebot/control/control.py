@@ -121,8 +121,9 @@ class HouseWatch:
                 await learnt.load()
         for change in changes:
             layer, place = self._layer(), (change.device, change.part)
-            if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:
-                layer.timelines.begin(device, [other for other in changes if (other.device, other.part) == place])
+            is_known = layer.timelines.cause(change) is not None
+            if not is_known and (device := await self._lookup.known(change.device)) is not None:
+                layer.timelines.add(device, [other for other in changes if (other.device, other.part) == place])
             layer.sending.reports.on_change(change)
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:

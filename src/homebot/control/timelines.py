@@ -112,34 +112,38 @@ class Timelines:
         """Set the timer of a decided command, and save the profile."""
         self._update(self._entries[place])
 
-    def has(self, place: PartRef) -> bool:
-        """Return whether a part has a timeline: it has been commanded, or has changed."""
-        return place in self._entries
+    def add(self, device: Device, changes: Iterable[ChangedSetting]) -> None:
+        """Add the *changes* of one part of *device*, of which there is at least one, to its timeline.
 
-    def begin(self, device: Device, changes: Iterable[ChangedSetting]) -> None:
-        """Begin the timeline of one part of *device* with its *changes*, of which there is at least one."""
+        It may begin with them, or have missed them: the part came by another gateway than when it was last commanded.
+        """
         changes = sorted(changes, key=lambda change: change.told_at.to_seconds())
         part = device.part(changes[0].part)
         if part is None:
             return
-        before = {change.capability: change.before.plain() for change in reversed(changes)}
-        timeline = self._create((device.id, part.id), device, part, before).timeline
-        newest = timeline.unexplained_change
-        if newest is not None and newest.stamp >= changes[0].told_at.to_seconds():
-            timeline.unexplained_change = None
+        if (entry := self._entries.get((device.id, part.id))) is not None:
+            timeline = self.of(device, part)
+        else:
+            before = {change.capability: change.before.plain() for change in reversed(changes)}
+            entry = self._create((device.id, part.id), device, part, before)
+            timeline, newest = entry.timeline, entry.timeline.unexplained_change
+            if newest is not None and newest.stamp >= changes[0].told_at.to_seconds():
+                timeline.unexplained_change = None
         behind = self._clock.now() - self._clock.monotonic()
         for change in changes:
-            stamp = change.told_at.to_seconds()
-            at = min(stamp - behind, self._clock.monotonic())
-            absent_at = at if change.was_absent else -math.inf
-            timeline.report(
-                at, stamp, change.capability, change.value.plain(), absent_at=absent_at, set_by=change.set_by
-            )
+            stamp, value = change.told_at.to_seconds(), change.value.plain()
+            if timeline.find(change.capability, value, stamp) is None:
+                at = min(stamp - behind, self._clock.monotonic())
+                absent_at = at if change.was_absent else -math.inf
+                timeline.report(at, stamp, change.capability, value, absent_at=absent_at, set_by=change.set_by)
+        self._update(entry)
 
-    def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
-        """Return the cause of the report with that *stamp*; None if it is not known."""
-        entry = self._entries.get(place)
-        fact = None if entry is None else entry.timeline.find(capability, value, stamp)
+    def cause(self, change: ChangedSetting) -> Attribution | None:
+        """Return the cause of a change; None if it is not known."""
+        entry = self._entries.get((change.device, change.part))
+        if entry is None:
+            return None
+        fact = entry.timeline.find(change.capability, change.value.plain(), change.told_at.to_seconds())
         return None if fact is None else fact.attribution
 
     def causes(self, devices: Container[str]) -> Iterator[KnownCause]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, final
 
-from homebot.control.timeline.facts import Attribution, Cause, Reported, ReportRole
+from homebot.control.timeline.facts import NOT_JUDGED, Cause, Reported, ReportRole
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import GetCausesRequest, KnownCause, KnownCauses, ReadJournalRequest
 from homebot.devices.outcomes import Contradicted
@@ -69,8 +69,7 @@ class ReportLog:
     def on_change(self, change: ChangedSetting) -> None:
         """Record and log a change, unless it has a role for a command to its part: then that command recorded it."""
         place, at = (change.device, change.part), change.told_at.to_seconds()
-        known = self._timelines.cause(place, change.capability, change.value.plain(), at)
-        attribution = known or Attribution(Cause.PERSON)
+        attribution = self._timelines.cause(change) or NOT_JUDGED
         if attribution.role is not None:
             return
         setting = Setting(capability=change.capability, value=change.value)
