@@ -158,26 +158,31 @@ def _of_device(automation: Automation, kind: str, data: UnreadFields) -> list[St
     device = next((find(text) for text, find in finders if text), None)
     if device is None:
         raise NotCarriedError(f"trigger event: {kind} of any device; name its {sender.address}")
-    triggers = []
-    for button in _buttons(automation, kind, device, subtype):
-        own = (("subtype", button.number),) if button.number else ()
-        events = button.events
-        if events is None:
-            is_asked = "" if command else sender.press
-            told = ((sender.press, command),) if command else ()
-            triggers.append(StartTrigger(press_text(button.name, command), data=(*told, *own), asks=is_asked))
-            continue
-        meant = _HUE_PRESSES.get(command, command) if kind == "hue_event" and command not in events else command
-        if not events or (meant and meant not in events):
-            listed = ", ".join(sorted(events)) or "none"
-            raise NotCarriedError(f"trigger event: {device.name} has no event {command!r} in homebot; it has {listed}")
-        triggers += [
-            StartTrigger(press_text(button.name, event), data=((sender.press, command or event), *own))
-            for event in ([meant] if meant else sorted(events))
-        ]
+    triggers = [
+        trigger
+        for button in _buttons(automation, kind, device, subtype)
+        for trigger in _presses_of(button, kind, device, command)
+    ]
     if len(triggers) > MAX_LINES:
         raise NotCarriedError(f"trigger event: {device.name} has more than {MAX_LINES} events; name one")
     return triggers
+
+
+def _presses_of(button: _RemoteButton, kind: str, device: Device, command: str) -> list[StartTrigger]:
+    """Return the press *command* of *button*, else each that it has, or any if it is not known what it tells."""
+    field, events = _SENDERS[kind].press, button.events
+    own = (("subtype", button.number),) if button.number else ()
+    if events is None:
+        told = ((field, command),) if command else ()
+        return [StartTrigger(press_text(button.name, command), data=(*told, *own), asks="" if command else field)]
+    meant = _HUE_PRESSES.get(command, command) if kind == "hue_event" and command not in events else command
+    if not events or (meant and meant not in events):
+        listed = ", ".join(sorted(events)) or "none"
+        raise NotCarriedError(f"trigger event: {device.name} has no event {command!r} in homebot; it has {listed}")
+    return [
+        StartTrigger(press_text(button.name, event), data=((field, command or event), *own))
+        for event in ([meant] if meant else sorted(events))
+    ]
 
 
 def _buttons(automation: Automation, kind: str, device: Device, number: str) -> list[_RemoteButton]:
@@ -185,7 +190,7 @@ def _buttons(automation: Automation, kind: str, device: Device, number: str) -> 
     name = automation.entities.name_of(device)
     parts = [part for part in device.parts if any(can.name in EVENTS for can in part.part.capabilities)]
     if kind != "hue_event" or (len(parts) == 1 and not number):
-        is_open = any(part.id == RAW_PART for part in parts)
+        is_open = RAW_PART in [part.id for part in parts]
         return [
             _RemoteButton(f"{name}#{RAW_PART}", "", None) if is_open else _RemoteButton(name, "", options_of(device))
         ]
@@ -194,7 +199,7 @@ def _buttons(automation: Automation, kind: str, device: Device, number: str) -> 
         for part, button in zip(parts, button_names(parts), strict=True)
     ]
     chosen = [button for button in numbered if number in {"", button.number}]
-    if len(parts) == 1 or len({button.number for button in chosen}) != len(chosen) or not chosen:
+    if not chosen or len(parts) == 1 or len({button.number for button in chosen}) != len(chosen):
         raise NotCarriedError(f"trigger event: {device.name} has no button {number} in homebot; name it by its entity")
     return chosen
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from typing import Final, NamedTuple
 
 from homebot.integrations.homeassistant.automations.expressions import expression_of, state_entity
@@ -46,26 +47,26 @@ def with_snapshot(expressions: Mapping[str, str], actions: Sequence[Located]) ->
     """
     kept = {name: known for name, text in expressions.items() if (known := _kept(text)) is not None}
     calls = [_restoring(action, kept) for action in actions]
-    begin = next((place for place, call in enumerate(calls) if call is not None), None)
-    if begin is None or (first := calls[begin]) is None:
+    begin = next((place for place, call in enumerate(calls) if call is not None), len(calls))
+    entities = {call.entity for call in calls[begin : begin + 1] if call is not None}
+    restored = [*takewhile(lambda call: call is not None and call.entity in entities, calls[begin:])]
+    end, own = begin + len(restored), [call for call in restored if call is not None]
+    if not own or not _is_all(own, actions[:begin], actions[end:]):
         return None
-    end = begin
-    while end < len(calls) and (call := calls[end]) is not None and call.entity == first.entity:
-        end += 1
-    restored = [call for call in calls[begin:end] if call is not None]
-    fields, names = (
-        frozenset().union(*sets) for sets in zip(*((one.fields, one.names) for one in restored), strict=True)
-    )
-    others = [*actions[:begin], *actions[end:]]
-    if any(re.search(rf"\b{name}\b", str(other)) for name in names for other in others):
-        return None
-    for mapping in (inner for action in actions[:begin] for inner in walk(action)):
-        if first.entity in str(mapping.get("target", "")) + str(mapping.get("entity_id", "")) and _is_call(mapping):
-            call = _call_of(mapping)
-            if call is None or not call.fields <= fields:
-                return None
-    scene = {"service": Located("scene.turn_on", 0), "entity_id": Located(f"scene.kept {first.entity}", 0)}
-    return first.entity, [*actions[:begin], actions[begin]._replace(value=scene), *actions[end:]]
+    entity = own[0].entity
+    scene = {"service": Located("scene.turn_on", 0), "entity_id": Located(f"scene.kept {entity}", 0)}
+    return entity, [*actions[:begin], actions[begin]._replace(value=scene), *actions[end:]]
+
+
+def _is_all(restored: Sequence[_Call], before: Sequence[Located], after: Sequence[Located]) -> bool:
+    """Return whether *restored* bring back all that the actions before set of it, and nothing else takes its values."""
+    fields = frozenset(field for call in restored for field in call.fields)
+    names = [re.compile(rf"\b{name}\b") for call in restored for name in call.names]
+    if any(name.search(str(other)) for name in names for other in (*before, *after)):
+        return False
+    calls = [inner for action in before for inner in walk(action) if _is_call(inner)]
+    set_before = [_call_of(call) for call in calls if restored[0].entity in str(call)]
+    return all(call is not None and call.fields <= fields for call in set_before)
 
 
 def _kept(text: str) -> tuple[str, str] | None:

@@ -291,30 +291,34 @@ class Actions:
         nodes = fields.items("sequence")
         return conditions, [] if NEVER in conditions else self._branch(nodes)
 
-    def _script(self, fields: UnreadFields, key: str) -> Sequence[Step]:
-        """Return the steps of the script that is called; none if another service is."""
+    def _called_script(self, fields: UnreadFields, key: str) -> tuple[str, UnreadFields]:
+        """Return the script that is called, and what it is given; an empty name if another service is called."""
         called = fields.left.get(key)
         domain, _, name = str(called.value if called else "").partition(".")
-        given = UnreadFields(Located({}, 0), "data")
-        if (domain, name) == ("script", "turn_on"):
-            called_with = UnreadFields(Located(dict(fields.left), 0), "action")
-            data = called_with.inner("data", "service_data")
-            ids = [
-                text for place in (called_with.inner("target"), data, called_with) for text in place.texts("entity_id")
-            ]
+        given, is_turned_on = UnreadFields(Located({}, 0), "data"), (domain, name) == ("script", "turn_on")
+        if is_turned_on:
+            call = UnreadFields(Located(dict(fields.left), 0), "action")
+            data = call.inner("data", "service_data")
+            ids = [text for place in (call.inner("target"), data, call) for text in place.texts("entity_id")]
             name = ids[0].removeprefix("script.") if len(ids) == 1 else ""
             given = data.inner("variables")
             data.end()
         if key not in {"service", "action"} or domain != "script" or name not in self._scripts:
-            return []
+            return "", given
         if name in self._in_scripts:
             raise NotCarriedError(f"script.{name} calls itself")
-        if called is not None and called.value == "script.turn_on":
+        if is_turned_on:
             fields.left.clear()
             self._automation.notes.append(f"script.{name} is awaited, where Home Assistant goes on at once")
-        else:
-            fields.take(key)
-            given = fields.inner("data", "service_data")
+            return name, given
+        fields.take(key)
+        return name, fields.inner("data", "service_data")
+
+    def _script(self, fields: UnreadFields, key: str) -> Sequence[Step]:
+        """Return the steps of the script that is called; none if another service is."""
+        name, given = self._called_script(fields, key)
+        if not name:
+            return []
         script = UnreadFields(self._scripts[name], "script")
         inputs = script.take("fields")
         for field in ("description", "icon", "max"):
@@ -620,18 +624,7 @@ def _table(
         fields.end()
     automation.entities.marks = run_marks(actions, automation.others)
     for number, node in enumerate(triggers):
-        given = node.value.get("id") if isinstance(node.value, dict) else None
-        known = automation.each([node], "trigger", partial(read_triggers, automation))
-        with automation.in_line(node.line):
-            if given is not None and not isinstance(given.value, str | int):
-                raise NotCarriedError(f"id: {plain(given)} is not a text")
-        trigger_id = str(number if given is None else given.value)
-        named = node.value if isinstance(node.value, dict) else {}
-        kinds = [named[key].value for key in ("trigger", "platform") if key in named]
-        automation.triggers += [
-            trigger._replace(id=trigger_id, data=(*trigger.data, *(("platform", str(kind)) for kind in kinds)))
-            for trigger in chain(*known)
-        ]
+        _add_triggers(automation, node, number)
     held = [*_needs(automation), *conditions_of(automation, conditions)]
     reader = Actions(automation, mode, scripts)
     first, steps = reader.all_of(actions)
@@ -649,6 +642,22 @@ def _table(
         "enabled": enabled,
     }
     return {key: value for key, value in table.items() if _USUAL.get(key) != value}
+
+
+def _add_triggers(automation: Automation, node: Located, number: int) -> None:
+    """Add the triggers of *node*, each with its id, else its number in the automation."""
+    named = node.value if isinstance(node.value, dict) else {}
+    given = named.get("id")
+    known = automation.each([node], "trigger", partial(read_triggers, automation))
+    with automation.in_line(node.line):
+        if given is not None and not isinstance(given.value, str | int):
+            raise NotCarriedError(f"id: {plain(given)} is not a text")
+    trigger_id = str(number if given is None else given.value)
+    kinds = [named[key].value for key in ("trigger", "platform") if key in named]
+    automation.triggers += [
+        trigger._replace(id=trigger_id, data=(*trigger.data, *(("platform", str(kind)) for kind in kinds)))
+        for trigger in chain(*known)
+    ]
 
 
 def _needs(automation: Automation) -> Iterator[Condition]:

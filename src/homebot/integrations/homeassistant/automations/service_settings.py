@@ -35,32 +35,32 @@ def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterat
         data.end()  # it names the field that is there instead
         raise NotCarriedError(f"data: `{SERVICE_FIELDS[name][0]}` is missing")
     for key in keys:
-        row = SETTINGS[key]
-        if row.capabilities == "muted":
-            yield row._replace(value=str(data.flag(key, default=True)))
-            continue
-        if CAPABILITIES[row.capabilities.split()[0]].kind == "bool":
+        yield from _settings_in(automation, name, key, data)
+    if name == "light.turn_on" and (color := _color(data)) is not None:
+        yield ServiceSetting("color", f"color {color[0]:.0f} {color[1]:.0f}")
+
+
+def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields) -> Iterator[ServiceSetting]:
+    """Yield the value, or the values, of the field *key*."""
+    row, node, is_step = SETTINGS[key], data.left[key], key.startswith("brightness_step")
+    match CAPABILITIES[row.capabilities.split()[0]].kind:
+        case "bool":
             yield row._replace(value=str(data.flag(key, default=True)).lower())
-            continue
-        if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
-            yield row._replace(value=data.text(key))
-            continue
-        node = data.left[key]
-        if isinstance(node.value, str) and "{{" in node.value and not key.startswith("brightness_step"):
+        case "number" if isinstance(node.value, str) and "{{" in node.value and not is_step:
             data.take(key)
             text, factor = step_number(automation, node.value)
             if not math.isclose(factor * row.factor, 1.0) or key == "color_temp":
                 raise NotCarriedError(f"data: `{key}` is calculated; a step takes a number of the house as it is")
             yield row._replace(value=text)
-            continue
-        for number in data.numbers(key):
-            value = number * row.factor
-            if key.startswith("brightness_step"):
-                yield row._replace(words=f"{value:+.3g} %")
-            else:
-                yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
-    if name == "light.turn_on" and (color := _color(data)) is not None:
-        yield ServiceSetting("color", f"color {color[0]:.0f} {color[1]:.0f}")
+        case "number":
+            for number in data.numbers(key):
+                value = number * row.factor
+                if is_step:
+                    yield row._replace(words=f"{value:+.3g} %")
+                else:
+                    yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
+        case _:
+            yield row._replace(value=data.text(key))
 
 
 def _minutes(automation: Automation, data: UnreadFields) -> str | float:

@@ -121,15 +121,10 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
     if entity_id in {"sun.sun", "zone.home"} or domain == "group":
         return _begun(automation, entity_id, asked)
     entity = automation.entities.find(entity_id)
-    kind = entity.part.part.service_type
-    if asked.before == ["home"] and asked.states in ([], ["not_home"]) and kind in {"x_person", "x_tracker"}:
-        if kind == "x_person":
-            asked = asked._replace(states=["not_home"], before=[])
-        elif not asked.states:
-            home = state_texts(automation.entities, entity_id, ["home"], "to")[0]
-            return [StartTrigger(moved(home, asked.lasting, is_leave=True), entity=entity_id)]
-    if asked.before == ["not_home"] and asked.states == ["home"] and kind == "x_person":
-        asked = asked._replace(before=[])
+    asked = _of_moving(entity, asked)
+    if (asked.before, asked.states) == (["home"], []) and entity.part.part.service_type == "x_tracker":
+        home = state_texts(automation.entities, entity_id, ["home"], "to")[0]
+        return [StartTrigger(moved(home, asked.lasting, is_leave=True), entity=entity_id)]
     if entity.has("press") and not asked.lasting and not asked.before:
         presses = _presses(entity, asked.states, asked.attribute)
         return [StartTrigger(text, entity=entity_id, state=state) for text, state in presses]
@@ -138,6 +133,18 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
             raise NotCarriedError(f"any change of {entity_id} with `for`; name the state with `to`")
         return [StartTrigger(_change(automation, entity, asked), entity=entity_id)]
     return _begun(automation, entity_id, asked)
+
+
+def _of_moving(entity: KnownEntity, asked: _AskedState) -> _AskedState:
+    """Return *asked* of a person without the place before, and of a person that leaves home with the place after."""
+    if entity.part.part.service_type != "x_person":
+        return asked
+    match asked.before, asked.states:
+        case ["home"], [] | ["not_home"]:
+            return asked._replace(states=["not_home"], before=[])
+        case ["not_home"], ["home"]:
+            return asked._replace(before=[])
+    return asked
 
 
 def _of_group(automation: Automation, group: str, members: Sequence[str], asked: _AskedState) -> Iterator[StartTrigger]:
@@ -172,16 +179,7 @@ def _of_two_states(asked: _AskedState) -> _AskedState:
 def _begun(automation: Automation, entity_id: str, asked: _AskedState) -> list[StartTrigger]:
     """Return the triggers of states, or of the values of an attribute, that begin."""
     if asked.before and asked.states and not asked.attribute:
-        entity = automation.entities.find(entity_id)
-        changes = [
-            _change_between(entity, before, after, asked.lasting) for before in asked.before for after in asked.states
-        ]
-        texts = [change.text for change in changes]
-        return [  # to be idle and to be off is one change, after which a player may be on or off
-            change._replace(needs=(), state="") if texts.count(change.text) > 1 else change
-            for place, change in enumerate(changes)
-            if change.text not in texts[:place]
-        ]
+        return _changes_between(automation.entities.find(entity_id), asked)
     if len(asked.before) == 1 and not asked.states and not asked.attribute:
         return [_left(automation, entity_id, asked.before[0], asked)]
     if asked.before:
@@ -196,6 +194,19 @@ def _begun(automation: Automation, entity_id: str, asked: _AskedState) -> list[S
     return [
         StartTrigger(moved(text, asked.lasting, is_leave=False), entity=entity_id, state=state)
         for text, state in zip(texts, asked.states, strict=True)
+    ]
+
+
+def _changes_between(entity: KnownEntity, asked: _AskedState) -> list[StartTrigger]:
+    """Return the changes from each state before to each after."""
+    changes = [
+        _change_between(entity, before, after, asked.lasting) for before in asked.before for after in asked.states
+    ]
+    texts = [change.text for change in changes]
+    return [  # to be idle and to be off is one change, after which a player may be on or off
+        change._replace(needs=(), state="") if texts.count(change.text) > 1 else change
+        for place, change in enumerate(changes)
+        if change.text not in texts[:place]
     ]
 
 

@@ -30,21 +30,29 @@ def elapsed_limit(left: nodes.Expr, sign: str, right: nodes.Expr) -> Elapsed | N
     """Return the limit of the time since another one that ``left sign right`` is; None for another comparison."""
     if sign not in SIGNS:
         return None
-    operator, shift, rounding = SIGNS[sign], 0.0, ""
-    while isinstance(left, nodes.Filter) and left.name in {"int", "float", "round"} and left.node is not None:
-        rounding = left.name if left.name != "float" and not rounding else rounding
-        left = left.node
-    if rounding == "round":
-        shift = _ROUNDED[operator]
-    elif rounding == "int" and operator in {">", "<="}:  # the whole part is above 10 from 11 on
-        shift = 1.0
-    terms = [*_terms(left, 1.0), *((-factor, node) for factor, node in _terms(right, 1.0))]
-    now = sum(factor for factor, node in terms if node is not None and _is_now(node))
-    others = [(factor, node) for factor, node in terms if node is not None and not _is_now(node)]
+    left, shift = _unrounded(left, SIGNS[sign])
+    now, seconds, others = 0.0, 0.0, []
+    for factor, node in [*_terms(left, 1.0), *((-factor, node) for factor, node in _terms(right, 1.0))]:
+        if node is None:
+            seconds += factor
+        elif _is_now(node):
+            now += factor
+        else:
+            others.append((factor, node))
     if not now or len(others) != 1 or not math.isclose(now, -others[0][0]):
         return None
-    limit = (shift - sum(factor for factor, node in terms if node is None)) / now
-    return Elapsed(others[0][1], operator if now > 0 else _TURNED[operator], limit)
+    return Elapsed(others[0][1], SIGNS[sign] if now > 0 else _TURNED[SIGNS[sign]], (shift - seconds) / now)
+
+
+def _unrounded(node: nodes.Expr, sign: Operator) -> tuple[nodes.Expr, float]:
+    """Return *node* without its rounding, and by how much its limit is another one then."""
+    rounding = ""
+    while isinstance(node, nodes.Filter) and node.name in {"int", "float", "round"} and node.node is not None:
+        rounding = node.name if node.name != "float" and not rounding else rounding
+        node = node.node
+    if rounding == "int":  # the whole part is above 10 from 11 on
+        return node, 1.0 if sign in {">", "<="} else 0.0
+    return node, _ROUNDED[sign] if rounding else 0.0
 
 
 def _is_now(node: nodes.Node) -> bool:

@@ -3,7 +3,7 @@
 Source: Jinja 3.1 documentation, List of Builtin Filters; Home Assistant core 2026.11, ``helpers/template``.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import Operator
@@ -23,7 +23,6 @@ from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 _SAME: Final = frozenset({"list", "sort", "unique", "expand"})
 """Filters after which a list has the same entities."""
 
-_EQUAL: Final = frozenset({"eq", "==", "equalto"})
 _NAME: Final = frozenset({"name", "attributes.friendly_name"})
 
 
@@ -83,15 +82,11 @@ def entity_list(node: nodes.Node | None) -> EntityList | None:
         case nodes.Getattr() if len(path := path_of(node)) == 2 and path[0] == "states":
             return EntityList(domain=path[1])
         case nodes.Call(node=nodes.Name(name="expand"), args=args):
-            lists = [_group(arg) or entity_list(arg) for arg in args]
-            ids = [known.ids for known in lists if known is not None]
-            return EntityList(sum(ids, ())) if lists and None not in lists and all(ids) else None
+            return _together([_group(arg) or entity_list(arg) for arg in args])
         case nodes.Const(value=str(entity)) if "." in entity and not entity.startswith("group."):
             return EntityList((entity,))
-        case nodes.List() | nodes.Tuple() if node.items:
-            lists = [*map(entity_list, node.items)]
-            ids = [known.ids for known in lists if known is not None]
-            return EntityList(sum(ids, ())) if None not in lists and all(ids) else None
+        case nodes.List() | nodes.Tuple():
+            return _together([*map(entity_list, node.items)])
         case nodes.Filter(node=inner) if (known := entity_list(inner)) is not None:
             return _filtered(known, node)
     return None
@@ -105,40 +100,62 @@ def _group(node: nodes.Node) -> EntityList | None:
     return None
 
 
+def _together(lists: Sequence[EntityList | None]) -> EntityList | None:
+    """Return the entities of all *lists*; None if one of them is none, or has no ids."""
+    ids = [known.ids for known in lists if known is not None and known.ids]
+    return EntityList(sum(ids, ())) if lists and len(ids) == len(lists) else None
+
+
 def _filtered(known: EntityList, node: nodes.Filter) -> EntityList | None:
-    values = [value for arg in node.args for value in [constants_in(arg)]] if node.name != "sort" else []
-    words = [value[0] if len(value) == 1 else "" for value in values]
-    match node.name, words[:2]:
-        case name, _ if name in _SAME:
-            return known
-        case "selectattr" | "select", ["state" | "is_state", *_]:
-            tested = values[1:] if words[0] == "is_state" else values[2:] if _is_test(words[1:2], {"in"}) else []
-            return known._replace(states=tuple(map(str, tested[0]))) if tested else None
-        case "rejectattr" | "selectattr", ["state", "in" | "eq" | "ne" | "==" | "!="] if {
-            *map(str, values[2])
-        } <= UNKNOWN:
-            return known
-        case "rejectattr" | "reject", ["state" | "is_state", *_]:
-            denied = values[1:] if words[0] == "is_state" else values[2:] if _is_test(words[1:2], set()) else []
-            others = {"on": "off", "off": "on"}
-            state = others.get(str(denied[0][0]), "") if denied else ""
-            return known._replace(states=(state,)) if state else None
-        case "selectattr", ["attributes.device_class", "defined"]:
-            return known
-        case "selectattr", ["attributes.device_class", test] if _is_test([test], {"in"}):
-            return known._replace(classes=frozenset(map(str, values[2])))
-        case "selectattr", ["entity_id", "in"]:
-            return known._replace(ids=tuple(map(str, values[2])))
-        case "map", []:
-            attributes = {str(one.value.value) for one in node.kwargs if isinstance(one.value, nodes.Const)}
-            return known._replace(is_named=attributes <= _NAME) if attributes <= _NAME | {"entity_id"} else None
-        case "map", ["state_attr", "friendly_name"]:
-            return known._replace(is_named=True)
-    return None
+    """Return *known* after a filter; None for one that a list of homebot has no counterpart for."""
+    if node.name in _SAME:
+        return known
+    if node.name == "map" and not node.args:
+        attributes = {str(one.value.value) for one in node.kwargs if isinstance(one.value, nodes.Const)}
+        return known._replace(is_named=attributes <= _NAME) if attributes <= _NAME | {"entity_id"} else None
+    values = [[*map(str, constants_in(arg))] for arg in node.args]
+    words = [*(value[0] for value in values if value), ""]
+    chosen = _FILTERS.get((node.name, words[0]))
+    return None if chosen is None else chosen(known, words[1], values[-1])
 
 
-def _is_test(words: Sequence[object], others: set[str]) -> bool:
-    return bool(words) and words[0] in _EQUAL | others
+def _by_state(known: EntityList, test: str, states: Sequence[str]) -> EntityList | None:
+    """Return those in one of *states*, or in any other state than unknown ones."""
+    if test in _IN:
+        return known._replace(states=tuple(states))
+    return known if test in _NOT_IN and {*states} <= UNKNOWN else None
+
+
+def _but_by_state(known: EntityList, test: str, states: Sequence[str]) -> EntityList | None:
+    """Return those in none of *states*, which are unknown ones, or one of two."""
+    if test not in _IN:
+        return None
+    others = {"on": "off", "off": "on"}
+    return known if {*states} <= UNKNOWN else _by_state(known, "eq", [others[states[0]]]) if _is_flag(states) else None
+
+
+def _by_class(known: EntityList, test: str, classes: Sequence[str]) -> EntityList | None:
+    if test == "defined":
+        return known
+    return known._replace(classes=frozenset(classes)) if test in _IN else None
+
+
+def _is_flag(states: Sequence[str]) -> bool:
+    return [*states] in (["on"], ["off"])
+
+
+_IN: Final = frozenset({"eq", "==", "equalto", "in"})
+_NOT_IN: Final = frozenset({"ne", "!=", "notin"})
+_FILTERS: Final[Mapping[tuple[str, str], Callable[[EntityList, str, Sequence[str]], EntityList | None]]] = {
+    ("selectattr", "state"): _by_state,
+    ("select", "is_state"): lambda known, _, states: _by_state(known, "eq", states),
+    ("rejectattr", "state"): _but_by_state,
+    ("reject", "is_state"): lambda known, _, states: _but_by_state(known, "eq", states),
+    ("selectattr", "attributes.device_class"): _by_class,
+    ("selectattr", "entity_id"): lambda known, test, ids: known._replace(ids=tuple(ids)) if test == "in" else None,
+    ("map", "state_attr"): lambda known, test, _: known._replace(is_named=True) if test == "friendly_name" else None,
+}
+"""By its name and first word what a filter leaves of a list, by its test and the values of that."""
 
 
 def counted_list(node: nodes.Node | None) -> EntityList | None:
@@ -157,11 +174,7 @@ def list_of_loop(node: nodes.For) -> tuple[EntityList, bool]:
         NotCarriedError: It does something else.
     """
     known, name = entity_list(node.iter), getattr(node.target, "name", "")
-    body = node.body
-    tests = [node.test] if node.test is not None else []
-    inner = [part for part in body if not _is_space(part)]
-    if len(inner) == 1 and isinstance(inner[0], nodes.If) and not inner[0].else_ and not inner[0].elif_:
-        tests, body = [*tests, inner[0].test], inner[0].body
+    tests, body = _tests_of(node)
     for test in tests:
         known = None if known is None else _tested(known, test, name)
     values = {
@@ -172,6 +185,15 @@ def list_of_loop(node: nodes.For) -> tuple[EntityList, bool]:
     if known is None or others or not values & names or values - names - {(name, "state")}:
         raise refused_template(shown_tree(node.iter), "a list in a message has the names of entities in a state")
     return known, (name, "state") in values
+
+
+def _tests_of(node: nodes.For) -> tuple[list[nodes.Node], Sequence[nodes.Node]]:
+    """Return what a loop asks for, also by the only `if` in it, and what it writes then."""
+    tests = [node.test] if node.test is not None else []
+    match [part for part in node.body if not _is_space(part)]:
+        case [nodes.If(else_=[], elif_=[]) as choice]:
+            return [*tests, choice.test], choice.body
+    return [*tests], node.body
 
 
 def _is_space(node: nodes.Node) -> bool:
@@ -193,12 +215,8 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
             path = path_of(left)
             if path == (name, "state") and is_number and sign in SIGNS:
                 return known._replace(limit=(SIGNS[sign], constant_number(right)))
-            if path == (name, "state") and sign in {"eq", "in"}:
-                return known._replace(states=tuple(map(str, constants_in(right))))
-            if path == (name, "state") and sign in {"ne", "notin"} and {*map(str, constants_in(right))} <= UNKNOWN:
-                return known
-            if path == (name, "attributes", "device_class") and sign in {"eq", "in"}:
-                return known._replace(classes=frozenset(map(str, constants_in(right))))
+            chosen = _FIELDS.get(path[1:]) if path[:1] == (name,) and not is_number else None
+            return None if chosen is None else chosen(known, sign, [*map(str, constants_in(right))])
         case nodes.Test(name="defined"):
             return known
         case nodes.Call(node=nodes.Name(name="is_state"), args=[entity, nodes.Const(value=str(state))]) if path_of(
@@ -206,6 +224,10 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
         ) in {(name, "entity_id"), (name,)}:
             return known._replace(states=(state,))
     return None
+
+
+_FIELDS: Final = {("state",): _by_state, ("attributes", "device_class"): _by_class}
+"""What a comparison in a loop leaves of a list, by what it compares."""
 
 
 def names_text(automation: Automation, known: EntityList, *, with_states: bool = False) -> str:
