@@ -6,13 +6,14 @@ ARGS ?=
 BENCH = .venv-bench
 PAGE = .venv-page
 AUDIT = .venv-audit
+PYRIGHT = .venv-pyright
 
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
 HOUSES ?= 100
 DAYS ?= 1000
 
-.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel release bench lock audit test-lowest test-newest clean
+.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check pyright format docs wheel release bench lock audit test-lowest test-newest clean
 
 ## Prints this list.
 help:
@@ -80,6 +81,15 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+## Checks the types of the programs of the guides by pyright, strictly.
+pyright: $(VENV)/.dev $(PYRIGHT)/bin/pyright
+	@rm -rf $(PYRIGHT)/guides && $(BIN)/python -m tests.guides.write_programs $(PYRIGHT)/guides
+	@echo '{"typeCheckingMode": "strict", "venvPath": "$(CURDIR)", "venv": "$(VENV)", "extraPaths": ["$(CURDIR)/src"]}' > $(PYRIGHT)/guides/pyrightconfig.json
+	@$(PYRIGHT)/bin/pyright -p $(PYRIGHT)/guides $(ARGS)
+
+$(PYRIGHT)/bin/pyright:
+	@$(PYTHON) -m venv $(PYRIGHT) && $(PYRIGHT)/bin/pip install --quiet --disable-pip-version-check pyright
+
 ## Formats the code, and applies automatic lint fixes.
 format: $(VENV)/.dev
 	$(BIN)/ruff format .
@@ -137,7 +147,7 @@ test-newest:
 
 ## Removes everything that these targets created.
 clean:
-	rm -rf dist $(VENV) $(AUDIT) .venv-lowest .venv-newest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf dist $(VENV) $(AUDIT) $(PYRIGHT) .venv-lowest .venv-newest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(AUDIT)/.ready:
 	$(PYTHON) -m venv $(AUDIT)

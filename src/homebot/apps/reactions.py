@@ -1,6 +1,6 @@
 """Reactions of apps: handlers that are called with each item of live queries."""
 
-from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterator, Sequence
+from collections.abc import AsyncIterable, Callable, Coroutine, Hashable, Iterator, Sequence
 from functools import partial
 from inspect import isawaitable
 from typing import Any, Final, Generic, TypeAlias, TypeVar, final
@@ -14,7 +14,7 @@ from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 
 ItemT = TypeVar("ItemT")
-ItemHandler: TypeAlias = Callable[[ItemT], Awaitable[object] | None]
+ItemHandler: TypeAlias = Callable[[ItemT], object]
 
 _MAX_KEYS: Final = 1000
 
