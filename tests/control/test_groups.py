@@ -6,6 +6,7 @@ from functools import partial
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, answer_requests, ignore, obey
+from tests.control.kept_store import KeptStore
 from tests.control.test_explanations import explain
 
 from homebot.control import durations
@@ -316,3 +317,19 @@ async def test_a_press_of_a_member_is_no_effect_of_an_earlier_press_of_its_group
     left = (await home.handle(Handle, "left")).device.id
     known = await home.app.create_client(GetCauses, GET_CAUSES).call(GetCausesRequest(devices=(left,)))
     assert [(one.capability, one.may_be_person) for one in known.causes] == [("push", True)]
+
+
+async def test_a_restart_does_not_forget_who_commanded_the_members_of_a_group(open_home: OpenHome) -> None:
+    """The command is in the journal of the group alone."""
+    store, known = KeptStore(), []
+    for is_first in (True, False):
+        async with open_home(store=store) as home:
+            group = await put_group(home, *(f"id:{name}" for name in LAMPS))
+            if is_first:
+                await group.command("on_off", True)
+            await anyio.sleep(15)
+            client = home.app.create_client(GetCauses, GET_CAUSES)
+            known.append((await client.call(GetCausesRequest(devices=LAMPS, from_journal=True))).causes)
+    before, after = known
+    assert [cause.may_be_person for cause in before] == [False, False]
+    assert after == before

@@ -42,6 +42,8 @@ class ReportLog:
                 if entry.kind not in {"reported", "changed", "reverted"} or not entry.cause or place in places:
                     continue
                 places.add(place)
+                if entry.command not in issuers:  # to another device, such as a group, or past homebot
+                    issuers |= await self._issuer(entry.command)
                 known.append(
                     KnownCause(
                         device=device,
@@ -55,6 +57,13 @@ class ReportLog:
                     )
                 )
         return KnownCauses(causes=tuple(known))
+
+    async def _issuer(self, command: str) -> dict[str, str]:
+        """Return the issuer of a command by its id; nothing if it was given past homebot."""
+        if not command:
+            return {}
+        entries = (await self._journal.read(ReadJournalRequest(command=command))).entries
+        return {entry.command: entry.issuer for entry in entries if entry.kind == "requested"}
 
     def on_report(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
         """Record a report that answers a command, also after its outcome, when there is no *opened* command."""
