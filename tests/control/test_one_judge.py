@@ -316,7 +316,7 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         lamp = (await home.handle(Handle, "lamp")).device
         undo = UndoRecord({f"{lamp.id} {play.of}": [before, [newest.command or "another"], now]})
         is_undone = bool(undo.due(await known_states(home.app, [lamp], from_journal=True)))
-        assert is_undone == (bool(newest.command) and not newest.may_be_person)
+        assert is_undone == (bool(newest.command) and newest.cause not in {"person", "unknown", "program"})
         assert is_persons(told[-1]) == (newest.cause == "person")
         assert await _leaves_as_it_is(home, lamp, play.of, before) == (play.cause <= PERSON)
         why = await explain(home, "lamp")

@@ -143,7 +143,7 @@ def _is_own(known: KnownValue, entry: list[Any]) -> bool:
     if known.cause is None:  # since a restart nobody knows how old it is
         return known.state.is_first and is_as_told
     is_told = known.cause.command in commands if commands else is_as_told  # it ended before the outcomes were known
-    return is_told and not known.cause.may_be_person
+    return is_told and not known.cause.may_be_person and known.cause.cause != "program"
 
 
 def _plain(value: Any) -> PlainValue:
