@@ -126,7 +126,16 @@ class CommandExecutor:
             else:
                 command = self._issued(name, request, device, part, asked_at)
                 command.text, command.has_code = text, shown is not request.settings
-                outcome = await self._check_and_send(command, request, send)
+                if part.part.members:
+                    command.members = await self._lookup.members(device, part)
+                if request.batch:
+                    await self._together.join(command, request)
+                refused: Outcome | None = None
+                if request.ask_first or command.is_client or command.members:
+                    refused, command = await self._agreed(command, ask_first=request.ask_first)
+                outcome = refused or self.check(command) or await send(command)
+                if isinstance(outcome, Outcome):
+                    outcome = self._ended(command, outcome)
         except asyncio.CancelledError:
             self._journal.decided(request.issuer, place, self._sending.cancel(name))
             raise
@@ -135,20 +144,6 @@ class CommandExecutor:
         if isinstance(outcome, Outcome):
             self._journal.decided(request.issuer, place, outcome)
         return outcome
-
-    async def _check_and_send(
-        self, command: IssuedCommand, request: CommandRequest, send: Callable[[IssuedCommand], Awaitable[_T]]
-    ) -> Outcome | _T:
-        """Send a command once its batch is complete, a person has agreed if one must, and nothing refuses it."""
-        if command.part.part.members:
-            command.members = await self._lookup.members(command.device, command.part)
-        if request.batch:
-            await self._together.join(command, request)
-        refused: Outcome | None = None
-        if request.ask_first or command.is_client or command.members:
-            refused, command = await self._agreed(command, ask_first=request.ask_first)
-        outcome = refused or self.check(command) or await send(command)
-        return self._ended(command, outcome) if isinstance(outcome, Outcome) else outcome
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool) -> tuple[Outcome | None, IssuedCommand]:
         """Return why *command* ends here, as a member or a person refuses it; and the command, once a person agreed."""

@@ -26,7 +26,7 @@ from homebot.control.timeline.facts import (
 )
 from homebot.control.timeline.goal import Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 from homebot.devices.value_comparison import STOPPED, changes, is_intermediate, is_same, related
 
@@ -190,22 +190,6 @@ class CommandProgress:
     def has_failed(self) -> bool:
         """True if the outcome is one of a command that may have had an effect, although no report says so."""
         return self.outcome is not None and self.outcome.may_obey_later and not self.is_raw
-
-    @property
-    def may_have_effect(self) -> bool:
-        """True if it is open, or may have had an effect, or may have one yet."""
-        outcome = self.outcome
-        return outcome is None or (self.transmission.count > 0 and (outcome.succeeded or outcome.may_obey_later))
-
-    @property
-    def unsure_until(self) -> float:
-        """The time after which a report is certain, although the command failed; -inf if it did not fail.
-
-        If it is contradicted, certain is what the part has reported since the last sending.
-        """
-        if self.is_confirmed or not self.has_failed:
-            return -math.inf
-        return self.transmission.sent_at if isinstance(self.outcome, Contradicted) else self.ended_at
 
     @property
     def was_so(self) -> bool:
