@@ -66,16 +66,16 @@ def print_way_in(page: str, code: str) -> None:
     if is_loopback(host):
         print("  A phone reaches this page after: homebot run --new --door 0.0.0.0:9090, in an empty folder.")
     else:
-        print(_qr_code(link))
+        print(qr_code(link))
     print(flush=True)
 
 
-def _qr_code(text: str) -> str:
+def qr_code(text: str) -> str:
     """Return the lines of a QR code; the way to one where it cannot be drawn."""
     try:
         import segno  # noqa: PLC0415 - an extra
     except ImportError:
-        return f'  (A QR code of this address needs {INSTALL_EXTRA}qr]".)'
+        return f'  (A QR code needs {INSTALL_EXTRA}qr]".)'
     drawn = StringIO()
     segno.make(text, micro=False).terminal(out=drawn, compact=True)
     return drawn.getvalue()

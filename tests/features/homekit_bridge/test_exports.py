@@ -7,7 +7,7 @@ from homebot.config import parse_config
 from homebot.errors import ConfigError
 from homebot.feature import load
 from homebot.features.homekit_bridge import FEATURE
-from homebot.features.homekit_bridge.bridge import HomekitExports
+from homebot.features.homekit_bridge.bridge import HomekitExports, clean_name
 from homebot.features.homekit_bridge.settings import HomekitBridgeSettings
 
 LOCK = next(one for one in HOUSE if one.name == "Front door lock")
@@ -39,10 +39,24 @@ def test_what_always_asks_needs_its_name() -> None:
         None,
         "it is a door lock, so it is exported by its name alone: 'name=\"Front door lock\"'",
     )
-    named = exports("light", 'name="Front door lock"')
-    assert named.of(LOCK)[0] is not None
-    assert named.scope == ("act: ordinary", 'act: name="Front door lock"')
-    assert exports("lock").scope == ("act: ordinary",)
+    for query in ('name="Front door lock"', 'lock and name="Front door lock"', 'light or name="Front door lock"'):
+        named = exports("light", query).of(LOCK)[0]
+        assert named is not None
+        assert named.scope == ("act: ordinary", 'act: name="front_door_lock"')
+    for query in ('lock not name="Back door"', 'lock or name="Back door"'):
+        assert exports(query).of(LOCK)[0] is None
+    lamp = exports("light").of(HOUSE[0])[0]
+    assert lamp is not None
+    assert lamp.scope == ("act: ordinary",)
+
+
+def test_names_have_only_the_signs_that_apple_home_takes() -> None:
+    assert [clean_name(name) for name in ("bedroom_cover", "Anna's lamp (old)", "'", "Küche")] == [
+        "bedroom cover",
+        "Anna's lamp old",
+        "Device",
+        "Küche",
+    ]
 
 
 def test_a_plug_that_drives_a_boiler_needs_its_name_but_a_sensor_at_a_gate_does_not() -> None:

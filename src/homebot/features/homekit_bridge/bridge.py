@@ -16,20 +16,20 @@ from homebot.devices.app_messages import ChangeRoutine, ChangeRoutineRequest
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import issuer_of_client
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
-from homebot.devices.device import Device, DeviceChange, DevicePart, StateChange, is_commanded
+from homebot.devices.device import Device, DeviceChange, StateChange, is_commanded
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.names import APPLY_SCENE, CHANGE_ROUTINE, LIST_SCENES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome
 from homebot.devices.part import Capability
 from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest, ListScenes, ScenesRequest
 from homebot.errors import HomebotError, LinkError, ServiceError, UnableError, WireError
 from homebot.features.homekit_bridge import FEATURE, GET_PAIRING, PAIRINGS_FILE, UNPAIR, hap
 from homebot.features.homekit_bridge.hap import HapBridge
 from homebot.features.homekit_bridge.messages import (
     GetHomekitPairing,
-    HomekitBridgeInfo,
     HomekitPairingRequest,
     HomekitPairingResponse,
     HomekitUnpairRequest,
@@ -44,7 +44,6 @@ from homebot.messages.key_value import KeyValue
 from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 from homebot.words.exact_queries import parse_exact_query
-from homebot.words.rights import read_scope
 
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
@@ -68,11 +67,14 @@ ANSWERS_WITHIN_S: Final = 9.0
 RETURNS_WITHIN_S: Final = 60.0
 """Seconds for which a restarted bridge waits for the devices that it had: without them, controllers forget them."""
 
+_WAITS: Final = "it waits for devices that it had before the start, for a minute at most; try again"
 _GATHERED_S: Final = 1.0
 _LOOK_EVERY_S: Final = 60.0
 _MAX_WAIT_S: Final = 900.0
+_NOT_POLICIES: Final = frozenset({"", "gateway", "device"})
 _MAX_LEFT_OUT: Final = 200
 _SCENE, _ROUTINE = "scene:", "routine:"
+_ORDINARY: Final[tuple[str, ...]] = ("act: ordinary",)
 
 
 async def serve(house: FeatureContext) -> None:
@@ -89,6 +91,7 @@ class Exported(NamedTuple):
     Attributes:
         key: The id of the device; for others, their kind and name.
         device: None for others.
+        scope: The rights with which it is commanded.
     """
 
     key: str
@@ -96,6 +99,7 @@ class Exported(NamedTuple):
     model: str
     services: tuple[PartService, ...]
     device: Device | None = None
+    scope: tuple[str, ...] = _ORDINARY
 
     @property
     def shape(self) -> object:
@@ -115,41 +119,41 @@ class HomekitExports:
     def __init__(self, settings: HomekitBridgeSettings) -> None:
         self._export = tuple(map(parse_exact_query, settings.export))
         self._exclude = tuple(map(parse_exact_query, settings.exclude))
-        named = [text for text in settings.export if read_scope((f"act: {text}",)).acts_on]
-        self.scope = ("act: ordinary", *(f"act: {text}" for text in named if _names_one(text)))
-        self._rights = read_scope(self.scope)
 
     def of(self, device: Device) -> tuple[Exported | None, str]:
         """Return what is exported of *device*, None for nothing; and why a part of it is left out that fits."""
-        parts, problem = [], ""
+        parts, problem, scope = [], "", _ORDINARY
         for part in device.parts:
             facets = PartFacets(device, part)
             if not any(fits(query, facets) for query in self._export):
                 continue
             if any(fits(query, facets) for query in self._exclude) or part.part.category:
                 continue
-            if is_commanded(part.part) and (asks := why_it_asks(device, part)) and not self._may(device, part):
+            asks = why_it_asks(device, part) if is_commanded(part.part) else ""
+            is_named = any(fits(query, facets) and _names(query, facets) for query in self._export)
+            if asks and not is_named:
                 problem = f"{asks}, so it is exported by its name alone: 'name=\"{device.name}\"'"
                 continue
             parts.append(part)
+            scope = scope if not asks else ("act: ordinary", f'act: name="{device.id}"')
         services = tuple(services_of(device, parts))
         if not services:
             return None, problem or ("HomeKit has no service for it" if parts else "")
         model = next((item.value for item in device.metadata if item.key == "model"), "")
-        return Exported(device.id, device.name, model, services, device), problem
-
-    def _may(self, device: Device, part: DevicePart) -> bool:
-        return self._rights.may_command(device, part, asks=True, is_harmless=False)
+        return Exported(device.id, clean_name(device.name), model, services, device, scope), problem
 
 
-def _names_one(text: str) -> bool:
-    """Return whether a query names devices, so that it gives the right to what always asks."""
-    from homebot.devices.query.terms import FactIs, NameIs, leaves  # noqa: PLC0415
+def clean_name(name: str) -> str:
+    """Return *name* in letters, digits, spaces and apostrophes: Apple Home adds no accessory with another sign."""
+    signs = (sign if sign.isalnum() or sign == "'" else " " for sign in name)
+    return " ".join("".join(signs).split()).strip("'")[:64].strip() or "Device"
 
-    return any(
-        isinstance(leaf, NameIs) or (isinstance(leaf, FactIs) and leaf.name in {"id", "name"})
-        for leaf in leaves(parse_exact_query(text))
-    )
+
+def _names(query: Query, facets: PartFacets) -> bool:
+    """Return whether a query that fits names its device, rather than a type or a room."""
+    if isinstance(query, And | Or):
+        return any(fits(term, facets) and _names(term, facets) for term in query.terms)
+    return isinstance(query, NameIs) or (isinstance(query, FactIs) and query.name in {"id", "name"})
 
 
 @final
@@ -183,6 +187,7 @@ class HomekitBridges(HouseWatcher):
         self._bridges: list[HapBridge] = []
         self._kept: dict[str, dict[str, object]] = {}
         self._places: dict[str, _Place] = {}
+        self._awaited: set[str] = set()
         self._shown: dict[str, Exported] = {}
         self._switches: tuple[Exported, ...] = ()
         self._left_out: dict[str, str] = {}
@@ -223,7 +228,7 @@ class HomekitBridges(HouseWatcher):
         """Have the accessories looked at again soon."""
         exported = self._shown.get(change.device.id)
         if exported is not None and change.kind != "removed":
-            self._show(exported._replace(name=change.device.name, device=change.device))
+            self._show(exported._replace(name=clean_name(change.device.name), device=change.device))
         self._changed.set()
 
     def on_values(self, change: StateChange) -> None:
@@ -249,8 +254,8 @@ class HomekitBridges(HouseWatcher):
 
     def _is_whole(self) -> bool:
         """Return whether all accessories are there that were there before the start."""
-        there = {device.id for device in self._view.devices if self._exports.of(device)[0] is not None}
-        return all(key in there for key in self._places if not key.startswith((_SCENE, _ROUTINE)))
+        there = {device.id for device in self._view.devices if device.parts}
+        return all(key in there for key in self._awaited)
 
     async def _update(self) -> None:
         """Bring the accessories in line with the house."""
@@ -267,6 +272,7 @@ class HomekitBridges(HouseWatcher):
             place = self._places[key]
             self._bridges[place.bridge].remove(place.aid)
             del self._shown[key]
+            self._is_unkept = True
         for key, exported in wanted.items():
             before = self._shown.get(key)
             if before is None or before.shape != exported.shape:
@@ -276,6 +282,7 @@ class HomekitBridges(HouseWatcher):
                     continue
                 bridge = self._bridges[new.bridge]
                 bridge.put(new.aid, exported.name, exported.model, exported.services, partial(self._write, key))
+            self._is_unkept |= before is None
             self._shown[key] = exported
             self._show(exported)
         if not self._bridges:
@@ -433,7 +440,7 @@ class HomekitBridges(HouseWatcher):
         self, exported: Exported, service: PartService, settings: Mapping[str, PlainValue]
     ) -> tuple[str, int]:
         """Return the problem of a command, empty for none, and HAP's status."""
-        issuer, scope = issuer_of_client(APPLE), self._exports.scope
+        issuer, scope = issuer_of_client(APPLE), exported.scope
         kind, _, name = exported.key.partition(":")
         if exported.device is None:
             if settings.get("on_off") is not True:
@@ -457,34 +464,13 @@ class HomekitBridges(HouseWatcher):
         outcome: Outcome = await self._control.call(command, timeout=_MAX_WAIT_S)
         if outcome.succeeded or not outcome.is_failure:
             return "", hap.OK
-        return outcome.text, hap.REFUSED if outcome.kind == "refused" else hap.NO_RESPONSE
+        return outcome.text, hap.REFUSED if getattr(outcome, "policy", "") not in _NOT_POLICIES else hap.NO_RESPONSE
 
     def _tell(self, _: HomekitPairingRequest) -> HomekitPairingResponse:
-        bridges = []
-        for number, bridge in enumerate(self._bridges):
-            setup = bridge.setup()
-            names = [
-                self._shown[key].name
-                for key, place in self._places.items()
-                if place.bridge == number and key in self._shown
-            ]
-            is_free = not setup.controllers
-            bridges.append(
-                HomekitBridgeInfo(
-                    name=self._name if number == 0 else f"{self._name} {number + 1}",
-                    id=setup.id,
-                    address=self._settings.address,
-                    port=setup.port,
-                    code=setup.code if is_free else "",
-                    uri=setup.uri if is_free else "",
-                    accessories=tuple(sorted(names)),
-                    controllers=setup.controllers,
-                )
-            )
         left_out = tuple(KeyValue(key=name, value=why) for name, why in sorted(self._left_out.items()))
-        return HomekitPairingResponse(
-            success=not self._problem, message=self._problem, bridges=tuple(bridges), left_out=left_out
-        )
+        message = self._problem or ("" if self._bridges else _WAITS)
+        bridges = tuple(bridge.info() for bridge in self._bridges)
+        return HomekitPairingResponse(success=not message, message=message, bridges=bridges, left_out=left_out)
 
     async def _unpair(self, _: HomekitUnpairRequest) -> HomekitUnpairResponse:
         count = sum(bridge.unpair() for bridge in self._bridges)
@@ -494,8 +480,9 @@ class HomekitBridges(HouseWatcher):
     def _read_places(self) -> None:
         for key, place in self._kept.get("places", {}).items():
             match place:
-                case [int() as bridge, int() as aid] if 0 <= bridge < MAX_BRIDGES:
+                case [int() as bridge, int() as aid, bool() as was_shown] if 0 <= bridge < MAX_BRIDGES:
                     self._places[key] = _Place(bridge, aid)
+                    self._awaited |= {key} if was_shown and not key.startswith((_SCENE, _ROUTINE)) else set()
 
     async def _keep(self) -> None:
         """Write the file, if anything has changed."""
@@ -504,7 +491,11 @@ class HomekitBridges(HouseWatcher):
         self._is_unkept = False
         kept = {f"bridge {number}": bridge.state() for number, bridge in enumerate(self._bridges)}
         unused = {key: value for key, value in self._kept.items() if key.startswith("bridge ") and key not in kept}
-        self._kept = {**unused, **kept, "places": {key: list(place) for key, place in self._places.items()}}
+        self._kept = {
+            **unused,
+            **kept,
+            "places": {key: [*place, key in self._shown] for key, place in self._places.items()},
+        }
         try:
             await self._file.keep(self._kept)
         except UnableError as exc:
@@ -516,4 +507,4 @@ class HomekitBridges(HouseWatcher):
 
 def _switch(kind: str, name: str) -> Exported:
     service = PartService("switch", "", "", SWITCH, {"on_off": Capability(name="on_off", settable=True)})
-    return Exported(f"{kind}{name}", name, kind.rstrip(":").title(), (service,))
+    return Exported(f"{kind}{name}", clean_name(name), kind.rstrip(":").title(), (service,))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from io import StringIO
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import add_verb, add_verbs
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.features.homekit_bridge import GET_PAIRING, UNPAIR
-from homebot.plugins import INSTALL_EXTRA
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -33,11 +31,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _pairing(door: DoorClient, _: argparse.Namespace) -> int:
+    from homebot.cli.new_home import qr_code  # noqa: PLC0415 - it knows how homes begin
+
     answer = cast("HomekitPairingResponse", JsonMessage(door.call(GET_PAIRING.name, {})))
     for bridge in answer.bridges:
         print(f"{printable(bridge.name)} on {printable(bridge.address)}, port {bridge.port}")
         if bridge.code:
-            print(f"\n{_qr_code(bridge.uri)}\n  {bridge.code}\n\nnot paired: in Home, + and Add Accessory, scan this")
+            print(f"\n{qr_code(bridge.uri)}\n  {bridge.code}\n\nnot paired: in Home, + and Add Accessory, scan this")
         else:
             print(f"paired with {bridge.controllers} controllers; `homebot homekit unpair` ends that")
         print(f"{len(bridge.accessories)} accessories: {', '.join(map(printable, bridge.accessories))}")
@@ -52,14 +52,3 @@ def _unpair(door: DoorClient, _: argparse.Namespace) -> int:
     answer = cast("HomekitUnpairResponse", JsonMessage(door.call(UNPAIR.name, {})))
     print(printable(answer.message) or f"{answer.controllers} pairings ended; remove the bridge in Home, too")
     return 0 if answer.success else 1
-
-
-def _qr_code(text: str) -> str:
-    """Return the lines of a QR code; the way to one where it cannot be drawn."""
-    try:
-        import segno  # noqa: PLC0415 - an extra
-    except ImportError:
-        return f'  (A QR code needs {INSTALL_EXTRA}qr]".)'
-    drawn = StringIO()
-    segno.make(text, micro=False).terminal(out=drawn, compact=True)
-    return drawn.getvalue()

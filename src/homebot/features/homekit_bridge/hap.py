@@ -15,10 +15,10 @@ import json
 import os
 import secrets
 import string
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Iterable, Mapping
 from functools import partial
 from hashlib import blake2b, sha512
-from typing import Any, Final, NamedTuple, TypeAlias, cast
+from typing import Any, Final, TypeAlias, cast
 
 import anyio
 import anyio.lowlevel
@@ -41,6 +41,7 @@ from pyhap.util import generate_pincode, generate_setup_id
 from homebot.clock import Clock
 from homebot.devices.names import OWN_MODEL
 from homebot.errors import LinkError, WireError
+from homebot.features.homekit_bridge.messages import HomekitBridgeInfo
 from homebot.features.homekit_bridge.services import HapValue, PartService, Written
 from homebot.support.listening import stop_accepting
 from homebot.support.own_addresses import own_addresses
@@ -72,21 +73,6 @@ OnWrite: TypeAlias = Callable[[Mapping[str, Written]], Awaitable[Mapping[str, in
 """Carries out what was written to services of an accessory, by their keys, and returns HAP's status of each."""
 
 
-class HapSetup(NamedTuple):
-    """All about a bridge for who pairs it.
-
-    Attributes:
-        code: The setup code, a secret, as ``123-45-678``.
-        uri: The text of its QR code.
-    """
-
-    id: str
-    port: int
-    code: str
-    uri: str
-    controllers: int
-
-
 class HapBridge:
     """A bridge.
 
@@ -112,7 +98,7 @@ class HapBridge:
         *,
         is_announced: bool,
     ) -> None:
-        self._driver = driver = _HapDriver(self, name, address, port, clock)
+        self._driver = driver = _HapDriver(self, address, port, clock)
         self._is_announced, self._address, self._on_change = is_announced, address, on_change
         self._news = anyio.Event()
         self._accessories: dict[int, _BridgedAccessory] = {}
@@ -126,7 +112,7 @@ class HapBridge:
                 raise WireError(f"a kept bridge lacks, or has a wrong, {str(exc)[:40]}") from None
         self._bridge = Bridge(driver, name)
         self._bridge.set_info_service("1.0", "homebot", "Bridge", driver.state.mac)
-        driver.add_accessory(self._bridge)
+        driver.accessory = self._bridge
 
     def state(self) -> dict[str, object]:
         """Return all that it needs to be the same bridge after a restart: keys, pairings, code. A secret."""
@@ -136,13 +122,22 @@ class HapBridge:
         kept = json.loads(text.getvalue())
         return {"state": kept, "code": state.pincode.decode(), "setup_id": state.setup_id}
 
-    def setup(self) -> HapSetup:
-        """Return its address and code."""
+    def info(self) -> HomekitBridgeInfo:
+        """Return its address, and its code unless it is paired."""
         state = self._driver.state
         number = _BRIDGE_BY_IP << 27 | int(state.pincode.replace(b"-", b""))
         digits = [_BASE36[number // 36**place % 36] for place in reversed(range(9))]
         uri = f"X-HM://{''.join(digits)}{state.setup_id}"
-        return HapSetup(state.mac, state.port, state.pincode.decode(), uri, len(state.paired_clients))
+        setup = {} if state.paired else {"code": state.pincode.decode(), "uri": uri}
+        return HomekitBridgeInfo(
+            name=self._bridge.display_name,
+            id=state.mac,
+            address=self._address,
+            port=state.port,
+            accessories=tuple(sorted(one.title for one in self._accessories.values())),
+            controllers=len(state.paired_clients),
+            **setup,
+        )
 
     def put(self, aid: int, name: str, model: str, services: Iterable[PartService], on_write: OnWrite) -> None:
         """Add an accessory, or replace it; :meth:`describe` tells controllers."""
@@ -207,13 +202,15 @@ class HapBridge:
             raise LinkError(f"the bridge for HomeKit cannot listen on {where}: {exc.strerror or exc}") from exc
         driver.state.port = server.server.sockets[0].getsockname()[1]
         try:
-            driver.to_write, writes = anyio.create_memory_object_stream[_Write](MAX_CONNECTIONS)
+            driver.to_write, writes = anyio.create_memory_object_stream[Callable[[], Coroutine[Any, Any, None]]](
+                MAX_CONNECTIONS
+            )
             async with driver.to_write, writes, anyio.create_task_group() as tasks:
                 if self._is_announced:
                     await tasks.start(self._announce)
                 task_status.started()
                 async for write in writes:
-                    tasks.start_soon(driver.write, write)
+                    tasks.start_soon(write)
         finally:
             driver.aio_stop_event.set()
             with anyio.CancelScope(shield=True):
@@ -230,8 +227,8 @@ class HapBridge:
             await (await responder.async_register_service(_info(driver), cooperating_responders=True))
             task_status.started()
             while True:
-                self._news = anyio.Event()
                 await self._news.wait()
+                self._news = anyio.Event()
                 await (await responder.async_update_service(_info(driver)))
         finally:
             with anyio.CancelScope(shield=True):
@@ -286,10 +283,10 @@ class _BridgedAccessory(Accessory):  # type: ignore[misc]
         iids = _StableIids()
         super().__init__(driver, name, aid=aid, iid_manager=iids)
         self.set_info_service("1.0", "homebot", model or "Device", str(aid))
-        self.on_write, self._is_there = on_write, False
+        self.on_write, self._is_there, self.title = on_write, False, name
         self._characteristics: dict[str, dict[str, Characteristic]] = {}
         self.places: dict[Characteristic, tuple[str, str]] = {}
-        self.unknown: set[Characteristic] = set()
+        self._unknown: set[Characteristic] = set()
         for service in services:
             iids.prefix = service.key
             wanted = service.characteristics()
@@ -312,23 +309,23 @@ class _BridgedAccessory(Accessory):  # type: ignore[misc]
                 self._characteristics.setdefault(service.key, {})[characteristic_name] = characteristic
                 self.places[characteristic] = service.key, characteristic_name
             self.add_service(hap)
-        self.unknown.update(self.places)
+        self._unknown.update(self.places)
 
-    @property
-    def available(self) -> bool:
-        return self._is_there
+    def knows(self, characteristic: Characteristic) -> bool:
+        return self._is_there and characteristic not in self._unknown
 
     def show(self, name: str, values: Mapping[str, Mapping[str, HapValue | None]], *, is_there: bool) -> None:
         self._is_there = is_there
+        self.title = name
         self.get_service("AccessoryInformation").get_characteristic("Name").set_value(name)
         for key, characteristics in self._characteristics.items():
             for characteristic_name, characteristic in characteristics.items():
                 value = values[key].get(characteristic_name)
                 valid = characteristic.properties.get("ValidValues")
                 if value is None or (valid and value not in valid.values()):
-                    self.unknown.add(characteristic)
+                    self._unknown.add(characteristic)
                 else:
-                    self.unknown.discard(characteristic)
+                    self._unknown.discard(characteristic)
                     characteristic.set_value(value)
 
     def repeat(self, service: str) -> None:
@@ -343,9 +340,9 @@ class _SrpServer(SrpServer):  # type: ignore[misc]
     its bytes, as in aiohomekit and HAP-NodeJS.
     """
 
-    def __init__(self, code: bytes, on_wrong: Callable[[], object]) -> None:
+    def __init__(self, code: bytes, lost: dict[str, int]) -> None:
         super().__init__(get_srp_context(3072, sha512, 16), b"Pair-Setup", code)
-        self._on_wrong, self._is_proven = on_wrong, False
+        self._lost, self._is_proven = lost, False
         while self.B.bit_length() <= self.N.bit_length() - 8:  # a byte of 0 in front would be left out
             self.b = secrets.randbits(512)
             self.B: int = self._derive_B()
@@ -357,22 +354,15 @@ class _SrpServer(SrpServer):  # type: ignore[misc]
     def verify(self, M: bytes) -> bytes | None:  # noqa: N803 - the library's name
         self._is_proven = self.A % self.N != 0 and secrets.compare_digest(self.M, M)
         if not self._is_proven:
-            self._on_wrong()
+            self._lost["codes"] += 1
         return self.HAMK if self._is_proven else None
 
     def get_session_key(self) -> int:
         return int(self.K) if self._is_proven else int.from_bytes(os.urandom(64))
 
 
-class _Write(NamedTuple):
-    request: Any
-    client: Any
-    response: HAPResponse
-    body: asyncio.Future[bytes]
-
-
 class _HapDriver(AccessoryDriver):  # type: ignore[misc]
-    def __init__(self, bridge: HapBridge, name: str, address: str, port: int, clock: Clock) -> None:
+    def __init__(self, bridge: HapBridge, address: str, port: int, clock: Clock) -> None:
         super().__init__(
             address=address,
             port=port or 1,
@@ -381,14 +371,9 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
             loader=get_loader(),
         )
         self.bridge, self.clock = bridge, clock
-        self.name = name
         self.next_try = 0.0
-        self.to_write: MemoryObjectSendStream[_Write] | None = None
+        self.to_write: MemoryObjectSendStream[Callable[[], Coroutine[Any, Any, None]]] | None = None
         self.http_server = _Server((address, port), self)
-
-    def add_accessory(self, accessory: Accessory) -> None:
-        """Serve the bridge, without a file."""
-        self.accessory = accessory
 
     def async_persist(self) -> None:
         """Have the state kept, once the answer is on its way."""
@@ -399,17 +384,12 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
 
     def setup_srp_verifier(self) -> None:
         """Begin a try of the setup code."""
-        self.srp_verifier = _SrpServer(self.state.pincode, self._count_wrong)
-
-    def _count_wrong(self) -> None:
-        self.bridge.lost["codes"] += 1
+        self.srp_verifier = _SrpServer(self.state.pincode, self.bridge.lost)
 
     def prepare(self, prepare_query: Any, client_addr: Any) -> dict[str, int]:
         """Remember one write to come for each connection."""
-        pid, ttl = _number(prepare_query, "pid"), _number(prepare_query, "ttl")
-        if pid is None or ttl is None:
-            return {"status": INVALID}
-        self.prepared_writes[client_addr] = {pid: self.clock.monotonic() + min(max(ttl / 1000, 0.0), _PREPARED_S)}
+        until = self.clock.monotonic() + min(float(prepare_query["ttl"]) / 1000, _PREPARED_S)
+        self.prepared_writes[client_addr] = {prepare_query["pid"]: until}
         return {"status": OK}
 
     def get_characteristics(self, char_ids: list[str]) -> dict[str, list[dict[str, object]]]:
@@ -417,13 +397,10 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
         rows: list[dict[str, object]] = []
         for text in char_ids:
             aid, iid = (int(number) for number in text.split("."))
-            accessory = self._accessory(aid)
-            characteristic = None if accessory is None else accessory.get_characteristic(aid, iid)
+            accessory, characteristic = self._find(aid, iid)
             row: dict[str, object] = {"aid": aid, "iid": iid, "status": MISSING}
-            if isinstance(characteristic, Characteristic):
-                is_known = accessory is self.accessory or (
-                    accessory.available and characteristic not in accessory.unknown
-                )
+            if characteristic is not None:
+                is_known = accessory is self.accessory or accessory.knows(characteristic)
                 row |= {"status": OK, "value": characteristic.get_value()} if is_known else {"status": NO_RESPONSE}
             rows.append(row)
         return {"characteristics": rows}
@@ -433,14 +410,12 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
         future: asyncio.Future[bytes] = self.loop.create_future()
         try:
             if self.to_write is not None:
-                self.to_write.send_nowait(_Write(request, client, response, future))
+                self.to_write.send_nowait(partial(self._write, request, client, response, future))
         except (anyio.WouldBlock, anyio.ClosedResourceError):
             future.cancel()
         return future
 
-    async def write(self, write: _Write) -> None:
-        """Carry out a request, and set the body of its response."""
-        request, client, response, future = write
+    async def _write(self, request: Any, client: Any, response: HAPResponse, body: asyncio.Future[bytes]) -> None:
         try:
             rows = await self._written(request, client)
         except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError):  # the request breaks the rules
@@ -449,9 +424,8 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
         if any(row["status"] for row in rows):
             response.status_code, response.reason = 207, "Multi-Status"
             response.headers.append(("Content-Type", "application/hap+json"))
-        if not future.done():
-            is_told = response.status_code == 207
-            future.set_result(json.dumps({"characteristics": rows}).encode() if is_told else b"")
+        if not body.done():
+            body.set_result(json.dumps({"characteristics": rows}).encode() if response.headers else b"")
 
     async def _written(self, request: Any, client: Any) -> list[dict[str, Any]]:
         """Carry out subscriptions and writes, and return the status of each."""
@@ -463,12 +437,10 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
         places: list[tuple[dict[str, Any], int, str]] = []
         for query in request["characteristics"]:
             aid, iid = query["aid"], query["iid"]
-            accessory = self._accessory(aid)
-            characteristic = None if accessory is None else accessory.get_characteristic(aid, iid)
-            row = {"aid": aid, "iid": iid, "status": OK}
+            accessory, characteristic = self._find(aid, iid)
+            row = {"aid": aid, "iid": iid, "status": MISSING if characteristic is None else OK}
             rows.append(row)
-            if not isinstance(characteristic, Characteristic):
-                row["status"] = MISSING
+            if characteristic is None:
                 continue
             if "ev" in query:
                 self.async_subscribe_client_topic(client, get_topic(aid, iid), bool(query["ev"]))
@@ -490,18 +462,20 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
                 places.append((row, aid, place[0]))
         statuses: dict[int, Mapping[str, int]] = {}
 
-        async def write(aid: int, written: Mapping[str, Written]) -> None:
-            statuses[aid] = await self._accessory(aid).on_write(written)
+        async def write(aid: int, written: Mapping[str, Written], on_write: OnWrite) -> None:
+            statuses[aid] = await on_write(written)
 
         async with anyio.create_task_group() as tasks:
             for aid, written in wanted.items():
-                tasks.start_soon(write, aid, written)
+                tasks.start_soon(write, aid, written, self.accessory.accessories[aid].on_write)
         for row, aid, service in places:
             row["status"] = statuses[aid][service]
         return rows
 
-    def _accessory(self, aid: object) -> Any:
-        return self.accessory if aid == self.accessory.aid else self.accessory.accessories.get(aid)
+    def _find(self, aid: int, iid: int) -> tuple[Any, Characteristic | None]:
+        accessory = self.accessory if aid == self.accessory.aid else self.accessory.accessories.get(aid)
+        found = None if accessory is None else accessory.get_characteristic(aid, iid)
+        return accessory, found if isinstance(found, Characteristic) else None
 
 
 class _Server(HAPServer):  # type: ignore[misc]
@@ -576,8 +550,3 @@ class _Protocol(HAPServerProtocol):  # type: ignore[misc]
     def _cut(self, what: str) -> None:
         self.accessory_driver.bridge.lost[what] += 1
         self.transport.abort()
-
-
-def _number(query: Any, key: str) -> int | None:
-    value = query.get(key) if isinstance(query, dict) else None
-    return value if isinstance(value, int) and not isinstance(value, bool) else None

@@ -238,7 +238,7 @@ def _write_lock(written: Written, _: PartValues) -> _Settings:
 
 
 def _setpoints(capabilities: Capabilities) -> list[str]:
-    return [name for name in ("heating_setpoint", "cooling_setpoint") if name in capabilities]
+    return [name for name in _SETPOINTS if name in capabilities]
 
 
 def _modes(capabilities: Capabilities) -> dict[str, int]:
@@ -295,14 +295,6 @@ def _write_climate(written: Written, values: PartValues) -> _Settings:
     return settings | {names[name]: float(value) for name, value in written.items() if name in names}
 
 
-def _sensor(service: str, characteristic: str, capability: str, convert: Callable[[float], HapValue]) -> ServiceKind:
-    def read(values: PartValues) -> _Shown:
-        value = values.now.get(capability)
-        return {characteristic: convert(value) if isinstance(value, bool | float) else None}
-
-    return ServiceKind(service, {characteristic: ""}, read)
-
-
 def _read_battery(values: PartValues) -> _Shown:
     level, low, charging = values.number("battery"), values.now.get("battery_low"), values.now.get("battery_charging")
     is_low = low if isinstance(low, bool) else level is not None and level <= _LOW_BATTERY
@@ -310,86 +302,69 @@ def _read_battery(values: PartValues) -> _Shown:
     return {"BatteryLevel": level, "StatusLowBattery": int(is_low), "ChargingState": state}
 
 
-def _all(*characteristics: str) -> dict[str, str]:
-    return dict.fromkeys(characteristics, "")
+def _kind(
+    name: str,
+    characteristics: str,
+    read: Callable[[PartValues], _Shown],
+    write: Callable[[Written, PartValues], _Settings] | None = None,
+) -> ServiceKind:
+    """Return the kind with *characteristics*, each perhaps with ``:`` and the capabilities that it needs."""
+    rows = (text.partition(":") for text in characteristics.split())
+    return ServiceKind(name, {row[0]: row[2].replace("+", " ") for row in rows}, read, write)
 
 
-_BATTERY: Final = ServiceKind(
-    "BatteryService", {"BatteryLevel": "battery", **_all("StatusLowBattery", "ChargingState")}, _read_battery
+def _sensor(service: str, characteristic: str, capability: str, convert: Callable[[float], HapValue]) -> ServiceKind:
+    def read(values: PartValues) -> _Shown:
+        value = values.now.get(capability)
+        return {characteristic: convert(value) if isinstance(value, bool | float) else None}
+
+    return _kind(service, characteristic, read)
+
+
+_BATTERY: Final = _kind("BatteryService", "BatteryLevel:battery StatusLowBattery ChargingState", _read_battery)
+SWITCH: Final = _kind("Switch", "On", lambda values: {"On": _is_on(values)}, _write_power)
+_SCENE: Final = SWITCH._replace(
+    read=lambda _: {"On": False}, write=lambda written, _: {"scene": True} if written.get("On") else {}
 )
-SWITCH: Final = ServiceKind("Switch", _all("On"), lambda values: {"On": _is_on(values)}, _write_power)
-_CLIMATE: Final = ServiceKind(
+_OUTLET: Final = _kind(
+    "Outlet", "On OutletInUse", lambda values: dict.fromkeys(("On", "OutletInUse"), _is_on(values)), _write_power
+)
+_LIGHT: Final = _kind(
+    "Lightbulb",
+    "On Brightness:level ColorTemperature:color_temperature Hue:color Saturation:color",
+    _read_light,
+    _write_light,
+)
+_COVER: Final = _kind(
+    "WindowCovering",
+    "CurrentPosition TargetPosition PositionState HoldPosition:movement CurrentHorizontalTiltAngle:tilt "
+    "TargetHorizontalTiltAngle:tilt",
+    _read_cover,
+    _write_cover,
+)
+_GARAGE: Final = _kind(
+    "GarageDoorOpener", "CurrentDoorState TargetDoorState ObstructionDetected", _read_garage, _write_garage
+)
+_LOCK: Final = _kind("LockMechanism", "LockCurrentState LockTargetState", _read_lock, _write_lock)
+_CLIMATE: Final = _kind(  # the target of the mode auto is a range if there are two setpoints
     "Thermostat",
-    {
-        **_all("CurrentHeatingCoolingState", "TargetHeatingCoolingState", "CurrentTemperature", "TargetTemperature"),
-        "TemperatureDisplayUnits": "",
-        # The target of the mode auto is a range if there are two setpoints.
-        "HeatingThresholdTemperature": "heating_setpoint cooling_setpoint",
-        "CoolingThresholdTemperature": "heating_setpoint cooling_setpoint",
-    },
+    "CurrentHeatingCoolingState TargetHeatingCoolingState CurrentTemperature TargetTemperature TemperatureDisplayUnits "
+    "HeatingThresholdTemperature:heating_setpoint+cooling_setpoint "
+    "CoolingThresholdTemperature:heating_setpoint+cooling_setpoint",
     _read_climate,
     _write_climate,
 )
 _MOTORS, _SETPOINTS = ("position", "movement"), ("heating_setpoint", "cooling_setpoint")
 _KINDS: Final[Mapping[str, tuple[ServiceKind, tuple[str, ...]]]] = {
-    "light": (
-        ServiceKind(
-            "Lightbulb",
-            {
-                "On": "",
-                "Brightness": "level",
-                "ColorTemperature": "color_temperature",
-                **dict.fromkeys(("Hue", "Saturation"), "color"),
-            },
-            _read_light,
-            _write_light,
-        ),
-        ("on_off", "level"),
-    ),
+    "light": (_LIGHT, ("on_off", "level")),
     "switch": (SWITCH, ("on_off",)),
-    "plug": (
-        ServiceKind(
-            "Outlet",
-            _all("On", "OutletInUse"),
-            lambda values: {"On": _is_on(values), "OutletInUse": _is_on(values)},
-            _write_power,
-        ),
-        ("on_off",),
-    ),
-    "window_covering": (
-        ServiceKind(
-            "WindowCovering",
-            {
-                **_all("CurrentPosition", "TargetPosition", "PositionState"),
-                "HoldPosition": "movement",
-                **dict.fromkeys(("CurrentHorizontalTiltAngle", "TargetHorizontalTiltAngle"), "tilt"),
-            },
-            _read_cover,
-            _write_cover,
-        ),
-        _MOTORS,
-    ),
-    "closure": (
-        ServiceKind(
-            "GarageDoorOpener",
-            _all("CurrentDoorState", "TargetDoorState", "ObstructionDetected"),
-            _read_garage,
-            _write_garage,
-        ),
-        _MOTORS,
-    ),
+    "plug": (_OUTLET, ("on_off",)),
+    "window_covering": (_COVER, _MOTORS),
+    "closure": (_GARAGE, _MOTORS),
     "thermostat": (_CLIMATE, _SETPOINTS),
     "room_air_conditioner": (_CLIMATE, _SETPOINTS),
-    "door_lock": (
-        ServiceKind("LockMechanism", _all("LockCurrentState", "LockTargetState"), _read_lock, _write_lock),
-        ("lock",),
-    ),
-    "x_scene": (
-        SWITCH._replace(
-            read=lambda _: {"On": False}, write=lambda written, _: {"scene": True} if written.get("On") else {}
-        ),
-        ("scene",),
-    ),
+    "door_lock": (_LOCK, ("lock",)),
+    "x_scene": (_SCENE, ("scene",)),
 }
 """By the type of a part, with the capabilities of which it must have one."""
 
