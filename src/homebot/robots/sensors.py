@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pydantic import ValidationError
 
 from homebot.conventions.payload import clean_text
+from homebot.conventions.robot_pose import pose_readers
 from homebot.devices.devices import Devices, MessageHandler
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.handles.sensors import OccupancySensor
@@ -22,6 +23,9 @@ from homebot.support.folding import fold
 NOT_READ = "robots.not_read"
 
 _MAX_POSE = 4096
+
+_ERROR = 0.5
+"""The error of a position in metres if its source states none."""
 
 
 def read_tags(node: Node, robot: TrackedRobot) -> None:
@@ -54,11 +58,20 @@ def _by_sensor(robots: Iterable[TrackedRobot]) -> dict[str, TrackedRobot]:
 
 
 async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
-    """Place *robot* according to JSON poses on its topic."""
-    log, settings = LogLimit(node.graph.clock), robot.settings
+    """Place *robot* according to the poses on its topic, of a form that an integration reads, or our own."""
+    log, settings, readers = LogLimit(node.graph.clock), robot.settings, pose_readers()
+    lies_at = MapPose(*settings.map_transform or (0.0, 0.0, 0.0))
 
     def on_pose(message: RawMessage) -> None:
         if message.retained:  # its age is not known
+            return
+        stated = next((one for reader in readers if (one := reader.read(message.payload)) is not None), None)
+        if stated is not None:
+            if stated.at is None:
+                robot.drop(settings.topic)
+            else:
+                limit = settings.limit if stated.limit is None else stated.limit
+                robot.place(settings.topic, limit, lies_at.then(stated.at), error=_ERROR, floor=settings.floor)
             return
         try:
             reported = JsonPose.model_validate_json(message.payload[:_MAX_POSE])

@@ -25,7 +25,8 @@ class RobotSettings(BaseModel):
         floor: Its floor; not needed in a house with one floor.
         limit: Seconds for which a pose from ``/NAME/pose`` or MQTT is valid.
         topic: An MQTT topic with its pose as JSON: ``x``, ``y``, and any of ``yaw``, ``error``, ``floor`` and
-            ``limit``; or only ``room``. Retained messages do not count, as their age is not known.
+            ``limit``; or only ``room``. Retained messages do not count, as their age is not known. A topic may also
+            have poses in a form that an integration reads, such as the ``state`` of a robot of VDA 5050.
         vacuum: The MQTT topic of a vacuum cleaner with a map, such as ``valetudo/NAME``.
         segments: The rooms of the segments on its map, by id: ``{"16" = "Kitchen"}``.
         map_transform: x, y in metres and yaw in radians of the frame of its map, ``NAME/map``, in the house's frame

@@ -108,10 +108,12 @@ class FleetRobot:
         first = order["nodes"][0]
         if self.ahead:
             self.refused.append("it has an order")
+        elif self.charging:
+            self.refused.append("it charges")
         elif first["nodeId"] != self.node:
             self.refused.append(f"it does not stand on {first['nodeId']}")
         else:
-            self.order, self.ahead, self.charging = order, order["nodes"][1:], False
+            self.order, self.ahead = order, order["nodes"][1:]
 
     def _act(self, action: dict[str, Any]) -> None:
         match action["actionType"]:

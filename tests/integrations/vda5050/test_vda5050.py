@@ -12,9 +12,12 @@ from tests.integrations.vda5050.robot import FleetRobot
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceAnnounced, Publication, Publications
+from homebot.conventions.robot_pose import StatedPose
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.integrations.vda5050.formats import Vda5050, Vda5050Settings
+from homebot.integrations.vda5050.formats.pose import Vda5050Poses
+from homebot.places.rigid import MapPose
 
 NODES = {"dock": [0.0, 0.0], "Hall": [2.0, 1.0, 1.57], "lift": []}
 VERSIONS = pytest.mark.parametrize("major", [2, 3])
@@ -241,6 +244,28 @@ def test_what_a_robot_cannot_do_now_is_refused(robot: FleetRobot, value: PlainVa
 def test_no_command_is_sent_before_the_first_state(value: str, part: str) -> None:
     with pytest.raises(RefusedError, match="has not told its state yet"):
         Fleet(FleetRobot()).command(value, part)
+
+
+@VERSIONS
+def test_a_robot_stops_charging_before_it_takes_an_order(major: int) -> None:
+    """Control sends a command again until the robot reports it."""
+    fleet = Fleet(FleetRobot(major, charging=True))
+    for kind in ("instantActions", "order"):
+        fleet.read()
+        (sent,) = fleet.command("Hall", "destination")
+        assert sent.topic == f"{fleet.robot.base}/{kind}"
+    assert (fleet.read()["destination.option"], fleet.robot.refused) == ("Hall", [])
+
+
+@VERSIONS
+def test_a_robot_of_the_house_states_its_pose_by_its_state(major: int) -> None:
+    poses, robot = Vda5050Poses(), FleetRobot(major, x=3.0, y=4.0)
+    assert poses.read(robot.state().payload) == StatedPose(MapPose(3.0, 4.0), 35.0)
+    lost = robot.told()
+    lost["agvPosition" if major == 2 else "mobileRobotPosition"] |= {"positionInitialized": False, "localized": False}
+    assert poses.read(json.dumps(lost).encode()) == StatedPose(None, 35.0)
+    assert poses.read(json.dumps(lost | {"driving": True}).encode()) == StatedPose(None)
+    assert [poses.read(other) for other in (b'{"x": 1, "y": 2}', b"[]", b"{", b"")] == [None] * 4
 
 
 @pytest.mark.parametrize(

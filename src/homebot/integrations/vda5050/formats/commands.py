@@ -84,6 +84,8 @@ class RobotCommands:
     def _order(self, target: str, capability: str, *, charge: bool = False) -> Publications:
         state = self._known(capability, target)
         self._require_free(state, capability, target)
+        if state.charging and not charge:
+            return self._instantly("stopCharging")  # it takes no order before; sent again, the command is the order
         order_id = f"homebot {state.timestamp} {target}"  # the same for the same state: sent again, it acts once
         here = state.last_node or _HERE
         start: dict[str, object] = {"nodeId": here, "sequenceId": 0, "released": True, "actions": []}

@@ -136,6 +136,7 @@ class _Robot:
 
     def _destination(self) -> DescribedPart:
         part = JsonPart("destination", "x_robot", name="Destination", category="config", commands=f"{self._base}/order")
+        part.add_command_topics(f"{self._base}/instantActions")
         part.add_capability(
             "option", writer=option_writer("option", self._nodes, self._commands.go), options=self._nodes
         )
