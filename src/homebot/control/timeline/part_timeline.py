@@ -24,7 +24,7 @@ from homebot.control.timeline.facts import (
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile, ProgramWatch, may_be_timer
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer
 from homebot.devices.value import PlainValue, SetBy
 from homebot.devices.value_comparison import changes, fits, related
 
@@ -313,16 +313,13 @@ class PartTimeline:
             return None
         is_replaced = False
         for sent in reversed(self.commands):
-            outcome, sendings, settings = sent.outcome, sent.transmission, sent.order.settings
-            if not sent.is_confirmed and sent.has_failed and not settings.keys().isdisjoint(related(capability)):
-                # If it is contradicted, certain is what it has reported since the last sending.
-                unsure_since = sendings.sent_at if isinstance(outcome, Contradicted) else sent.ended_at
-                if told_at <= unsure_since + _MAX_CLOCK_ERROR_S:
-                    return None
-            has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
-            if has_effect and not is_replaced and sent.order.id != except_id:
+            settings = sent.order.settings
+            is_unsure = told_at <= sent.unsure_until + _MAX_CLOCK_ERROR_S
+            if is_unsure and not settings.keys().isdisjoint(related(capability)):
+                return None
+            if sent.may_have_effect and not is_replaced and sent.order.id != except_id:
                 if settings.get(capability) != value:
-                    is_before = told_at < sendings.sent_at - _MAX_CLOCK_ERROR_S
+                    is_before = told_at < sent.transmission.sent_at - _MAX_CLOCK_ERROR_S
                     may_change = is_before or _is_on_its_way(sent, capability, now)
                     if may_change and self._changes(settings, capability, value):
                         return None

@@ -26,7 +26,7 @@ from homebot.control.timeline.facts import (
 )
 from homebot.control.timeline.goal import Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 from homebot.devices.value_comparison import STOPPED, changes, is_intermediate, is_same, related
 
@@ -77,6 +77,8 @@ class CommandProgress:
         is_open: Whether its outcome is not decided yet, and no newer command replaced it.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         until: Until when it may cause reports; inf while it is open, -inf when it cannot any more.
+        may_have_effect: Whether it is open, or may have had an effect, or may have one yet.
+        unsure_until: Until when a report is doubtful as the command failed; -inf if it did not.
         is_confirmed: Whether its values were reported, and have to last.
         has_held: Whether they lasted.
         undoing: The end of one of them; None if they have lasted so far.
@@ -94,6 +96,8 @@ class CommandProgress:
     outcome: Outcome | None = None
     is_open = True
     ended_at = until = math.inf
+    may_have_effect = True
+    unsure_until = -math.inf
     learns_late = is_learnt = is_confirmed = has_held = False
     undoing: Undoing | None = None
     led_nowhere = _steps = _NO_NUMBERS
@@ -328,9 +332,13 @@ class CommandProgress:
 
     def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
         self.outcome, self.is_open = outcome, False
+        if not self.superseded_by:
+            self.ended_at = now
+        self.may_have_effect = self.transmission.count > 0 and (outcome.succeeded or outcome.may_obey_later)
+        if outcome.may_obey_later and not self.is_raw:  # if it is contradicted, a report since the sending is certain
+            self.unsure_until = self.transmission.sent_at if isinstance(outcome, Contradicted) else self.ended_at
         if self.superseded_by:
             return
-        self.ended_at = now
         if isinstance(outcome, Confirmed):
             self.is_confirmed, self.has_held, self.undoing, self._released = True, False, None, _NONE
             self._settle, self.until = settle, now + settle + self.order.transition
