@@ -641,6 +641,27 @@ PLAYS: tuple[Play, ...] = (
         ["12:00:00 media_player.kitchen volume 60", "12:10:00 media_player.kitchen volume 30"],
         "11:50 12:30",
     ),
+    Play(
+        "steps_of_values",
+        "media_player.kitchen playing volume_level=0.3",
+        [
+            "10:00 louder push",
+            "10:05 louder push",
+            "10:10 media_player.kitchen playing volume_level=0.98",
+            "10:11 louder push",
+            "10:20 brighter push",
+            "10:30 party push",
+        ],
+        [
+            "10:00:00 media_player.kitchen volume 35",
+            "10:05:00 media_player.kitchen volume 40",
+            "10:11:00 media_player.kitchen volume 100",
+            "10:20:00 light.hall level 20",
+            "10:30:00 light.hall effect colorloop",
+        ],
+        "09:50 10:40",
+    ),
+    Play("steps_of_values", "", ["10:05 media_player.bath playing volume_level=0.5"]),
     Play("group_of_windows", "binary_sensor.bedroom_window on", ["10:05 binary_sensor.kitchen_window on"]),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
     Play(
@@ -889,6 +910,11 @@ async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None
         "Brings back less than it sets",
         "Tells what it keeps",
     ]
+
+
+async def test_a_value_of_another_entity_and_a_limit_of_its_own_are_refused() -> None:
+    found = await imported("steps_of_values")
+    assert {one.name for one in found.refused} == {"As loud as the other", "Up to a limit"}
 
 
 def test_each_file_is_also_played_so_that_it_does_nothing_or_less() -> None:

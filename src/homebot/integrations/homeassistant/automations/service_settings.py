@@ -17,7 +17,8 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     SETTINGS,
     ServiceSetting,
 )
-from homebot.integrations.homeassistant.automations.template_numbers import step_length, step_number
+from homebot.integrations.homeassistant.automations.states import number_of
+from homebot.integrations.homeassistant.automations.template_numbers import changed_number, step_length, step_number
 from homebot.units import parse_duration
 from homebot.words.colors import COLORS
 from homebot.words.steps import Do, read_step
@@ -48,6 +49,9 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
             yield row._replace(value=str(data.flag(key, default=True)).lower())
         case "number" if isinstance(node.value, str) and "{{" in node.value and not is_step:
             data.take(key)
+            if (change := _change(automation, row, node.value)) is not None:
+                yield change
+                return
             text, factor = step_number(automation, node.value)
             if not math.isclose(factor * row.factor, 1.0) or key == "color_temp":
                 raise NotCarriedError(f"data: `{key}` is calculated; a step takes a number of the house as it is")
@@ -61,6 +65,19 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
                     yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
         case _:
             yield row._replace(value=data.text(key))
+
+
+def _change(automation: Automation, row: ServiceSetting, text: str) -> ServiceSetting | None:
+    """Return the change of a value by a number, such as ``+5 %``, that the template *text* is; None for another one."""
+    if (number := changed_number(text)) is None:
+        return None
+    entity, capability, factor = number_of(automation.entities, number.entity, number.attribute)
+    low, *_ = entity.bounds(capability) or (-1.0,)
+    is_own = capability in row.capabilities.split() and math.isclose(factor, row.factor)
+    if not is_own or low < 0 or entity.unit or (entity.domain == "light" and number.default != 0):
+        return None
+    automation.notes.append(f"the change of {number.entity} ends at its limits, and is left out while it is unknown")
+    return row._replace(value=f"{number.offset * factor:+.6g}", of=entity.id)
 
 
 def _minutes(automation: Automation, data: UnreadFields) -> str | float:
@@ -106,12 +123,20 @@ def steps_of_entity(name: str, entity: KnownEntity, settings: Sequence[ServiceSe
         return [_step_of(entity, [setting], over) for setting in settings]
     if name == "fan.turn_on" and len(settings) > 1:
         settings = settings[1:]
+    if others := [setting.of for setting in settings if setting.of not in {"", entity.id}]:
+        raise NotCarriedError(f"data: {entity.id} takes a value of {others[0]} and a number; write the value")
+    if name == "light.turn_on" and any(setting.capabilities == "effect" for setting in settings):
+        settings = [setting for setting in settings if setting.words != "on"]  # an effect turns it on
     if name == "light.turn_on":  # what a lamp cannot do, Home Assistant leaves out
         settings = [_as_color(entity, setting) for setting in settings]
         settings = [one for one in settings if one.capabilities not in _OF_LAMPS or entity.takes(one.capabilities)]
-    if any(setting.words.startswith(("+", "-")) for setting in settings) and settings[0].words == "on":
+    if any(_is_change(setting) for setting in settings) and settings[0].words == "on":
         settings = settings[1:]  # a step of brightness turns it on
     return [_step_of(entity, settings, over)]
+
+
+def _is_change(setting: ServiceSetting) -> bool:
+    return setting.words.startswith(("+", "-")) or bool(setting.of)
 
 
 def _of_mode(entity: KnownEntity, setting: ServiceSetting, mode: str) -> ServiceSetting:

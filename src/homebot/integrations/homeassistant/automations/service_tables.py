@@ -102,12 +102,14 @@ class ServiceSetting(NamedTuple):
         capabilities: Those that it may be: a device takes only one, or the first of ``a|b`` that it takes.
         words: Those of the command, with the capability and the value.
         factor: What the number in the field is multiplied by.
+        of: The only entity that takes it, as it changes its value; empty for any.
     """
 
     capabilities: str
     words: str = "{name} {value}"
     factor: float = 1.0
     value: str | float = ""
+    of: str = ""
 
 
 SETTINGS: Final = {

@@ -178,6 +178,31 @@ def step_number(automation: Automation, text: str) -> tuple[str, float]:
     return f"{{{capability} of name={text_value(entity.name)}}}", factor / own
 
 
+_ENDS: Final = {("min", 1.0), ("max", 0.0)}
+"""The ends of a share, at which a change ends anyway."""
+
+
+def changed_number(text: str) -> EntityNumber | None:
+    """Return the number of an entity that *text* changes by an offset; None for another template."""
+    try:
+        node = expression_of(text)
+        while isinstance(node, nodes.Filter):
+            match node.name, node.node:
+                case "min" | "max" as name, nodes.List(items=[new, nodes.Const(value=end)]) if (name, end) in _ENDS:
+                    node = new
+                case "round" | "float" | "int", nodes.Filter() | nodes.Add() | nodes.Sub() as new:
+                    node = new
+                case _:
+                    return None
+        if not isinstance(node, nodes.Add | nodes.Sub):
+            return None
+        offset = constant_number(node.right) * (1 if isinstance(node, nodes.Add) else -1)
+        number = number_of_tree(node.left)
+    except NotCarriedError:
+        return None
+    return number._replace(offset=offset) if number.factor == 1.0 and not number.offset and offset else None
+
+
 def step_length(automation: Automation, node: Located) -> str:
     """Return a length of time that a number of the house tells, such as ``{number of pause}m``; else empty."""
     text, seconds = node.value, 1.0
