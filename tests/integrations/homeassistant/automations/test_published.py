@@ -661,6 +661,18 @@ PLAYS: tuple[Play, ...] = (
         ],
         "09:50 10:40",
     ),
+    Play(
+        "steps_of_values",
+        "sensor.hall 21, sensor.study 25",
+        [
+            "10:00 warm push",
+            "10:05 sensor.study 25.5",
+            "10:06 warm push",
+            "10:10 sensor.hall 17.5",
+            "10:11 warm push",
+        ],
+        ["10:06:00 notify Open a window"],
+    ),
     Play("steps_of_values", "", ["10:05 media_player.bath playing volume_level=0.5"]),
     Play("group_of_windows", "binary_sensor.bedroom_window on", ["10:05 binary_sensor.kitchen_window on"]),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
@@ -914,7 +926,7 @@ async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None
 
 async def test_a_value_of_another_entity_and_a_limit_of_its_own_are_refused() -> None:
     found = await imported("steps_of_values")
-    assert {one.name for one in found.refused} == {"As loud as the other", "Up to a limit"}
+    assert {one.name for one in found.refused} == {"As loud as the other", "Up to a limit", "Perhaps unknown"}
 
 
 def test_each_file_is_also_played_so_that_it_does_nothing_or_less() -> None:

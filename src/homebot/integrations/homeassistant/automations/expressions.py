@@ -278,6 +278,11 @@ def constants_in(node: nodes.Expr) -> list[object]:
         return [value for item in node.items for value in constants_in(item)]
     if isinstance(node, nodes.Neg):
         return [-constant_number(node.node)]
+    if isinstance(node, nodes.Call) and node.node == nodes.Name("range", "load") and 0 < len(node.args) < 3:
+        ends = [int(constant_number(end)) for end in node.args]
+        numbers = range(*ends)
+        if len(numbers) <= _MAX_RANGE:
+            return [*numbers]
     if isinstance(node, nodes.Const):
         return [node.value]
     raise refused_template(shown_tree(node), "it compares two values; routines compare a value with a number or a text")
@@ -415,5 +420,7 @@ class _Expression(str):
         self.tree = tree
         return self
 
+
+_MAX_RANGE: Final = 100
 
 _MAX_SHOWN: Final = 60

@@ -76,6 +76,23 @@ EQUAL: Final = 0.0001
 """The difference up to which two values count as one."""
 
 
+def extreme_of(node: nodes.Expr) -> tuple[str, list[nodes.Expr]] | None:
+    """Return ``min`` or ``max``, and the values of which *node* is the least or the greatest; None for another one.
+
+    Raises:
+        NotCarriedError: A value may be unknown, which ends the whole template.
+    """
+    match node:
+        case nodes.Filter(name="float", node=inner, args=[]) if inner is not None:
+            return extreme_of(inner)
+        case nodes.Filter(name="min" | "max" as name, node=nodes.List(items=[_, *_] as items), args=[]):
+            for item in items:
+                if not isinstance(item, nodes.Const) and number_of_tree(item).default is None:
+                    raise refused_template(shown_tree(item), "it may be unknown; write `float(0)`, or the value then")
+            return name, items
+    return None
+
+
 def is_of_two(node: nodes.Expr) -> bool:
     """Return whether *node* is a sum or difference of two values."""
     while isinstance(node, nodes.Filter) and node.name in {"float", "round", "int"} and node.node is not None:

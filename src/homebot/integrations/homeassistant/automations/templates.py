@@ -54,6 +54,7 @@ from homebot.integrations.homeassistant.automations.template_elapsed import Elap
 from homebot.integrations.homeassistant.automations.template_lists import counted_list, list_of_loop, names_text
 from homebot.integrations.homeassistant.automations.template_numbers import (
     SIGNS,
+    extreme_of,
     holds,
     is_of_two,
     number_of_tree,
@@ -407,6 +408,8 @@ class Templates:
                 [*self._denied(held), *self._compared(left, sign, right.expr2)],
             )
             return self._any_of(ways)
+        if (several := extreme_of(left)) is not None and sign in SIGNS:
+            return self._compared_all(*several, sign, right)
         if is_now(left) and (clock := clock_of_today(right)) and sign in SIGNS:
             return of_time("clock", SIGNS[sign], clock)
         if (elapsed := elapsed_limit(left, sign, right)) is not None:
@@ -421,6 +424,13 @@ class Templates:
         if sign == "ne":
             return self._denied(self._equal(left, value))
         return self._limited(left, SIGNS[sign], value)
+
+    def _compared_all(self, kind: str, values: Sequence[nodes.Expr], sign: str, right: nodes.Expr) -> list[Condition]:
+        """Return the condition that the least, or the greatest, of *values* is above or below a limit."""
+        ways = [self._read(nodes.Compare(value, [nodes.Operand(sign, right)])) for value in values]
+        if (kind == "min") is (SIGNS[sign][0] == ">"):
+            return [condition for way in ways for condition in way]
+        return self._any_of(ways)
 
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
         path = path_of(left)
