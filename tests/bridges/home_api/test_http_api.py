@@ -130,6 +130,8 @@ async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
             ],
             (await api.command("£", "on"), 400, "contains no search term"),
             (await api.get("/api/devices?limit=201"), 400, "limit: Input should be less than or equal to 200"),
+            (await api.command([], "on"), 400, "device: Tuple should have at least 1 item"),
+            (await api.command(["lamp1"] * 51, "on"), 400, "device: Tuple should have at most 50 items"),
             (await api.get("/api/devices?quest=x"), 400, "known are q, limit"),
             (await api.get("/api/history?device=lamp1&since=soon"), 400, "'soon' is not a duration"),
             (await api.get("/api/device"), 404, "there are GET /api/home"),

@@ -180,10 +180,12 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
 
 
 def _wrong_field(route: ApiRoute, exc: ValidationError) -> ProblemError:
-    first = exc.errors()[0]
-    where = ".".join(map(str, first["loc"])) or "body"
+    errors = exc.errors(include_url=False)
+    wrong = next((error for error in errors if not error["type"].endswith("_type")), errors[0])  # one for each type
+    field, *inner = wrong["loc"] or ("body",)
+    where = ".".join(map(str, (field, *(key for key in inner if isinstance(key, int) or key.isidentifier()))))
     known = ", ".join(route.question.model_fields) or "none"
-    return ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}")
+    return ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {wrong['msg']}; known are {known}")
 
 
 def _fits(pattern: str, path: str) -> bool:
