@@ -82,6 +82,13 @@ VIEWS = (
     ("routines", (1280, 580), "light", "en", "#/routines", "Good night", ""),
     ("device", (1280, 820), "light", "en", HEAT, "Why", HOUR),
     ("plan", SCREEN, "light", "en", "#/plan", "Kitchen lamp", ""),
+    ("system", WALL, "light", "en", "#/system", "Waiting for your approval", ""),
+    ("system-phone", PHONE, "dark", "de", "#/system", "Wartet auf deine Freigabe", ""),
+    ("people-phone", PHONE, "light", "de", "#/setup/people", "Handy im Netz", ""),
+    ("addresses-phone", PHONE, "dark", "de", "#/setup/alerts", "Testnachricht senden", ""),
+    ("backup-phone", PHONE, "light", "en", "#/setup/backup", "make a backup", ""),
+    ("pairing", WALL, "dark", "en", "#/setup/devices", "Bridge", ""),
+    ("pairing-phone", PHONE, "light", "de", "#/setup/devices", "Bridge", "form[aria-label=Bridge] button"),
     ("approval", (1280, 480), "light", "en", "#/system", "Waiting for your approval", LOCK),
     ("", SCREEN, "light", "fr", "#/device/lamp_meter", "Énergie par jour", ""),
     ("", SCREEN, "light", "es", "#/journal", "confirmado tras", ""),
@@ -110,6 +117,7 @@ def home() -> Config:
     tables["scenes"] = SCENES
     tables["gateways"]["mqtt"]["stale_after"] = "50s"
     tables["gateways"]["real"] = {"class": "homebot.gateways.memory:MemoryGateway"}
+    tables["gateways"]["hub"] = {"class": "tests.peers.test_page_pairing:Hub", "act": True}
     tables["apps"]["lights_out"]["quiet_after"] = "45s"
     tables["apps"]["window_heating"]["open_for"] = "10s"
     tables["control"]["presence_guard"]["absent_after"] = "40s"
@@ -176,8 +184,8 @@ def approve(page: Page, name: str) -> None:
 
 
 def write(page: Page, name: str, width: int, most: int) -> None:
-    """Write the picture of what the page shows, at most as high as *most*."""
-    page.resize(width, min(most, page.height()))
+    """Write the picture of what the page shows, at most as high as *most*; on a phone it has the bar at its end."""
+    page.resize(width, min(most, page.height()) if width > PHONE[0] else most)
     picture = page.picture()
     assert len(picture) < LARGEST
     IMAGES.mkdir(exist_ok=True)

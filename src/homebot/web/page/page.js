@@ -1,1 +1,1 @@
-import"./chunk-L5TU7CXW.js";
+import"./chunk-HCVP6RBD.js";

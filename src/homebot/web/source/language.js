@@ -64,8 +64,8 @@ function patternsOf(reasons) {
 /** A reason that homebot gives in English, in the language of the page if it has one of the forms of the table. */
 export function sayReason(text) {
   const [form, found] = patterns.map(([one, pattern]) => [one, pattern.exec(text)]).find(([, one]) => one) ?? [text];
-  const { value, reason, ...others } = found?.groups ?? {};
-  return say(form, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason) });
+  const { value, reason, list, ...others } = found?.groups ?? {};
+  return say(form, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason), list: list?.split(", ").map(sayReason).join(", ") });
 }
 
 export const numberText = (value) => value.toLocaleString(locale.value, { maximumFractionDigits: 20, useGrouping: false });

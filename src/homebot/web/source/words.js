@@ -1,7 +1,7 @@
 // Values, times and causes as people read them.
 import { computed, signal } from "@preact/signals";
 import { now, zone } from "./clock.js";
-import { language, locale, numberText, say, sayReason } from "./language.js";
+import { locale, numberText, say, sayReason } from "./language.js";
 
 /** Of capabilities: units, words for no and yes, and texts that only report; and the outcomes that are failures. */
 export const vocabulary = signal({ units: {}, failures: [], flags: {}, passing: {} });
@@ -147,7 +147,7 @@ export const settingsText = (settings) => settings.map(readingText).join(", ");
 const readingText = (one) =>
   (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
 
-/** Outcomes in other languages. */
+/** What became of a command. */
 const OUTCOMES = {
   already_so: "it was so already",
   confirmed: "confirmed after {time}",
@@ -162,6 +162,6 @@ const OUTCOMES = {
 /** The text of an outcome, with its time as people read it. */
 export function outcomeText(result) {
   const known = result.outcome === "no_answer" && result.reason ? "not sent: {reason}" : OUTCOMES[result.outcome];
-  if (language.value === "en" || !known) return result.text.replace(/(after|within) ([\d.e-]+) s\b/, (_, word, time) => `${word} ${durationText(Number(time))}`);
+  if (!known) return result.text;
   return say(known, { ...result, policy: label(result.policy), reason: sayReason(result.reason), time: durationText(result.latency) });
 }

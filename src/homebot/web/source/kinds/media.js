@@ -35,7 +35,7 @@ export const media = {
   group: "media",
   isActive: isOn,
   tone: (device) => (isOn(device) ? "on" : "rest"),
-  state: (device) => (isOn(device) ? textOf("playback", read(device, "playback") ?? "on") : say("off")),
+  state: (device) => (isOn(device) ? [textOf("playback", read(device, "playback") ?? "on"), read(device, "media_title"), read(device, "media_artist")].filter(Boolean).join(" · ") : say("off")),
   act: mainAct,
   Main,
   main: ["playback", "volume"],

@@ -14,7 +14,7 @@ import { LastKnown, Marks } from "../marks.js";
 import { Owner } from "../owner.js";
 import { openSheet } from "../tile.js";
 import { Why } from "../why.js";
-import { durationText, label, seconds, spoken, timeText, valueText } from "../words.js";
+import { durationText, label, seconds, timeText, titled, valueText } from "../words.js";
 
 /** Capabilities that only the name of their part tells. */
 const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
@@ -39,7 +39,7 @@ export function Device({ id }) {
   if (!short) return html`<h1><bdi>${id}</bdi></h1><p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
   return html`
     <div class="title">
-      <h1>${short.name} <small>${label(short.type)}${short.room && `, ${spoken(short.room)}`}</small></h1>
+      <h1>${short.name} <small>${label(short.type)}${short.room && `, ${titled(short.room)}`}</small></h1>
       <${Marks} device=${short} />
       <button type="button" class="pill" onClick=${() => openSheet(id)}>${stateOf(short)} <${Sign} path=${SIGNS.right} /></button>
     </div>

@@ -42,7 +42,7 @@ export function Room({ id }) {
     <div class="roomgrid">
       ${lights.length > 0 && html`<section class="all" aria-labelledby="lights"><h2 id="lights">${say("Lights")}</h2><${Tiles} devices=${lights} /></section>`}
       ${CARDS.flatMap(group).map((one) => html`<${Card} key=${one.id} device=${one} />`)}
-      ${rest.length > 0 && html`<section class=${rest.length > 1 ? "wide" : ""} aria-labelledby="others"><h2 id="others">${say("Doors, sensors and others")}</h2><${Tiles} devices=${rest} /></section>`}
+      ${rest.length > 0 && html`<section class=${rest.length > 1 ? "two" : ""} aria-labelledby="others"><h2 id="others">${say("Doors, sensors and others")}</h2><${Tiles} devices=${rest} /></section>`}
       ${devices && html`<${Lately} ids=${own.map((one) => one.id)} isWide=${rest.length < 2} />`}
       ${aside.length > 0 && html`<section class="all">
         <p class="choices"><button type="button" aria-expanded=${showsAll} onClick=${() => setShowsAll(!showsAll)}>${say("buttons, settings and updates: {count}", { count: aside.length })}</button></p>
@@ -73,5 +73,5 @@ function Lately({ ids, isWide }) {
     call("/control/journal", { limit: 400 }).then((answer) => setEntries(answer.entries.filter((one) => ["requested", "changed"].includes(one.kind) && ids.includes(one.device)).reverse().slice(0, LATELY)), () => {});
   }, [isOpen, ids.join()]);
   if (!entries.length) return null;
-  return html`<section class=${isWide ? "card lately wide" : "card lately"} aria-labelledby="lately"><h2 id="lately">${say("Lately here")}</h2><ol class="log">${entries.map((one, at) => html`<${Entry} key=${at} entry=${one} />`)}</ol></section>`;
+  return html`<section class=${isWide ? "card lately two" : "card lately"} aria-labelledby="lately"><h2 id="lately">${say("Lately here")}</h2><ol class="log">${entries.map((one, at) => html`<${Entry} key=${at} entry=${one} />`)}</ol></section>`;
 }

@@ -58,8 +58,8 @@ export function System() {
           ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString(locale.value)}</td></tr>`)}
         </tbody></table>
       </section>`)}
+      <${Screen} />
     </div>
-    <div class="columns"><${Screen} /></div>
     <${Log} />
     <${Connection} />`;
 }
@@ -140,7 +140,7 @@ function Waiting({ devices, onApproved }) {
           ${shown.message && html`<p class="bad">${shown.message}</p>`}
           ${shown.commands?.length > 0 && html`<p>${say("Approval allows these commands:")}</p><pre>${shown.commands.join("\n")}</pre>`}
           ${shown.changes?.length > 0 && html`<p>${say("Changed since the approval before:")}</p><pre>${shown.changes.join("\n")}</pre>`}
-          ${shown.success && html`<button type="button" onClick=${approve}>${say("approve {name}", { name: nameOf(id) })}</button>`}
+          ${shown.success && html`<p class="choices"><button type="button" onClick=${approve}>${say("approve {name}", { name: nameOf(id) })}</button></p>`}
         </div>`}
       </li>`)}
     </ul>
