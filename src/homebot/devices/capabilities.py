@@ -199,6 +199,8 @@ _CONTROLS = (
         obedience=PLAYER,
         words={"stop": "stopped", "play": "playing", "pause": "paused"},
     ),
+    CapabilityType("media_title", "text", "title of what a player plays"),
+    CapabilityType("media_artist", "text", "who plays or speaks what a player plays"),
     CapabilityType(
         "muted",
         "bool",

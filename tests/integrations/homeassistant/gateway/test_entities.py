@@ -348,7 +348,7 @@ def test_a_projector_is_no_speaker_and_off_in_standby() -> None:
 
 def test_a_player_that_only_pauses_refuses_to_stop() -> None:
     player = only("media_player.a", "playing", supported_features=1 | 16_384, is_volume_muted=True)
-    assert player.read(is_change=True) == {"playback": "playing"}
+    assert player.read(is_change=True) == {"playback": "playing", "media_title": None, "media_artist": None}
     assert player.call("playback", "paused").service == "media_pause"
     with pytest.raises(RefusedError, match="playing, paused"):
         player.call("playback", "stopped")

@@ -194,6 +194,8 @@ _MEDIA_PLAYER: Final = EntityComponent(
         flag("muted", "is_volume_muted", "volume_mute", has(8)),
         choice("option", "source", "source_list", "select_source", when=has(2048)),
         *moves("playback", _PLAYER_MOVES, read_state(_PLAYBACK)),
+        EntityRow("media_title", read_text("media_title")),
+        EntityRow("media_artist", read_text("media_artist")),
     ),
 )
 
