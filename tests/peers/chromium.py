@@ -24,6 +24,12 @@ NAME = "house.example"
 SMALLEST_TARGET = 44
 """Pixels of CSS that a finger needs: WCAG 2.2, success criterion 2.5.5."""
 
+NEVER_LATER = """
+const later = setTimeout;
+globalThis.setTimeout = (work, delay) => (delay === 2000 ? 0 : later(work, delay));
+"""
+"""Lets nothing be loaded two seconds after the first view."""
+
 _AXE = """
 const done = arguments[0];
 const isInvisible = (node) => node.any.some((check) => check.data?.messageKey === "equalRatio");

@@ -16,7 +16,7 @@ import pytest
 from anyio import to_thread
 from anyio.abc import SocketAttribute, SocketStream
 from tests.hanging_link import HangingLink
-from tests.peers.chromium import Page, axe_program, chromium, opened_page
+from tests.peers.chromium import NEVER_LATER, Page, axe_program, chromium, opened_page
 from tests.peers.node_package import node_folder
 
 from homebot.apps import App
@@ -139,11 +139,6 @@ socket.onopen = () => {
 socket.onmessage = (event) => JSON.parse(event.data).service === "/control/hold" && done();
 """
 """Holds a lamp off, as a robot does."""
-
-NEVER_LATER = """
-const later = setTimeout;
-globalThis.setTimeout = (work, delay) => (delay === 2000 ? 0 : later(work, delay));
-"""
 
 HISTORY = """
 const done = arguments[0];

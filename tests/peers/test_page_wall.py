@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import anyio
 import pytest
 from anyio import to_thread
-from tests.peers.chromium import Page, axe_program, chromium, opened_page
+from anyio.abc import TaskStatus
+from tests.peers.chromium import NEVER_LATER, Page, axe_program, chromium, opened_page
 from tests.ports import reserve_port
 
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.memory import MemoryGateway
 from homebot.house import World
 from homebot.house.description import load_world
 from homebot.mqtt.clients import HostedBroker
@@ -73,6 +77,17 @@ DEVICES: dict[str, dict[str, object]] = {
 NAMES = {"evil": MARKUP, "long": LONG, "turned": TURNED, "smoke": f"Smoke {MARKUP}", "panel": "House alarm"}
 STATES = {"evil": '{"state":"ON","brightness":99,"color":{"h":9,"s":90}}', "smoke": "ON", "panel": "armed_away"}
 OWNER = "hunter2-and-some-more"
+
+
+class Radio(MemoryGateway):
+    """Has a player that plays."""
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        part = simple_part("speaker", settable=("playback",), readable=("media_title", "media_artist"))
+        self.devices.put(GatewayDevice("radio", "Radio", (part,), area="living_room"), "new")
+        values = {"playback": "playing", "media_title": "Blue in Green", "media_artist": "Miles Davis"}
+        await self.devices.report("radio", values)
+        await super().serve(task_status=task_status)
 
 
 @pytest.fixture(scope="module")
@@ -318,6 +333,27 @@ async def test_a_language_is_chosen_and_kept(browser: Any, world: World) -> None
         await own.open("#/device/heating", shows="Solltemperatur")
         assert own.browser.execute_script("return document.documentElement.lang") == "de"
         await to_thread.run_sync(own.browser.execute_script, "localStorage.clear()")
+
+
+async def test_a_first_view_in_another_language_loads_what_it_says_and_no_more(browser: Any, world: World) -> None:
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": NEVER_LATER})
+    async with opened_page(browser, world) as own:
+        await own.open(shows="heating")
+        await to_thread.run_sync(browser.execute_script, "localStorage.setItem('homebot.language', 'de')")
+        await own.open("?german", shows="Favoriten")
+        await own.shows("Soll", ".tile.stepping")
+        await own.shows("Verriegelt")
+        loaded = "return performance.getEntriesByType('resource').map((one) => one.name).join()"
+        assert "/de-" in browser.execute_script(loaded)
+        assert "/de_late-" not in browser.execute_script(loaded)
+        await to_thread.run_sync(browser.execute_script, "localStorage.clear()")
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+
+
+async def test_a_player_says_what_it_plays(browser: Any, world: World) -> None:
+    tables: dict[str, object] = {"gateways": {"mqtt": {"root": "home425"}, "radio": {"class": f"{__name__}:Radio"}}}
+    async with opened_page(browser, world, tables) as own:
+        await own.open("#/room/living_room", shows="Playing · Blue in Green · Miles Davis")
 
 
 async def test_a_device_is_renamed_placed_tagged_and_hidden(browser: Any, world: World) -> None:

@@ -1,1 +1,1 @@
-import"./chunk-HCVP6RBD.js";
+import"./chunk-AWNBYNRN.js";
