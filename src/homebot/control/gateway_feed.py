@@ -37,6 +37,11 @@ class LinkLoss(NamedTuple):
 _NEVER: Final = LinkLoss()
 
 
+def places_of(routes: Iterable[Route]) -> list[_Place]:
+    """Return where the gateways of *routes* report."""
+    return [(route.gateway, route.key, route.part) for route in routes]
+
+
 @final
 class GatewayFeed:
     """The one subscription to the reports, answers and states of each gateway.
@@ -70,7 +75,7 @@ class GatewayFeed:
 
     def watch(self, routes: Iterable[Route], on_report: OnReport) -> Callable[[], None]:
         """Call *on_report* with each live report by one of *routes*; return the function that stops it, once."""
-        places = [(route.gateway, route.key, route.part) for route in routes]
+        places = places_of(routes)
         for place in places:
             self._watches.setdefault(place, []).append(on_report)
             self._follow_reports(place[0])
@@ -98,9 +103,7 @@ class GatewayFeed:
 
     def is_answering(self, routes: Iterable[Route]) -> bool:
         """Return whether a device ever answered a command by one of *routes*; the last 10,000 routes are remembered."""
-        return bool(self._answering) and any(
-            (route.gateway, route.key, route.part) in self._answering for route in routes
-        )
+        return bool(self._answering) and any(place in self._answering for place in places_of(routes))
 
     def _follow_state(self, gateway: str) -> None:
         if gateway in self._states:

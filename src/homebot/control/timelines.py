@@ -5,12 +5,13 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from types import MappingProxyType
 from typing import Final, final
 
 from homebot.control.command import IssuedCommand, device_settings, order_of
 from homebot.control.earlier_commands import EarlierCommand, commands_in_doubt
-from homebot.control.gateway_feed import GatewayFeed
+from homebot.control.gateway_feed import GatewayFeed, places_of
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.timeline.cause import MAX_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.facts import Attribution, Cause, Decided, GroupMessage, Order, PartRef, Reported, Sent
@@ -122,6 +123,8 @@ class Timelines:
         if part is None:
             return
         if (entry := self._entries.get((device.id, part.id))) is not None:
+            if {*places_of(entry.part.routes)}.issuperset(places_of(part.routes)):
+                return  # its gateways tell them
             timeline = self.of(device, part)
         else:
             before = {change.capability: change.before.plain() for change in reversed(changes)}
@@ -139,12 +142,18 @@ class Timelines:
         self._update(entry)
 
     def cause(self, change: ChangedSetting) -> Attribution | None:
-        """Return the cause of a change; None if it is not known."""
-        entry = self._entries.get((change.device, change.part))
+        """Return the cause of a change; None if it is not known.
+
+        One before all reports of its timeline was a person's: the command that began that answered it.
+        """
+        entry, stamp = self._entries.get((change.device, change.part)), change.told_at.to_seconds()
         if entry is None:
             return None
-        fact = entry.timeline.find(change.capability, change.value.plain(), change.told_at.to_seconds())
-        return None if fact is None else fact.attribution
+        fact = entry.timeline.find(change.capability, change.value.plain(), stamp)
+        if fact is None:
+            is_first = all(report.stamp >= stamp for report in islice(entry.timeline.reports, 1))
+            return Attribution(Cause.PERSON) if is_first else None
+        return fact.attribution
 
     def causes(self, devices: Container[str]) -> Iterator[KnownCause]:
         """Yield the causes of the newest changes of some devices."""
