@@ -13,9 +13,11 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
 from homebot.control.explanations import Explanations
 from homebot.devices import Device
+from homebot.devices.command_messages import Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import ContactSensor, Handle, Light, Plug, Thermostat
 from homebot.devices.journal_messages import (
+    EntryKind,
     ExplainDevice,
     ExplainDeviceRequest,
     ExplainDeviceResponse,
@@ -27,8 +29,10 @@ from homebot.devices.journal_messages import (
 )
 from homebot.devices.names import EXPLAIN_DEVICE
 from homebot.devices.outcomes import Contradicted, NoAnswer
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.wording.journal_words import finding_text
 from homebot.graph import Node
+from homebot.journal.store import JournalNote, JournalStore
 from homebot.messages import Time
 
 virtual_time = pytest.mark.virtual_time
@@ -282,6 +286,30 @@ async def test_a_press_explains_a_relay_only_if_the_relay_did_not_follow(
     await home.report("relay", "press", "single")
     found = await explain(home, (await home.devices.find(Handle))[0].device.id)
     assert found.finding == finding
+
+
+async def test_a_report_that_was_on_its_way_while_the_command_was_given_does_not_end_the_chain() -> None:
+    def note(kind: EntryKind, at: float, command: str, trigger: Trigger = NO_TRIGGER, *, value: bool = True) -> None:
+        setting = Setting.of("on_off", value)
+        store.add(JournalNote(kind, at, "lamp", "", command, trigger=trigger, settings=(setting,), cause="command"))
+
+    def by_message(at: float) -> Trigger:
+        return Trigger(kind="message", device="lamp", text="on", at=Time.from_seconds(at))
+
+    store = JournalStore(100, 1000.0)
+    note("requested", 10.0, "1")
+    note("reported", 10.1, "1")
+    note("reported", 10.2, "2")  # the lamp repeats itself, and is heard before the app asks for off
+    note("requested", 10.3, "2", value=False, trigger=by_message(10.1))
+    note("requested", 10.4, "3", value=False, trigger=by_message(10.2))
+    note("reported", 10.5, "3", value=False)
+    lamp = make_device("lamp", "light", settable=("on_off",), values={"on_off": False}, since=10.5)
+
+    async def find(_: str) -> Device | None:
+        return lamp
+
+    found = await Explanations(store.read, find).explain(ExplainDeviceRequest(device="lamp"))
+    assert [entry.command for entry in found.entries] == ["1", "1", "2", "2", "3", "3"]
 
 
 async def missing(device: Device, state: str) -> ExplainMissingStateResponse:

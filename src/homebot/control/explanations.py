@@ -79,7 +79,9 @@ class _JournalReader:
         own = entry.device, entry.part
         entries = tuple([step for step in known if step.kind != "reported" or (step.device, step.part) == own])
         entries = entries or (entry,)
-        before = await self._cause(entries[0]) if deepest > 1 else None
+        # A report may be older than the command that it answers: it was on its way while the command was given.
+        begins = next((step for step in entries if step.kind in _REQUESTS), entries[0])
+        before = await self._cause(begins) if deepest > 1 else None
         return entries if before is None else (*await self.chain(before, deepest - 1), *entries)
 
     async def _cause(self, command: JournalEntry) -> JournalEntry | None:
