@@ -28,7 +28,8 @@ class RobotSettings(BaseModel):
             ``limit``; or only ``room``. Retained messages do not count, as their age is not known. A topic may also
             have poses in a form that an integration reads, such as the ``state`` of a robot of VDA 5050.
         vacuum: The MQTT topic of a vacuum cleaner with a map, such as ``valetudo/NAME``.
-        segments: The rooms of the segments on its map, by id: ``{"16" = "Kitchen"}``.
+        segments: The rooms of the segments on its map, by id: ``{"16" = "Kitchen"}``; or of the destinations of a robot
+            of a fleet.
         map_transform: x, y in metres and yaw in radians of the frame of its map, ``NAME/map``, in the house's frame
             ``map``. Not needed if three of its segments have the names of rooms with a polygon.
         gateway: The gateway that receives ``topic`` and ``vacuum``.

@@ -19,6 +19,7 @@ from homebot.graph import Node, qos_profile_latched
 from homebot.messages.builtin_interfaces import Time
 from homebot.places import HousePlan
 from homebot.places.floor_plan import FloorPlan
+from homebot.robots.device_drive import DeviceDrive
 from homebot.robots.pose_topics import PACE, PoseTopics
 from homebot.robots.robot import TrackedRobot
 from homebot.robots.sensors import follow_motion, read_poses, read_tags
@@ -66,6 +67,7 @@ class RobotTracker:
         for robot in self._robots.values():
             if robot.settings.topic:
                 node.create_task(partial(read_poses, node, devices, robot))
+                node.create_task(DeviceDrive(node, devices, robot, self._house).run)
             if robot.settings.vacuum:
                 node.create_task(Vacuum(node, devices, robot, self._house).run)
             if robot.settings.tag_reader:

@@ -70,6 +70,10 @@ class RobotCommands:
             raise RefusedError(f"option {activity!r}", "it has no order to go on with; set its destination")
         return self._instantly(_ACTIONS[activity])
 
+    def request(self) -> Publications:
+        """Return the request to tell the state now, as a robot may be silent about it for 30 seconds."""
+        return self._instantly("stateRequest", RobotState({}))
+
     def _known(self, capability: str, wanted: str) -> RobotState:
         if self.state is None:
             raise RefusedError(f"{capability} {wanted!r}", "the robot has not told its state yet")
@@ -119,16 +123,18 @@ class RobotCommands:
             position["allowedDeviationXY"] = deviation if self._major == "2" else round_
         return position
 
-    def _instantly(self, action: str) -> Publications:
+    def _instantly(self, action: str, state: RobotState | None = None) -> Publications:
         number = self._sent.get("instantActions", 0)
-        state = self._known("option", action)
+        state = state or self._known("option", action)
         named = _action(action, f"homebot {state.timestamp} {action} {number}", "NONE")
         # 2.0 and its schema have two names for the list
-        keys = ("actions", "instantActions") if (state.version or "2.0").startswith("2.0") else ("actions",)
-        return self._message("instantActions", {key: [named] for key in keys})
+        keys = (
+            ("actions", "instantActions") if (state.version or f"{self._major}.0").startswith("2.0") else ("actions",)
+        )
+        return self._message("instantActions", {key: [named] for key in keys}, state)
 
-    def _message(self, topic: str, content: Mapping[str, object]) -> Publications:
-        state = self._known(topic, "")
+    def _message(self, topic: str, content: Mapping[str, object], state: RobotState | None = None) -> Publications:
+        state = state or self._known(topic, "")
         now = home_time.get()
         told_at = state.timestamp if now is None else now().astimezone(UTC).isoformat(timespec="milliseconds")
         number = self._sent[topic] = self._sent.get(topic, -1) + 1

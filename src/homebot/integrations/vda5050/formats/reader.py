@@ -117,6 +117,7 @@ class _Robot:
             part.add_capability(name)
         part.add_command_topics(f"{self._base}/instantActions", f"{self._base}/order")
         part.read_from(self._topic, self._read)
+        part.add_state_request(*self._commands.request())
         part.remembers()
         return part.build()
 
