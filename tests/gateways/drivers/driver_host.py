@@ -14,17 +14,20 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.drivers.base import Driver, FoundService
 from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.support.logger import get_logger
 
 DriverT = TypeVar("DriverT", bound=Driver)
+ServiceT = TypeVar("ServiceT")
 
 
 class KeepingHost(DriverHost):
     """Keeps the device, its values by part and capability, its raw messages, and what was rejected."""
 
-    def __init__(self) -> None:
+    def __init__(self, services: GatewayContext | None = None) -> None:
+        self.services = services or GatewayContext()
         self.clock: Clock = LoopClock()
         self.log = get_logger()
         self.devices: list[GatewayDevice] = []
@@ -39,6 +42,9 @@ class KeepingHost(DriverHost):
     @property
     def device(self) -> GatewayDevice:
         return self.devices[-1]
+
+    def service(self, kind: type[ServiceT]) -> ServiceT | None:
+        return self.services.service(kind)
 
     def describe(self, device: GatewayDevice) -> None:
         self.devices.append(device)

@@ -29,6 +29,7 @@ class Advertisement:
         service_data: Bytes by service UUID, full and lower case.
         manufacturer_data: Bytes by company identifier.
         service_uuids: The advertised services, full and lower case.
+        receiver: The address of the proxy that heard it; empty for the adapter of this computer.
     """
 
     address: str
@@ -38,9 +39,10 @@ class Advertisement:
     service_data: Mapping[str, bytes] = field(default_factory=dict)
     manufacturer_data: Mapping[int, bytes] = field(default_factory=dict)
     service_uuids: tuple[str, ...] = ()
+    receiver: str = ""
 
     def says_the_same(self, other: Advertisement) -> bool:
-        """Return whether it equals *other* in all but the signal."""
+        """Return whether it equals *other* in all but the signal and the receiver."""
         return (
             self.service_data == other.service_data
             and self.manufacturer_data == other.manufacturer_data

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from itertools import islice
-from typing import Final
+from typing import Final, TypeVar
 
 import anyio
 from structlog.typing import FilteringBoundLogger
@@ -32,6 +32,9 @@ MAX_PROBLEMS: Final = 20
 """Most devices in the list of problems."""
 
 
+ServiceT = TypeVar("ServiceT")
+
+
 class DriverHost:
     """The gateway as the driver of one device sees it."""
 
@@ -44,6 +47,10 @@ class DriverHost:
         self.key = key
         self._devices = devices
         self._behind = {} if behind is None else behind
+
+    def service(self, kind: type[ServiceT]) -> ServiceT | None:
+        """Return the running service of the host of the class *kind*, or None."""
+        return self._devices.gateway.context.service(kind)
 
     def describe(self, device: GatewayDevice) -> None:
         """Publish the description of the device, once it is known and on each change.

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from bleak.backends.device import BLEDevice
     from bleak.backends.scanner import AdvertisementData, BaseBleakScanner
 
+    from homebot.gateways.ble_proxies.hub import ProxyHub
+
 CONNECT_WITHIN = 20.0
 ANSWER_WITHIN = 10.0
 """Both in seconds."""
@@ -50,9 +52,13 @@ class BleRadio:
     Args:
         backend: The stack to use; None for that of the operating system.
         adapter: The name of the adapter, on Linux; empty for the system's.
+        proxies: The receivers in other rooms; None for none.
     """
 
-    def __init__(self, backend: BleBackend | None, adapter: str, *, is_passive: bool) -> None:
+    def __init__(
+        self, backend: BleBackend | None, adapter: str, *, is_passive: bool, proxies: ProxyHub | None = None
+    ) -> None:
+        self._proxies = proxies
         self._scanner_backend = None if backend is None else cast("type[BaseBleakScanner]", backend.scanner)
         self._client_backend = None if backend is None else cast("type[BaseBleakClient]", backend.client)
         self._adapter = adapter
@@ -92,7 +98,7 @@ class BleRadio:
                 await scanner.stop()
 
     async def connect(self, address: str, on_lost: Callable[[], None]) -> BleLink:
-        """Connect to a device and discover its services.
+        """Connect to a device, by a proxy where this computer does not hear it, and discover its services.
 
         Raises:
             BluetoothUnavailableError: There is no adapter.
@@ -101,13 +107,16 @@ class BleRadio:
         known = {} if self._scanner is None else self._scanner.discovered_devices_and_advertisement_data
         device = next((candidate for candidate, _ in known.values() if candidate.address.upper() == address), None)
         with _unavailable_errors(only_adapter=True), _link_errors(address):
-            client = BleakClient(
-                device or address,
-                disconnected_callback=lambda _: on_lost(),
-                timeout=CONNECT_WITHIN,
-                bluez={"adapter": self._adapter} if self._adapter else {},
-                backend=self._client_backend,
-            )
+            if device is None and self._proxies is not None and self._proxies.reaches(address):
+                client = self._proxies.client(address, lambda _: on_lost(), CONNECT_WITHIN)
+            else:
+                client = BleakClient(
+                    device or address,
+                    disconnected_callback=lambda _: on_lost(),
+                    timeout=CONNECT_WITHIN,
+                    bluez={"adapter": self._adapter} if self._adapter else {},
+                    backend=self._client_backend,
+                )
             with anyio.fail_after(CONNECT_WITHIN + ANSWER_WITHIN):
                 await client.connect()
         return BleLink(client, address)

@@ -2,34 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, nullcontext
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import anyio
 import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.clock import Clock
 from homebot.conventions.bluetooth.beacons import BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway, GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext, HostService
 from homebot.gateways.ble.connections import Connections
 from homebot.gateways.ble.intake import BluetoothUnavailableError, Intake
 from homebot.gateways.ble.known_device import KnownDevice
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
-from homebot.graph import Node
+from homebot.gateways.ble_proxies.proxy import ListedProxies
+from homebot.graph import Graph, Node
 from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
 from homebot.support.ble_backend import BleBackend
+from homebot.support.ble_proxies import BleProxies
 from homebot.support.isolation import run_as
 from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
     from homebot.gateways.ble.bleak_adapter import BleRadio
+    from homebot.gateways.ble_proxies.hub import ProxyHub
 
 QUIET = 30.0
 """Seconds without any advertisement after which the scan is restarted: an adapter that is gone does not say so."""
@@ -83,7 +89,9 @@ class BleGateway(Gateway):
         self._reason = "it has not started"
         self._told: dict[str, int] = {}
         self.intake = Intake(clock)
+        self._hub = cast("ProxyHub | None", self.context.service(BleProxies))
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=settings.max_devices)
+        self._proxies = ListedProxies(settings.listed_proxies, self.devices)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
@@ -91,13 +99,32 @@ class BleGateway(Gateway):
         check_extra('the gateway "ble"', "ble", "bleak", "cryptography")
         if isinstance(settings, BleGatewaySettings):
             _find_parsers(settings)
+            if settings.proxies:
+                ListedProxies.check(settings.listed_proxies)
+
+    @classmethod
+    def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
+        """Return the place where proxies are handed over, if there shall be any."""
+        if not isinstance(settings, BleGatewaySettings) or not settings.proxies:
+            return ()
+
+        @asynccontextmanager
+        async def start(_graph: Graph, clock: Clock) -> AsyncIterator[BleProxies]:
+            from homebot.gateways.ble_proxies.hub import ProxyHub  # noqa: PLC0415 - an extra
+
+            with ProxyHub(clock, takes_found=settings.proxies is True).running() as hub:
+                yield hub
+
+        return (HostService(BleProxies, start),)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the scan and the connections until cancelled; ready after the first attempt to scan."""
         from homebot.gateways.ble.bleak_adapter import BleRadio  # noqa: PLC0415 - only where it runs
 
         backend = self.context.service(BleBackend)
-        radio = BleRadio(backend, self._settings.adapter, is_passive=self._settings.scan == "passive")
+        is_passive = self._settings.scan == "passive"
+        radio = BleRadio(backend, self._settings.adapter, is_passive=is_passive, proxies=self._hub)
+        listening = nullcontext() if self._hub is None else self._hub.listening(self._hear, self._publish_state)
         async with anyio.create_task_group() as tasks:
             self._connections = Connections(
                 radio,
@@ -109,7 +136,37 @@ class BleGateway(Gateway):
             )
             for work in (self._read, self._look_around):
                 tasks.start_soon(run_as, self.node.full_name, work)
-            await self._scan(radio, task_status)
+            self._proxies.start(tasks, self._hub)
+            with listening:
+                await self._scan(radio, task_status)
+
+    def _hear_locally(self, advertisement: Advertisement) -> None:
+        self.intake.heard_at = self._clock.monotonic()
+        if self._hub is None:
+            self._hear(advertisement, counts=True)
+        else:
+            self._hub.hear_locally(advertisement)
+
+    def _hear(self, advertisement: Advertisement, *, counts: bool) -> None:
+        device = self._known.get(self._keys.get(advertisement.address, advertisement.address))
+        if device is not None:
+            device.hearing.add(advertisement.receiver, advertisement.rssi, self._clock.monotonic())
+        if counts:
+            self.intake.put(advertisement)
+
+    @property
+    def _has_proxy(self) -> bool:
+        return self._hub is not None and self._hub.has_proxy
+
+    def _publish_state(self) -> None:
+        """Publish whether any receiver listens, and what is wrong with the adapter."""
+        if self._reason and not self._has_proxy:
+            self._listens_since = None
+            self.publish_state("unavailable", self._reason)
+            return
+        if self._listens_since is None:
+            self._listens_since = self._clock.monotonic()
+        self.publish_state("active", self._reason)
 
     def _restart_scan(self) -> None:
         self._restart.set()
@@ -117,20 +174,17 @@ class BleGateway(Gateway):
     async def _scan(self, radio: BleRadio, task_status: TaskStatus[None]) -> None:
         retries = BackoffCounter(self._clock, self.random)
         while True:
-            now = self._clock.monotonic()
             try:
-                async with radio.scanning(self.intake.put):
+                async with radio.scanning(self._hear_locally):
                     retries.succeed()
                     self._reason = ""
-                    self._listens_since = now if self._listens_since is None else self._listens_since
-                    self.publish_state("active")
+                    self._publish_state()
                     self.mark_ready(task_status)
                     await self._until_done(radio)
                 continue
             except BluetoothUnavailableError as exc:
-                self._listens_since = None
                 self._reason = str(exc)
-                self.publish_state("unavailable", self._reason)
+                self._publish_state()
             self.mark_ready(task_status)
             await anyio.sleep(retries.fail(LINK_BACKOFF))
 
@@ -190,8 +244,12 @@ class BleGateway(Gateway):
                 await self.devices.deliver_raw(key, data)
             for value in values:
                 await self.devices.report(key, {value.capability: value.value}, value.part)
-        if self._settings.signal and now - device.reported_at >= SIGNAL_EVERY:
-            device.reported_at = now
+        if now - device.reported_at < SIGNAL_EVERY:
+            return
+        device.reported_at = now
+        if self._hub is not None:
+            device.heard_by, device.guess = self._hub.place_of(device.hearing, self._settings.room, now)
+        if self._settings.signal:
             for part, signal in device.signal_values(self._settings.rssi_at_1m, now).items():
                 await self.devices.report(device.key, signal, part)
 
@@ -221,6 +279,7 @@ class BleGateway(Gateway):
             self.devices.counters.devices_refused += 1
             return None
         device = self._known[key] = KnownDevice(key, declared or BleDeviceSettings(), profile, now)
+        device.hearing.add(advertisement.receiver, advertisement.rssi, now)
         return device
 
     def _lists_unknown(self, name: str) -> bool:
@@ -280,9 +339,13 @@ class BleGateway(Gateway):
         problems = [f"{device.key}: {device.problem}" for device in self._known.values() if device.problem][
             :MAX_PROBLEMS
         ]
+        problems += [f"the proxy {address}: {why}" for address, why in self._proxies.problems.items()][:MAX_PROBLEMS]
         counts = {
             "advertisements were dropped: more arrived than can be read": self.intake.dropped,
             "advertisements of unknown devices were ignored: too many devices appear": self._ignored,
+            "advertisements of proxies were dropped: too many, or impossible": 0
+            if self._hub is None
+            else self._hub.refused,
         }
         for what, count in counts.items():
             if count > self._told.get(what, 0):
@@ -291,7 +354,7 @@ class BleGateway(Gateway):
         return tuple(problems)
 
     async def _perform(self, command: Command) -> None:
-        if self._connections is None or self._reason:
+        if self._connections is None or (self._reason and not self._has_proxy):
             raise LinkError(f"no device is reachable: {self._reason}")
         await self._connections.perform(command.key, command.capability, command.value.plain())
 

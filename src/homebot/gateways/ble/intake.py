@@ -27,7 +27,7 @@ class Intake:
 
     Attributes:
         dropped: Number of dropped ones.
-        heard_at: The time of the last one.
+        heard_at: The time of the last one that the adapter of this computer heard.
     """
 
     clock: Clock
@@ -39,7 +39,7 @@ class Intake:
 
     def put(self, advertisement: Advertisement) -> None:
         """Add an advertisement; never blocks."""
-        now = self.heard_at = self.clock.monotonic()
+        now = self.clock.monotonic()
         address = advertisement.address
         last = self._last.pop(address, None)
         if last is not None and now - last[0] < EVERY and last[1].says_the_same(advertisement):

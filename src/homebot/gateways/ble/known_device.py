@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, sensor_part
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
-from homebot.conventions.bluetooth.signal import DISTANCE_FACTOR, Presence, SignalFilter, distance_of
+from homebot.conventions.bluetooth.hearing import Hearing, RoomGuess
+from homebot.conventions.bluetooth.signal import DISTANCE_FACTOR, Presence, distance_of
 from homebot.devices.identity import identifiers, may_be_unique
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
@@ -32,6 +33,9 @@ class KnownDevice:
         address: The address of its last advertisement.
         problem: Why it cannot be read; empty if it can.
         connected_facts: Device information that was read over a connection.
+        hearing: How strongly each receiver hears it.
+        guess: The room that this suggests; None for none.
+        heard_by: The name of the proxy that hears it best; empty for the adapter of this computer.
     """
 
     def __init__(self, key: str, declared: BleDeviceSettings, profile: GattProfile | None, now: float) -> None:
@@ -39,7 +43,9 @@ class KnownDevice:
         self.profile = profile
         self.address = key
         self.presence = Presence(now)
-        self.signal = SignalFilter()
+        self.hearing = Hearing()
+        self.guess: RoomGuess | None = None
+        self.heard_by = ""
         self.problem = ""
         self.connected_facts: dict[str, str] = {}
         self.has_battery = False
@@ -53,7 +59,6 @@ class KnownDevice:
         """Update the device from an advertisement and its meaning."""
         self.address = advertisement.address
         self.presence.record(now)
-        self.signal.add(advertisement.rssi, now)
         self._name = advertisement.name or self._name
         if broadcast is not None:
             self._broadcast = broadcast
@@ -67,7 +72,12 @@ class KnownDevice:
         """Return the description to publish."""
         said = self._broadcast
         own = () if self.profile is None else (self.profile.part(),)
-        facts = {**said.metadata, **self.connected_facts, **({"problem": self.problem} if self.problem else {})}
+        facts = {
+            **said.metadata,
+            **self.connected_facts,
+            **self._place(),
+            **({"problem": self.problem} if self.problem else {}),
+        }
         addresses = () if self.key.startswith(("ibeacon:", "eddystone:")) else (self.address,)
         return GatewayDevice(
             self.key,
@@ -82,13 +92,20 @@ class KnownDevice:
 
     def signal_values(self, default_rssi_at_1m: float, now: float) -> Mapping[str, Mapping[str, PlainValue]]:
         """Return signal strength in dBm and distance by part; empty if nothing was received lately."""
-        rssi = self.signal.value(now)
-        if rssi is None:
+        heard = self.hearing.strongest(now)
+        if heard is None:
             return {}
+        _, rssi = heard
         declared = self._declared.rssi_at_1m
         near = declared if declared is not None else self._rssi_at_1m
         distance = distance_of(rssi, default_rssi_at_1m if near is None else near)
         return {SIGNAL: {"signal_strength": rssi}, DISTANCE: {"measurement": distance}}
+
+    def _place(self) -> dict[str, str]:
+        place = {"heard_by": self.heard_by} if self.heard_by else {}
+        if self.guess is None:
+            return place
+        return {**place, "heard_in": self.guess.room, "heard_in_certainty": f"{self.guess.certainty:.0%}"}
 
     def _battery_part(self) -> tuple[Part, ...]:
         if not self.has_battery or any(part.id == BATTERY for part in self._broadcast.parts):

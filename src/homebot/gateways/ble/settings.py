@@ -12,6 +12,7 @@ from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
 from homebot.conventions.bluetooth.signal import RSSI_AT_1M
 from homebot.errors import UsageError
 from homebot.gateways.base import GatewaySettings
+from homebot.gateways.ble_proxies.settings import BleProxySettings
 from homebot.gateways.password_settings import read_password
 from homebot.plugins import plugin_names
 from homebot.units import Seconds
@@ -91,6 +92,9 @@ class BleGatewaySettings(GatewaySettings):
         forget_after: Seconds of silence after which a device is taken for gone; radio has no other farewell.
         max_devices: Devices that are known at once.
         max_connections: Devices that are connected to at once; few adapters hold more than seven.
+        proxies: Receivers in other rooms: true takes those that the owner's other gateways find and that proved by a
+            key or password that they are the owner's; or a list of :class:`BleProxySettings`.
+        room: The room of the adapter of this computer, for the rooms that are suggested for devices.
         devices: Declared facts of single devices, by address.
         profiles: How devices that are connected to encode their state, by name.
     """
@@ -104,6 +108,8 @@ class BleGatewaySettings(GatewaySettings):
     forget_after: Seconds = 7 * 86_400.0
     max_devices: Annotated[int, Field(ge=1, le=10_000)] = 500
     max_connections: Annotated[int, Field(ge=1, le=50)] = 5
+    proxies: bool | tuple[BleProxySettings, ...] = False
+    room: Annotated[str, Field(max_length=100)] = ""
     devices: dict[Address, BleDeviceSettings] = Field(default_factory=dict)
     profiles: dict[str, GattProfile] = Field(default_factory=dict)
 
@@ -115,6 +121,11 @@ class BleGatewaySettings(GatewaySettings):
                 names = ", ".join(known)
                 raise ValueError(f"devices.{address}.profile: {device.profile!r} is unknown; known are {names}")
         return self
+
+    @property
+    def listed_proxies(self) -> tuple[BleProxySettings, ...]:
+        """The proxies that the owner lists by address."""
+        return self.proxies if isinstance(self.proxies, tuple) else ()
 
     def all_profiles(self) -> dict[str, GattProfile]:
         """Return the profiles by name; a declared one replaces a built-in one."""

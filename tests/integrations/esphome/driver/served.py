@@ -7,6 +7,7 @@ import anyio
 from tests.gateways.drivers.driver_host import KeepingHost
 
 from homebot.errors import HomebotError
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.drivers.base import FoundService
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.esphome.driver import EsphomeDriver, EsphomeSettings
@@ -49,8 +50,10 @@ class DriverRun:
         ended: The error with which it ended; None while it runs.
     """
 
-    def __init__(self, service: FoundService, settings: EsphomeSettings | None = None) -> None:
-        self.host = KeepingHost()
+    def __init__(
+        self, service: FoundService, settings: EsphomeSettings | None = None, services: GatewayContext | None = None
+    ) -> None:
+        self.host = KeepingHost(services)
         self.driver = EsphomeDriver(service, settings or EsphomeSettings(), self.host)
         self.ended: HomebotError | None = None
 
@@ -74,9 +77,11 @@ class DriverRun:
 
 
 @asynccontextmanager
-async def driven(service: FoundService, settings: EsphomeSettings | None = None) -> AsyncIterator[DriverRun]:
+async def driven(
+    service: FoundService, settings: EsphomeSettings | None = None, services: GatewayContext | None = None
+) -> AsyncIterator[DriverRun]:
     """Let a driver run inside the block."""
-    run = DriverRun(service, settings)
+    run = DriverRun(service, settings, services)
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(run.run)
         yield run

@@ -8,10 +8,11 @@ import asyncio
 import codecs
 import socket
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
 
 import anyio
 from aioesphomeapi import core, model
+from aioesphomeapi.api_pb2 import BluetoothLERawAdvertisementsResponse  # type: ignore[attr-defined] # made when imported
 from aioesphomeapi.client import APIClient
 from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
 from pydantic import SecretStr
@@ -22,6 +23,7 @@ from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.drivers.base import first_answer
 from homebot.integrations.esphome.driver.settings import KEY_ADVICE, PASSWORD_ADVICE, PLAIN_ADVICE
 from homebot.integrations.esphome.formats.device import ListedEntity
+from homebot.support.ble_proxies import ProxyGate
 from homebot.support.limits import RateLimit
 
 PING_EVERY = 4.0
@@ -44,25 +46,73 @@ CONNECT_WITHIN = 10.0
 """Seconds for a connection."""
 
 
-class EsphomeConnection:
-    """An open connection; see :func:`connected`."""
+class GatedClient(APIClient):
+    """The library's client, which lets the advertisements that a device hears through a gate.
 
-    def __init__(self, name: str, client: APIClient) -> None:
+    Attributes:
+        gate: Lets none through while it is None.
+    """
+
+    gate: ProxyGate | None = None
+    _on_advertisements: Callable[[BluetoothLERawAdvertisementsResponse], None]
+
+    def subscribe_bluetooth_le_raw_advertisements(
+        self, on_advertisements: Callable[[BluetoothLERawAdvertisementsResponse], None]
+    ) -> Callable[[], None]:
+        """Subscribe to advertisements; a further call only repeats the request, as the library wants it."""
+        self._on_advertisements = on_advertisements
+        return super().subscribe_bluetooth_le_raw_advertisements(self._let_through)
+
+    def _let_through(self, message: BluetoothLERawAdvertisementsResponse) -> None:
+        gate = self.gate
+        if gate is not None:
+            heard = message.advertisements
+            passed = [one for one in heard if gate.admits(one.address, one.rssi, len(one.data))]
+            if len(passed) < len(heard):
+                message = BluetoothLERawAdvertisementsResponse(advertisements=passed)
+            self._on_advertisements(message)
+
+
+class EsphomeConnection:
+    """An open connection; see :func:`connected`.
+
+    Attributes:
+        info: The facts of the device, once they are read.
+    """
+
+    info: model.DeviceInfo
+
+    def __init__(self, name: str, client: GatedClient) -> None:
         self.name = name
-        self._client = client
+        self.client = client
         self.lost = anyio.Event()
 
     async def describe(self) -> tuple[Fields, list[ListedEntity]]:
         """Return the facts of the device, and its entities."""
+        await self.learn()
         with _translated(self.name):
-            info = await self._client.device_info()
-            entities, _ = await self._client.list_entities_services()
-        version = self._client.api_version or model.APIVersion()
-        return info.to_dict(), [
+            entities, _ = await self.client.list_entities_services()
+        version = self.client.api_version or model.APIVersion()
+        return self.info.to_dict(), [
             (_COMPONENTS[type(entity)], _with_compatible(entity, version))
             for entity in entities
             if type(entity) in _COMPONENTS
         ]
+
+    async def learn(self) -> None:
+        """Read the facts of the device."""
+        with _translated(self.name):
+            self.info = await self.client.device_info()
+
+    @property
+    def is_bluetooth_proxy(self) -> bool:
+        """True if it relays Bluetooth advertisements as they are, as firmware since 2023.6 does."""
+        features = self.info.bluetooth_proxy_feature_flags_compat(self.client.api_version or model.APIVersion())
+        return bool(features & model.BluetoothProxyFeature.RAW_ADVERTISEMENTS)
+
+    def translated(self) -> AbstractContextManager[None]:
+        """Turn the library's errors inside the block into homebot's."""
+        return _translated(self.name)
 
     def subscribe(self, on_state: Callable[[str, Fields], None]) -> None:
         """Subscribe to all states: the current ones first, then each change, as component and fields."""
@@ -73,12 +123,12 @@ class EsphomeConnection:
                 on_state(kind, state.to_dict())
 
         with _translated(self.name):
-            self._client.subscribe_states(on_message)
+            self.client.subscribe_states(on_message)
 
     def send(self, kind: str, key: tuple[int, int], fields: Fields) -> None:
         """Send the command of an entity, which the native API does not answer."""
         device_id, number = key
-        command = getattr(self._client, f"{kind}_command")
+        command = getattr(self.client, f"{kind}_command")
         with _translated(self.name):
             command(number, device_id=device_id, **fields)
 
@@ -98,7 +148,7 @@ async def connected(
         RefusedError: It refuses homebot; the message gives the remedy.
         WireError: The peer that answers is not an ESPHome device.
     """
-    client = APIClient(
+    client = GatedClient(
         addresses[0],
         port,
         None if password is None else password.get_secret_value(),

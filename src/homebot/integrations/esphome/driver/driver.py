@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection
+from collections.abc import AsyncIterator, Collection
+from contextlib import ExitStack, asynccontextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
@@ -20,6 +21,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService
 from homebot.integrations.esphome.driver.settings import KEY_ADVICE, EsphomeSettings
 from homebot.integrations.esphome.formats.device import EsphomeDevice
+from homebot.support.ble_proxies import BleProxies
 
 if TYPE_CHECKING:
     from homebot.integrations.esphome.driver.connection import EsphomeConnection
@@ -70,7 +72,8 @@ class EsphomeDriver(Driver):
             )
             self._connection, self._device = connection, device
             try:
-                await StateQueue(device, self.host).relay(connection)
+                async with self._relaying(connection, is_owners=key is not None):
+                    await StateQueue(device, self.host).relay(connection)
             finally:
                 self._connection = None
         raise LinkError(f"the connection to {service.name} was lost")
@@ -87,6 +90,21 @@ class EsphomeDriver(Driver):
         )
         connection.send(entity.component, entity.key, fields)
         return along
+
+    @asynccontextmanager
+    async def _relaying(self, connection: EsphomeConnection, *, is_owners: bool) -> AsyncIterator[None]:
+        """Hand over what the owner's device hears as a Bluetooth proxy, inside the block."""
+        proxies = self.host.service(BleProxies)
+        with ExitStack() as stack:
+            if proxies is not None and proxies.takes_found and is_owners and connection.is_bluetooth_proxy:
+                from homebot.integrations.esphome.driver import bluetooth_proxy  # noqa: PLC0415 - an extra
+
+                try:
+                    await bluetooth_proxy.load_library()
+                    stack.enter_context(bluetooth_proxy.relaying(connection, proxies.attached))
+                except (RefusedError, UsageError) as exc:
+                    self.host.reject(b"", str(exc))
+            yield
 
     def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:
         """Return the key and the password of the device.

@@ -69,15 +69,23 @@ class EsphomeSecrets(PasswordSettings):
         Raises:
             UsageError: It cannot be read, or is none.
         """
-        key = read_password(self.key_file, self.key_env, f"{table}key")
-        if key is not None:
-            try:
-                size = len(binascii.a2b_base64(key.get_secret_value(), strict_mode=True))
-            except ValueError:
-                size = 0
-            if size != _KEY_BYTES:
-                raise UsageError(f"{table}key: it is not 32 bytes in base64, as ESPHome makes them")
-        return key
+        return checked_key(read_password(self.key_file, self.key_env, f"{table}key"), table)
+
+
+def checked_key(key: SecretStr | None, table: str) -> SecretStr | None:
+    """Return an encryption key.
+
+    Raises:
+        UsageError: It is none; names the key of the *table*.
+    """
+    if key is not None:
+        try:
+            size = len(binascii.a2b_base64(key.get_secret_value(), strict_mode=True))
+        except ValueError:
+            size = 0
+        if size != _KEY_BYTES:
+            raise UsageError(f"{table}key: it is not 32 bytes in base64, as ESPHome makes them")
+    return key
 
 
 class EsphomeSettings(EsphomeSecrets, DriverSettings):
