@@ -112,7 +112,8 @@ release: docs wheel $(AUDIT)/.ready
 	@cat requirements/run.txt requirements/all.txt | $(AUDIT)/bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible -o dist/homebot.cdx.json -
 	@$(BIN)/python -m hatchling build -t sdist -d dist && $(BIN)/twine check --strict dist/*.tar.gz
 	@tar -czf dist/homebot-site.tar.gz -C site .
-	@engine=$$(command -v podman docker | head -n 1); if [ -z "$$engine" ]; then echo "no image: there is no podman or docker"; else \
+	@for engine in podman docker ""; do [ -z "$$engine" ] || ! $$engine info > /dev/null 2>&1 || break; done; \
+		if [ -z "$$engine" ]; then echo "no image: neither podman nor docker works here"; else \
 		$$engine build --quiet --tag homebot . && $$engine save --output dist/homebot-image.tar homebot; fi
 	@cd dist && sha256sum * > SHA256SUMS && cat SHA256SUMS
 	@[ -z "$(SIGN)" ] || { $(AUDIT)/bin/pip install --quiet --disable-pip-version-check sigstore && $(AUDIT)/bin/sigstore sign dist/*; }
