@@ -81,7 +81,7 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
         ("", "rooms", "is missing"),
         (f"{HALL}[house]\nsed = 1\n", "house.sed", "unknown key; did you mean seed?"),
         (
-            f"{HALL}[house]\ndialect = 'klingon'\n",
+            f"[house]\ndialect = 'klingon'\n{LAMP}",
             "house.dialect",
             f"must be one of {', '.join(family_names())}, got 'klingon'",
         ),

@@ -1,7 +1,5 @@
 """The simulated house, for a first look and for tests."""
 
-from pathlib import Path
-
 from homebot.house.devices import SimulatedLamp, WindowMotor
 from homebot.house.house import SimulatedHouse
 from homebot.house.rooms import OUTSIDE, Room, Rooms
@@ -11,19 +9,12 @@ from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from homebot.house.description import load_world
+    from homebot.house.description import family_world, load_world
 
 __all__ = ["SimulatedHouse", "SimulatedLamp", "WindowMotor", "World", "family_world", "load_world", "thesis_world"]
 
 if not TYPE_CHECKING:  # else a type checker would accept any name
-    __getattr__ = lazy_names(__name__, {"homebot.house.description": "load_world"})
-
-
-def family_world() -> World:
-    """Return the house of ``homebot run``: a family's, with two robots, at 60 times speed from a dark morning on."""
-    from homebot.house.description import load_world  # noqa: PLC0415 - its libraries take long to import
-
-    return load_world(Path(__file__).parent / "family" / "house.toml")
+    __getattr__ = lazy_names(__name__, {"homebot.house.description": "family_world load_world"})
 
 
 def thesis_world() -> World:

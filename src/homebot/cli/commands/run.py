@@ -396,8 +396,9 @@ def house_name(options: argparse.Namespace) -> str:
 def _house(name: str) -> World:
     import homebot.house  # noqa: PLC0415 - a real house needs no simulated one
 
-    built_in = {THESIS: homebot.house.thesis_world, FAMILY: homebot.house.family_world}
-    return built_in[name]() if name in built_in else homebot.house.load_world(Path(name))
+    if name == THESIS:
+        return homebot.house.thesis_world()
+    return homebot.house.family_world() if name == FAMILY else homebot.house.load_world(Path(name))
 
 
 def _with_its_class(file: str) -> str:
