@@ -44,7 +44,6 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticSerializationError, to_json
 
 from homebot.clock import read_zone
@@ -384,7 +383,10 @@ def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key:
     if error["type"] in _TABLE_ERRORS:
         reason = _table_reason(path, is_element=isinstance(error["loc"][-1], int))
     elif error["type"] in _ARRAY_ERRORS:
-        reason = _array_reason(path, table.model_fields.get(str(error["loc"][-1])))
+        field = table.model_fields.get(str(error["loc"][-1]))
+        elements = () if field is None else get_args(field.annotation)
+        of_tables = any(isinstance(element, type) and issubclass(element, BaseModel) for element in elements)
+        reason = f"must be an array of tables, each as in [[{path}]]" if of_tables else "must be an array"
     else:
         reason = _reason(table, error)
     is_secret = any(word in path.lower() for word in _SECRET_KEYS)
@@ -411,13 +413,6 @@ def _table_reason(path: str, *, is_element: bool) -> str:
     """Return the message that the value at *path* must be a table, in TOML notation unless a key needs quotes."""
     head = f"[[{path.rpartition('.')[0]}]]" if is_element else f"[{path}]"
     return f"must be a table, as in {head}" if _PATH_OF_TABLE.fullmatch(path) else "must be a table"
-
-
-def _array_reason(path: str, field: FieldInfo | None) -> str:
-    """Return the message that the value at *path* must be an array, in TOML notation for arrays of tables."""
-    elements = () if field is None else get_args(field.annotation)
-    of_tables = any(isinstance(element, type) and issubclass(element, BaseModel) for element in elements)
-    return f"must be an array of tables, each as in [[{path}]]" if of_tables else "must be an array"
 
 
 def _reason(model: type[BaseModel], error: ErrorDetails) -> str:

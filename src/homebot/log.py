@@ -66,7 +66,12 @@ def configure_logging(
         raise UsageError(f"{level!r} is not a log level; choose one of {', '.join(_LEVELS)}")
     out = _raw(stream or sys.stderr)
     renderer = _renderer(log_format, out)
-    _forward_stdlib_lines()
+    root = logging.getLogger()
+    for handler in root.handlers:
+        if isinstance(handler, _StdlibLines):
+            root.removeHandler(handler)
+    root.addHandler(_StdlibLines())
+    logging.captureWarnings(capture=True)
     writer = LineWriter(out)
     structlog.configure(
         processors=[
@@ -195,15 +200,6 @@ class _SinceStart:
 
     def now(self) -> float:
         return time.time()
-
-
-def _forward_stdlib_lines() -> None:
-    root = logging.getLogger()
-    for handler in root.handlers:
-        if isinstance(handler, _StdlibLines):
-            root.removeHandler(handler)
-    root.addHandler(_StdlibLines())
-    logging.captureWarnings(capture=True)
 
 
 def _without_secrets(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:

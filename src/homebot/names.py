@@ -82,7 +82,11 @@ def expand_name(name: str, node: str, namespace: str, kind: str = "topic name") 
         raise InvalidNameError(kind, name, "is empty")
     node_path = f"{namespace.rstrip('/')}/{node}"
     if "~" in name:
-        name = _expand_private(name, node_path, kind)
+        if (misplaced := name.find("~", 1)) >= 0:
+            raise InvalidNameError(kind, name, "has a tilde that is not at its start", misplaced)
+        if len(name) > 1 and name[1] != "/":
+            raise InvalidNameError(kind, name, "has a tilde that is not followed by a slash", 1)
+        name = node_path + name[1:]
     if "{" in name or "}" in name:
         name = _substitute(name, node, namespace, kind)
     if not name.startswith("/"):
@@ -146,14 +150,6 @@ def _validate_path(kind: str, path: str) -> str:
     if digit := _TOKEN_STARTS_WITH_DIGIT.search(path):
         raise InvalidNameError(kind, path, "has a token that starts with a digit", digit.start(1))
     return path
-
-
-def _expand_private(name: str, node_path: str, kind: str) -> str:
-    if (misplaced := name.find("~", 1)) >= 0:
-        raise InvalidNameError(kind, name, "has a tilde that is not at its start", misplaced)
-    if len(name) > 1 and name[1] != "/":
-        raise InvalidNameError(kind, name, "has a tilde that is not followed by a slash", 1)
-    return node_path + name[1:]
 
 
 def _substitute(name: str, node: str, namespace: str, kind: str) -> str:

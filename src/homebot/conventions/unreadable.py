@@ -43,7 +43,7 @@ class Unreadable(NamedTuple):
         expects = self.expects if isinstance(self.expects, str) else _choice(self.expects)
         if self.is_template:
             return expects
-        value = _shown_or_secret(self.value)
+        value = "a secret" if isinstance(self.value, str) and names_secret(self.value) else shown(self.value)
         return f"{_DIGITS.sub('#', value) if without_digits else value}: expects {expects}"
 
 
@@ -69,10 +69,6 @@ def unreadable(value: object, expects: str | Collection[str | bytes], *, is_temp
     if is_template or not _is_no_value(text):
         FOUND.append(_new(Unreadable, (text, expects, is_template)))
     return NO_READINGS
-
-
-def _shown_or_secret(value: object) -> str:
-    return "a secret" if isinstance(value, str) and names_secret(value) else shown(value)
 
 
 def _is_no_value(value: object) -> bool:

@@ -59,7 +59,13 @@ class Liveness:
             self._stamp, self._seconds = stamp, stamp.to_seconds()
         due, entry.deadline, entry.expires = entry.deadline, now + silence, self._seconds + silence
         if entry.is_shared:
-            self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
+            gateway = source.key[0]
+            if before == "stale":
+                entry.stale_gateways = entry.gateways() - {gateway}
+            elif gateway in entry.stale_gateways:
+                entry.stale_gateways -= {gateway}
+                self._table.record_change("changed", entry, f"it reported again over {gateway}")
+            self.schedule(entry)
         elif before != "fresh" or entry.deadline < due:  # a later deadline is checked when the earlier one has come
             self.deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
@@ -126,15 +132,6 @@ class Liveness:
                 silence = max(source.lasts, usual, _ONLINE_FOR if source.is_online else 0.0)
                 deadlines[gateway] = max(deadlines.get(gateway, -math.inf), source.heard_at + silence)
         return deadlines
-
-    def _mark_gateway_seen(self, entry: Entry, gateway: str, *, was_stale: bool) -> None:
-        """Record that *entry*, a device with several announcements, was heard at *gateway*."""
-        if was_stale:
-            entry.stale_gateways = entry.gateways() - {gateway}
-        elif gateway in entry.stale_gateways:
-            entry.stale_gateways -= {gateway}
-            self._table.record_change("changed", entry, f"it reported again over {gateway}")
-        self.schedule(entry)
 
     def _mark_gateways_stale(self, entry: Entry, now: float) -> None:
         """Record the gateways at which *entry* has been silent for too long at *now*."""

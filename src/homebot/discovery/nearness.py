@@ -87,22 +87,18 @@ class Nearness:
             RefusedError: The robot's position is not known now.
             ServiceError: The node that tracks it does not answer.
         """
-        pose, age = await self._pose(near.robot)
-        await TimeSlice(self._clock).do(self._prepare())
-        return self._answer(near, rest, limit, pose, age)
-
-    async def _pose(self, robot: str) -> tuple[RobotPose, float]:
-        """Return the pose of a robot, and its age in seconds."""
         try:
-            answer = await self._where.call(WhereIsRobotRequest(robot=robot))
+            answer = await self._where.call(WhereIsRobotRequest(robot=near.robot))
         except ServiceUnavailableError:
             remedy = "no robot has said where it is; it publishes its pose, for example on /NAME/pose"
-            raise RefusedError(f"what is near {robot}", remedy) from None
+            raise RefusedError(f"what is near {near.robot}", remedy) from None
         if answer.is_mistake:
             raise UsageError(answer.message)
         if not answer.success or answer.message:
-            raise RefusedError(f"what is near {robot}", answer.message)
-        return answer.pose[0], answer.age
+            raise RefusedError(f"what is near {near.robot}", answer.message)
+        pose, age = answer.pose[0], answer.age
+        await TimeSlice(self._clock).do(self._prepare())
+        return self._answer(near, rest, limit, pose, age)
 
     def _answer(self, near: IsNear, rest: Query, limit: int, pose: RobotPose, age: float) -> NearDevices:
         start = self._in_room(pose.room) if pose.room else None

@@ -162,13 +162,10 @@ class ReplayFeed:
                 await ask_directory(event.message)
                 moment = -math.inf
             else:
-                await self._publish(event.message)
+                if (tell := self._gateways.get(_gateway(event.message))) is not None:
+                    await tell(event.message)
             before = event.line
         await self._wait_until(self._recording.ends_at)
-
-    async def _publish(self, message: Message) -> None:
-        if (tell := self._gateways.get(_gateway(message))) is not None:
-            await tell(message)
 
     async def _wait_until(self, at: float) -> None:
         await anyio.sleep(max(0.0, at + _MOMENT - self.now))

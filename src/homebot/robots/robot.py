@@ -84,7 +84,7 @@ class TrackedRobot:
         self._poses[source] = pose
         if source.endswith(_AMCL):
             self._is_parked = True
-        elif self._is_apart_from_amcl(pose):
+        elif any(other.source.endswith(_AMCL) and _is_apart(other, pose) for other in self._poses.values()):
             self._is_parked = False
         if before is not None and (jump := _jump(before, pose)):
             self.doubt(f"{source} jumped by {jump:.1f} m")
@@ -96,9 +96,6 @@ class TrackedRobot:
             self.add_life(age)
         else:
             self._on_change()
-
-    def _is_apart_from_amcl(self, pose: RobotPose) -> bool:
-        return any(other.source.endswith(_AMCL) and _is_apart(other, pose) for other in self._poses.values())
 
     def add_life(self, age: float = 0.0) -> None:
         """Record a sign of life of the robot *age* seconds ago."""

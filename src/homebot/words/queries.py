@@ -323,7 +323,22 @@ class _Parser:
         return _all_words(token.text)
 
     def in_area(self, token: Token) -> Query:
-        area = self._area(token)
+        words: list[str] = []
+        while (following := self._peek()) is not None and following.kind in {"word", "text"}:
+            word = fold(following.text)
+            if following.kind == "text":
+                if not words:
+                    self._place += 1
+                    words.append(word)
+                break
+            if self._is_compared() or _ends_area(word, words):
+                break
+            self._place += 1
+            if word != "the" or words:
+                words.append(word)
+        if not words:
+            raise UsageError(f"{token.text!r} at character {token.at} is not followed by an area")
+        area = " ".join(words)
         return AreaIs(area) if self._is_known is not None and self._is_known(AreaIs(area)) else InArea(area)
 
     def within(self, token: Token) -> Query:
@@ -426,24 +441,6 @@ class _Parser:
         if not length.unit:
             any(self._takes(unit) for unit in _METRES)
         return float(length.number)
-
-    def _area(self, token: Token) -> str:
-        words: list[str] = []
-        while (following := self._peek()) is not None and following.kind in {"word", "text"}:
-            word = fold(following.text)
-            if following.kind == "text":
-                if not words:
-                    self._place += 1
-                    words.append(word)
-                break
-            if self._is_compared() or _ends_area(word, words):
-                break
-            self._place += 1
-            if word != "the" or words:
-                words.append(word)
-        if not words:
-            raise UsageError(f"{token.text!r} at character {token.at} is not followed by an area")
-        return " ".join(words)
 
     def _ability(self, token: Token) -> Query:
         for length in range(_MAX_PHRASE, 0, -1):

@@ -71,15 +71,11 @@ def _read_right(text: str) -> tuple[Right, str]:
     if bool(query) is not (right in _NEEDS):
         raise UsageError(f"{text!r}: {word} {_NEEDS.get(right, 'takes no query')}")
     if right is Right.ROBOT and query != ALL_ROBOTS:
-        _check_robot(text, query)
+        try:
+            check_robot_name(query)
+        except InvalidNameError as exc:
+            raise UsageError(f"{text!r}: {exc}") from exc
     return right, query
-
-
-def _check_robot(text: str, name: str) -> None:
-    try:
-        check_robot_name(name)
-    except InvalidNameError as exc:
-        raise UsageError(f"{text!r}: {exc}") from exc
 
 
 def _parse(text: str, right: str = "act") -> Query:

@@ -151,7 +151,8 @@ def _wish(text: str, known: KnownNames) -> GoalCondition:
     plain = _without_the(text)
     if scene := _scene(plain, known.scenes):
         return SceneCondition(f"scene {scene}", scene)
-    plain = _device_first(plain)
+    found = ((form.match(plain), wish) for form, wish in VERB_FIRST)  # such as `turn on the hall lamp`
+    plain = next((wish.format(**values) for values, wish in found if values is not None), plain)
     first, _, rest = plain.partition(" ")
     is_not = fold(first) in {"no", "not"} and bool(rest)
     plain = _without_the(rest) if is_not else plain
@@ -234,12 +235,6 @@ def _known_area(name: str, areas: Collection[str]) -> str:
 def _without_the(text: str) -> str:
     found = THE.match(text)
     return found["what"] if found else text
-
-
-def _device_first(text: str) -> str:
-    """Return *text* with its verb last, as in ``turn on the hall lamp``."""
-    found = ((form.match(text), wish) for form, wish in VERB_FIRST)
-    return next((wish.format(**values) for values, wish in found if values is not None), text)
 
 
 def _without_at(text: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import add_broker_option
@@ -59,35 +59,18 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
         reasons = reasons_for(door, device)
         limits = [(title, printable(text, 1000)) for title, text in limits_of(door, device)]
         now, ineffective = house_time(door), ineffective_routes(door, device)
-        _describe(device, reasons, now, limits, ineffective)
+        print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
+        print_rows([*_overview(device, now), *limits])
+        _print_parts(device, now, ineffective)
+        if len(device.endpoints) > 1:
+            _section("gateways", [_endpoint(endpoint, now) for endpoint in device.endpoints])
+        _section("addresses", _addresses(device))
+        _section("identifiers", [(identifier,) for identifier in device.identifiers])
+        _section("facts", _facts(device, now))
+        _section("merged into one device, because", [(reason,) for reason in device.evidence])
+        _section("disputed", [(conflict,) for conflict in device.conflicts])
+        _section("why a search for its name finds it", [(reason,) for reason in reasons])
     return 0
-
-
-def _describe(
-    device: Device,
-    reasons: Sequence[str],
-    now: float,
-    limits: Sequence[tuple[str, str]],
-    ineffective: Collection[tuple[str, str]],
-) -> None:
-    """Print the facts of *device*.
-
-    Args:
-        reasons: Why a search for its name finds it.
-        limits: Rows of :func:`limits_of`.
-        ineffective: The routes that are tried last, by part and name.
-    """
-    print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
-    print_rows([*_overview(device, now), *limits])
-    _print_parts(device, now, ineffective)
-    if len(device.endpoints) > 1:
-        _section("gateways", [_endpoint(endpoint, now) for endpoint in device.endpoints])
-    _section("addresses", _addresses(device))
-    _section("identifiers", [(identifier,) for identifier in device.identifiers])
-    _section("facts", _facts(device, now))
-    _section("merged into one device, because", [(reason,) for reason in device.evidence])
-    _section("disputed", [(conflict,) for conflict in device.conflicts])
-    _section("why a search for its name finds it", [(reason,) for reason in reasons])
 
 
 def _print_parts(device: Device, now: float, ineffective: Collection[tuple[str, str]]) -> None:

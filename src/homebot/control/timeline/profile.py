@@ -345,7 +345,10 @@ class ProgramWatch:
         """
         capability, is_look = fact.capability, fact.capability in _LOOKS
         value = "" if is_look else fact.value  # each value is another one
-        gap = self._since_last(capability, value, fact.at)
+        gap = fact.at - self._changed_at.pop((capability, value), -math.inf)
+        self._changed_at[capability, value] = fact.at
+        if len(self._changed_at) > KEPT:
+            del self._changed_at[next(iter(self._changed_at))]
         if is_look and self._creep is not None and fact.at - self._creep.at < durations.CREEPS:
             return self._cause_of_step(fact, self._creep)
         is_tick = is_look and self._profile.is_tick(capability, gap)
@@ -354,14 +357,6 @@ class ProgramWatch:
         if is_look and lit_since <= fact.at:
             return self._cause_of_look(fact, lit_since, is_usual=is_usual, is_tick=is_tick)
         return Cause.PROGRAM if is_usual else None
-
-    def _since_last(self, capability: str, value: PlainValue, at: float) -> float:
-        """Record a change at that time; return the seconds since the last one like it."""
-        last_at = self._changed_at.pop((capability, value), -math.inf)
-        self._changed_at[capability, value] = at
-        if len(self._changed_at) > KEPT:
-            del self._changed_at[next(iter(self._changed_at))]
-        return at - last_at
 
     def _cause_of_look(self, fact: Reported, lit_since: float, *, is_usual: bool, is_tick: bool) -> Cause | None:
         """Return the cause of a first step of the level or colour of a lit lamp."""

@@ -141,10 +141,6 @@ def _of_uri(uri: str) -> Pointer:
         if not device or not device.isprintable() or len(device) > _MAX_TEXT:
             raise WireError("the URI homebot:device/ names no device", uri.encode())
         return Pointer("homebot", device, id=device)
-    return _of_address(uri)
-
-
-def _of_address(uri: str) -> Pointer:
     try:
         parts = urlsplit(uri)
         _ = parts.port

@@ -106,23 +106,17 @@ class SightingIntake:
             merger.appear({key: source}, why)
             merger.join_repetitions(key)
         else:
-            self._add_to_known(source, sibling, affected, why)
+            if sibling is not None:  # it has the same identity
+                self._merger.join(self._table.owners[sibling], source, sibling)
+            else:
+                self._merger.regroup(affected, why)
+            self._merger.join_repetitions(source.key)
+            if source.confirmed:
+                self._liveness.mark_seen(self._table.owners[source.key], source, source.seen_at, why)
         if key in self._pending.reports:
             now = self._liveness.now
             for report in self._pending.pop(key, now):
                 self.report(report, now)
-
-    def _add_to_known(
-        self, source: SourceRecord, sibling: SourceKey | None, affected: frozenset[SourceKey], why: str
-    ) -> None:
-        """Add *source* to the device of *sibling*, which has the same identity, or else regroup *affected*."""
-        if sibling is not None:
-            self._merger.join(self._table.owners[sibling], source, sibling)
-        else:
-            self._merger.regroup(affected, why)
-        self._merger.join_repetitions(source.key)
-        if source.confirmed:
-            self._liveness.mark_seen(self._table.owners[source.key], source, source.seen_at, why)
 
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
         """Return whether *sighting* is only a retained one of a forgotten device; if so, remember it."""

@@ -101,20 +101,16 @@ class _LineReader:
             self._is_finished = True
             recorder.finish()
         elif recorder.lines.is_empty:
-            await self._wait()
+            try:
+                await anyio.sleep(_EVERY)
+            except anyio.get_cancelled_exc_class():  # the client has left
+                self._is_over.set()
+                raise
         lines = tuple(recorder.lines.pop(_MAX_LINES, _MAX_BYTES))
         is_over = self._is_finished and recorder.lines.is_empty
         if is_over:
             self._is_over.set()
         return ReadRecordingResponse(lines=lines, is_over=is_over)
-
-    async def _wait(self) -> None:
-        """Wait for lines; end the session if the client leaves meanwhile."""
-        try:
-            await anyio.sleep(_EVERY)
-        except anyio.get_cancelled_exc_class():
-            self._is_over.set()
-            raise
 
 
 async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
