@@ -280,7 +280,7 @@ def _with_features(tables: Mapping[str, object], source: str) -> dict[str, objec
         elif row.is_array:
             features[key] = [table]
         else:
-            raise ConfigError(source, key, f"{_table_reason(key, is_element=False)}, got {_shortened(table)}")
+            raise ConfigError(source, key, f"{_table_reason(key, is_element=False)}, got {_shorten(table)}")
     for key, row in plugins.items():
         _add_plugins(others, key, tables[key], row, source)
     return {**others, "features": features} if features else others
@@ -312,7 +312,7 @@ def parse_settings(model: type[ModelT], table: object, source: str, key: str, fo
     """
     if not isinstance(table, Mapping):
         reason = _table_reason(key, is_element=key[-1:].isdigit())
-        raise ConfigError(source, key, f"{reason}, got {_shortened(table)}")
+        raise ConfigError(source, key, f"{reason}, got {_shorten(table)}")
     try:
         text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
         if "extra" not in model.model_config:  # a plain BaseModel ignores misspelt keys
@@ -371,7 +371,7 @@ _ARRAY_ERRORS = {"list_type", "tuple_type"}
 _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
 
 
-def _shortened(value: object) -> str:
+def _shorten(value: object) -> str:
     text = repr(value).lower() if isinstance(value, bool) else repr(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
 
@@ -390,7 +390,7 @@ def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key:
     else:
         reason = _reason(table, error)
     is_secret = any(word in path.lower() for word in _SECRET_KEYS)
-    shown = "" if is_secret or error["type"] in _COMPLETE_ERRORS else f", got {_shortened(error.get('input'))}"
+    shown = "" if is_secret or error["type"] in _COMPLETE_ERRORS else f", got {_shorten(error.get('input'))}"
     return ConfigError(source, path, f"{reason}{shown}")
 
 

@@ -32,7 +32,7 @@ def validate_node_name(name: str) -> str:
         raise InvalidNameError(kind, name, "has a character that is not allowed in names", bad.start())
     if name[0].isdigit():
         raise InvalidNameError(kind, name, "starts with a digit", 0)
-    return _checked_length(kind, name, MAX_NODE_NAME)
+    return _check_length(kind, name, MAX_NODE_NAME)
 
 
 def validate_namespace(namespace: str) -> str:
@@ -43,7 +43,7 @@ def validate_namespace(namespace: str) -> str:
     """
     if namespace == "/":
         return namespace
-    return _checked_length("namespace", _validate_path("namespace", namespace), MAX_NAMESPACE)
+    return _check_length("namespace", _validate_path("namespace", namespace), MAX_NAMESPACE)
 
 
 @lru_cache(maxsize=4096)
@@ -54,7 +54,7 @@ def validate_full_name(name: str, kind: str = "topic name") -> str:
         InvalidNameError: It is not absolute, ends in a slash, contains ``//`` or a bad character, a token starts with
             a digit, or it is over 247 characters.
     """
-    return _checked_length(kind, _validate_path(kind, name), MAX_FULL_NAME)
+    return _check_length(kind, _validate_path(kind, name), MAX_FULL_NAME)
 
 
 def absolute_name(name: str) -> str:
@@ -167,7 +167,7 @@ def _substitute(name: str, node: str, namespace: str, kind: str) -> str:
     return _SUBSTITUTION.sub(value, name)
 
 
-def _checked_length(kind: str, name: str, limit: int) -> str:
+def _check_length(kind: str, name: str, limit: int) -> str:
     if len(name) > limit:
         raise InvalidNameError(kind, name, f"is {len(name)} characters long, over the limit of {limit}")
     return name

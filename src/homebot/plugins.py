@@ -97,7 +97,7 @@ def plugin_path(group: str, name: str) -> str:
     Raises:
         PluginError: It is not installed.
     """
-    return name if ":" in name or is_file(name) else _installed(group, name).value
+    return name if ":" in name or is_file(name) else _find_installed(group, name).value
 
 
 def installed_plugin(group: str, kind: str) -> type[Any] | None:
@@ -186,14 +186,14 @@ def check_extra(what: str, extra: str, *modules: str) -> None:
 
 
 def _load_entry_point(group: str, name: str) -> object:
-    point = _installed(group, name)
+    point = _find_installed(group, name)
     try:
         return point.load()
     except (Exception, SystemExit) as exc:
         raise PluginError(name, f"cannot be loaded: {error_text(exc)}") from exc
 
 
-def _installed(group: str, name: str) -> EntryPoint:
+def _find_installed(group: str, name: str) -> EntryPoint:
     if (point := _entry_point(group, name)) is not None:
         return point
     known = plugin_names(group)

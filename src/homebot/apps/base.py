@@ -394,7 +394,7 @@ class App(ABC, Generic[SettingsT_co]):
             raise UsageError(f"start_task() takes a coroutine function without parentheses, not {function!r:.60}")
         if self._tasks is None:
             raise UsageError(f"{self.node.full_name} does not run yet; start its tasks in run()")
-        self._tasks.start_soon(self._isolated, function)
+        self._tasks.start_soon(self._isolate, function)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the app; the runtime calls this."""
@@ -402,9 +402,9 @@ class App(ABC, Generic[SettingsT_co]):
             task_status.started()
             if self.context.keeps_values() and "_timers" in self.store:
                 self._jobs().resume()
-            await self._isolated(self.run)
+            await self._isolate(self.run)
 
-    async def _isolated(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
+    async def _isolate(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Await *function* in isolation; its group would mistake a stray cancellation for its own."""
         with isolated(self.node.full_name):
             work = function()

@@ -125,7 +125,7 @@ class Schedule:
                     "a durable timer needs a name, and a method of the app as its handler: "
                     "it is found by them after a restart"
                 )
-            if (resumed := self._taken_over(name)) is not None:
+            if (resumed := self._take_over(name)) is not None:
                 return resumed
         elif late:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
@@ -139,7 +139,7 @@ class Schedule:
         self._add(job)
         return job
 
-    def _taken_over(self, name: str) -> Job | None:
+    def _take_over(self, name: str) -> Job | None:
         """Return the resumed timer *name* if this is its first request by a starting app; None otherwise."""
         is_first = name in self._resumed
         self._resumed.discard(name)
@@ -174,7 +174,7 @@ class Schedule:
         """See :meth:`homebot.App.at`."""
         from homebot.apps.sun import sun_time  # noqa: PLC0415 - astral takes 40 ms
 
-        home, seconds = self._app.context, _signed("offset", offset)
+        home, seconds = self._app.context, _to_signed("offset", offset)
         spread = _seconds("jitter", jitter, MAX_OFFSET_S, "12 hours")
         times = sun_time(event, home.latitude, home.longitude, seconds)
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
@@ -236,7 +236,7 @@ class Schedule:
         if name is None:
             function = handler.func if isinstance(handler, partial) else handler
             base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()
-            return next(candidate for candidate in _numbered(base) if candidate not in self._jobs)
+            return next(candidate for candidate in _number(base) if candidate not in self._jobs)
         if type(name) is not str or not name:
             raise UsageError(f"name: {name!r:.60} is not a text of one character or more")
         other = self._jobs.get(name)
@@ -313,12 +313,12 @@ def _calling_line() -> str:
 _MODULES: Final = frozenset({f"{_OWN}schedule", f"{_OWN}base"})
 
 
-def _numbered(base: str) -> Iterable[str]:
+def _number(base: str) -> Iterable[str]:
     yield base
     yield from (f"{base} ({number})" for number in range(2, MAX_JOBS + 2))
 
 
-def _signed(key: str, length: Length) -> float:
+def _to_signed(key: str, length: Length) -> float:
     """Return seconds that may be negative, at most 12 hours, so that each event of the sun stays on its own day."""
     if isinstance(length, str):
         text = length.strip()

@@ -32,7 +32,7 @@ def _storing(kind: Any, *names: str) -> Any:
             result = change(self, *args, **named)
             for key, value in tuple(self.items() if kind is dict else enumerate(self)):
                 if type(value) in (list, tuple, dict):
-                    kind.__setitem__(self, key, _stored(value, self.save))
+                    kind.__setitem__(self, key, _wrap_stored(value, self.save))
             self.save()
             return self[args[0]] if name == "setdefault" else result
 
@@ -49,12 +49,12 @@ _List = _storing(
 _Dict = _storing(dict, "__setitem__", "__delitem__", "__ior__", "update", "setdefault", "pop", "popitem", "clear")
 
 
-def _stored(value: Any, save: Callable[[], None]) -> Any:
+def _wrap_stored(value: Any, save: Callable[[], None]) -> Any:
     """Return a copy of a JSON value that calls *save* after each change of a list or dict in it."""
     if isinstance(value, list | tuple):
-        container = _List(_stored(item, save) for item in value)
+        container = _List(_wrap_stored(item, save) for item in value)
     elif isinstance(value, dict):
-        container = _Dict({key: _stored(item, save) for key, item in value.items()})
+        container = _Dict({key: _wrap_stored(item, save) for key, item in value.items()})
     else:
         return value
     container.save = save
@@ -92,7 +92,7 @@ class Store(MutableMapping[str, Any]):  # any JSON value
             if self._read.get(key) is value:  # otherwise another one was stored meanwhile
                 self[key] = value
 
-        value = _stored(json.loads(self._texts[key]), save)
+        value = _wrap_stored(json.loads(self._texts[key]), save)
         if isinstance(value, list | dict):
             self._read[key] = value
         return value
@@ -104,7 +104,7 @@ class Store(MutableMapping[str, Any]):  # any JSON value
             UsageError: It is not a JSON value, or too large; or the key is invalid, or one too many.
         """
         read = self._read.pop(key, None)  # if it cannot be stored, the old value counts
-        text = self._checked(key, value)
+        text = self._check(key, value)
         if read is not None and read is value:
             self._read[key] = read
         before = self._texts.get(key)
@@ -139,7 +139,7 @@ class Store(MutableMapping[str, Any]):  # any JSON value
     def __repr__(self) -> str:
         return f"<store of {self._app}: {', '.join(self) or 'empty'}>"
 
-    def _checked(self, key: object, value: object) -> str:
+    def _check(self, key: object, value: object) -> str:
         if not isinstance(key, str) or not 0 < len(key) <= _MAX_KEY or not key.isprintable():
             raise UsageError(
                 f"{self._app}: a key of the store is a printable text of 1 to {_MAX_KEY} characters, got {key!r:.60}"

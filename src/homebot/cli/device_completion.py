@@ -66,7 +66,7 @@ def _names(words: Sequence[str]) -> list[str]:
     parser = argparse.ArgumentParser(add_help=False, exit_on_error=False)
     add_server_options(parser)
     address = server_of(parser.parse_known_args(words[:-1])[0])
-    begin = _unquoted(words[-1])
+    begin = _unquote(words[-1])
     devices: list[dict[str, Any]] = []  # as they arrive
     with open_door(address) as door:
         while page := cast("list[dict[str, Any]]", door.call(LIST_DEVICES, {"offset": len(devices)})["devices"]):
@@ -82,7 +82,7 @@ def _names(words: Sequence[str]) -> list[str]:
     return next(filter(None, fits), [])
 
 
-def _unquoted(word: str) -> str:
+def _unquote(word: str) -> str:
     """Return *word* as the shell reads it, even with an unclosed quotation mark."""
     for end in ("", "'", '"'):
         with suppress(ValueError):

@@ -104,7 +104,7 @@ def open_door(address: ServerAddress) -> Iterator[DoorClient]:
         if isinstance(exc, socket.gaierror):
             raise LinkError(f"no homebot is running on {where}{by}: {connect_problem(exc)}") from exc
         raise LinkError(f"no homebot is running on {where}{by}; start one with `homebot run`") from exc
-    with _secured(connection, address) if address.has_tls else connection as connection:
+    with _secure(connection, address) if address.has_tls else connection as connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client = DoorClient(connection, where)
         client.shake_hands(address.token, port if not address.token and is_loopback(host) else 0)
@@ -114,7 +114,7 @@ def open_door(address: ServerAddress) -> Iterator[DoorClient]:
             client.close()
 
 
-def _secured(connection: socket.socket, address: ServerAddress) -> socket.socket:
+def _secure(connection: socket.socket, address: ServerAddress) -> socket.socket:
     from homebot.cli.server_address import client_context  # noqa: PLC0415 - few servers have TLS
 
     try:
@@ -355,7 +355,7 @@ class DoorClient:
         try:
             self._write()
         except OSError as exc:
-            raise self._ended() from exc
+            raise self._explain_end() from exc
 
     def _write(self) -> None:
         self._connection.settimeout(_OPEN_TIMEOUT)
@@ -365,12 +365,12 @@ class DoorClient:
 
     def _check_open(self) -> None:
         if not self._is_in(State.OPEN):
-            raise self._ended()
+            raise self._explain_end()
 
     def _is_in(self, state: State) -> bool:
         return self._protocol.state is state
 
-    def _ended(self) -> LinkError:
+    def _explain_end(self) -> LinkError:
         received = self._protocol.close_rcvd
         reason = (
             (received.reason or "homebot stopped") if received else "it was cut; homebot crashed, or changed the token"

@@ -230,7 +230,7 @@ class PlanPicture(NamedTuple):
         cells = self._walls_with_doors(boxes.values(), scale)
         for name, box in boxes.items():
             cells |= box.label(f"{name} {signs.get(name, '')}", _LIT if name in lit else _DARK)
-        return [_joined([cells.get((column, line), _EMPTY) for column in range(width)]) for line in range(scale.lines)]
+        return [_join([cells.get((column, line), _EMPTY) for column in range(width)]) for line in range(scale.lines)]
 
     def _walls_with_doors(self, boxes: Collection[_Box], scale: _Scale) -> dict[tuple[int, int], tuple[str, str]]:
         cells = {place: (_WALLS[ways], _DARK) for place, ways in _walls(boxes).items()}
@@ -256,5 +256,5 @@ def _walls(boxes: Collection[_Box]) -> dict[tuple[int, int], int]:
     return walls
 
 
-def _joined(row: Sequence[_Segment]) -> Line:
+def _join(row: Sequence[_Segment]) -> Line:
     return [("".join(sign for sign, _ in some), style) for style, some in groupby(row, lambda cell: cell[1])]

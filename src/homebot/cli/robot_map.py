@@ -137,7 +137,7 @@ class RobotMap(NamedTuple):
                 raise UsageError(f"{other} and {name} are one free area of the map; {hint}")
             if here != 0:
                 raise UsageError(f"the point {point[0]:g},{point[1]:g} of {name} is not free in the map")
-            ring = simplified(self._in_metres(traced(_filled(rows, row, column, number))))
+            ring = simplified(self._in_metres(traced(_fill(rows, row, column, number))))
             if not ring:
                 raise UsageError(f"the free area around {point[0]:g},{point[1]:g} is too small for {name}")
             yield HouseRoom(name, polygons=((ring,),))
@@ -203,7 +203,7 @@ def _cell(grey: int, settings: MapSettings) -> int:
     return round((share - free) / (occupied - free) * 100) if settings.mode == "scale" else UNKNOWN
 
 
-def _filled(rows: list[bytearray], row: int, column: int, value: int) -> dict[int, list[int]]:
+def _fill(rows: list[bytearray], row: int, column: int, value: int) -> dict[int, list[int]]:
     """Give the free cells that are connected with one *value*; return the columns at which they begin and end, by row.
 
     Raises:

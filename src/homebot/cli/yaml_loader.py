@@ -25,7 +25,7 @@ def load_yaml(text: str) -> object:
     Raises:
         WireError: It is none; the message begins with the place.
     """
-    return _loaded(lambda: yaml.load(text, _CoreLoader))  # noqa: S506 - it makes plain values alone
+    return _load(lambda: yaml.load(text, _CoreLoader))  # noqa: S506 - it makes plain values alone
 
 
 def load_located(text: str) -> Located:
@@ -57,10 +57,10 @@ def load_located(text: str) -> Located:
                 return Located(value, line, own_tag(node))
         return Located(None if node is None else loader.construct_object(node), line)
 
-    return _loaded(lambda: located(loader.get_single_node()))
+    return _load(lambda: located(loader.get_single_node()))
 
 
-def _loaded(load: Callable[[], T]) -> T:
+def _load(load: Callable[[], T]) -> T:
     try:
         return load()
     except yaml.MarkedYAMLError as exc:

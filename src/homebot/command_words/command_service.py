@@ -83,7 +83,7 @@ class CommandService:
             if comma and len(last) < MAX_QUERY and (over := OVER.match(last)) is not None:
                 transition = parse_duration(over["length"], "over", most=MAX_TRANSITION_S)
                 request = request.model_copy(update={"command": words, "transition": transition})
-            targets, request = await self._found(request)
+            targets, request = await self._find_targets(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[tuple[CommandedPart, Outcome]] = []
@@ -141,7 +141,7 @@ class CommandService:
         with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
             return await client.call(asked, timeout=_MAX_WAIT_S)
 
-    async def _found(self, request: CommandDevicesRequest) -> tuple[list[Target], CommandDevicesRequest]:
+    async def _find_targets(self, request: CommandDevicesRequest) -> tuple[list[Target], CommandDevicesRequest]:
         """Return the targets, and *request* with ``off`` or ``on`` for ``toggle``: off if any of them is on."""
         if request.command.strip().casefold() != "toggle":
             return await self._targets.find(request), request

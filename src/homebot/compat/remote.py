@@ -180,12 +180,12 @@ class SpinExecutor(concurrent.futures.Executor):
             return
         if future.set_running_or_notify_cancel():  # otherwise the node was closed meanwhile
             try:
-                future.set_result(self._completed(call()))
+                future.set_result(self._complete(call()))
             except Exception as exc:
                 future.set_exception(exc)
                 raise
 
-    def _completed(self, result: object) -> object:
+    def _complete(self, result: object) -> object:
         """Return *result*, or that of a coroutine; other callbacks run while it waits."""
         while iscoroutine(result):
             try:

@@ -103,7 +103,7 @@ class IssuedCommand:
             if state.part == self.part.id:
                 self.states[state.capability], self.values[state.capability] = state, state.value.plain()
         if len(self.settings) > 1:
-            self.settings = _ordered(self.settings, self.values)
+            self.settings = _order(self.settings, self.values)
         mode = self.settings.get("thermostat_mode")
         is_left = mode not in {None, "off", "heat", "cool"} and not self.settings.keys().isdisjoint(_SETPOINTS)
         self.in_order = [*self.settings.items(), *([("thermostat_mode", mode)] if is_left else [])]
@@ -131,7 +131,7 @@ class IssuedCommand:
         return without_codes(tuple(map(Setting.of, values, values.values())), self.device, self.part)
 
 
-def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
+def _order(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
     """Return *settings* in an order in which no thermostat is to heat to more than it cools to.
 
     A lamp or fan gets its level first, so that it never is as bright or fast as before, and is turned on last.

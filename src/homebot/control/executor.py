@@ -124,7 +124,7 @@ class CommandExecutor:
             elif device is None or part is None:
                 outcome = no_such_part(request.device, request.part, device, name)
             else:
-                command = self._issued(name, request, device, part, asked_at)
+                command = self._issue(name, request, device, part, asked_at)
                 command.text, command.has_code = text, shown is not request.settings
                 if part.part.members:
                     command.members = await self._lookup.members(device, part)
@@ -135,7 +135,7 @@ class CommandExecutor:
                     refused, command = await self._agreed(command, ask_first=request.ask_first)
                 outcome = refused or self.check(command) or await send(command)
                 if isinstance(outcome, Outcome):
-                    outcome = self._ended(command, outcome)
+                    outcome = self._end(command, outcome)
         except asyncio.CancelledError:
             self._journal.decided(request.issuer, place, self._sending.cancel(name))
             raise
@@ -152,7 +152,7 @@ class CommandExecutor:
             refused = self.check(command, is_preview=True) or await self.questions.agreed(command)
         return (None, refused) if isinstance(refused, IssuedCommand) else (refused, command)
 
-    def _ended(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
+    def _end(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
         """Return the outcome of a command with the warnings of its policies, and let its batch and its code know it."""
         if command.shared is not None:
             command.shared.leave(outcome)
@@ -166,11 +166,11 @@ class CommandExecutor:
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal of *request* by the current rights and policies; nothing is recorded."""
-        return self.check(self._issued("", request, device, part, self._clock.now()), is_preview=True)
+        return self.check(self._issue("", request, device, part, self._clock.now()), is_preview=True)
 
     async def why_asked(self, request: CommandRequest, device: Device, part: DevicePart) -> str:
         """Return why a person must agree to *request*, by the part or one that it sets too; empty if none must."""
-        command = self._issued("", request, device, part, self._clock.now())
+        command = self._issue("", request, device, part, self._clock.now())
         if self.check(command, is_preview=True) is not None or self.questions.must_ask(command):
             return ""  # it is refused, or asked of all, anyway
         values = {setting.capability: setting.value.plain() for setting in request.settings}
@@ -231,7 +231,7 @@ class CommandExecutor:
         if command.members:
             self.timelines.command_members(order, command.members)
 
-    def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
+    def _issue(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
         asked = {setting.capability: setting.value.plain() for setting in request.settings}
         settings = device_settings(asked, part.part)
         return IssuedCommand(

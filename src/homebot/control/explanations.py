@@ -289,13 +289,13 @@ def _means(capability: str, value: PlainValue, wanted: str) -> bool:
                 return (value > 0) is (wanted == "on")
             if capability == "position" and wanted in {"open", "closed"}:
                 return (value > 0) is (wanted == "open")
-            unit = _squeezed(CAPABILITIES.get(capability, OWN).unit)
-            name, number = _squeezed(capability), value_text(value)
-            return _squeezed(wanted) in {number, f"{number}{unit}", f"{name}{number}", f"{name}{number}{unit}"}
+            unit = _squeeze(CAPABILITIES.get(capability, OWN).unit)
+            name, number = _squeeze(capability), value_text(value)
+            return _squeeze(wanted) in {number, f"{number}{unit}", f"{name}{number}", f"{name}{number}{unit}"}
     return False
 
 
-def _squeezed(text: str) -> str:
+def _squeeze(text: str) -> str:
     """Return *text* without the characters that differ between two spellings."""
     return text.casefold().replace(" ", "").replace("_", "")
 

@@ -157,7 +157,7 @@ class GroupBatcher:
         return self._refusal(replace(first, device=device, part=part, rights=ALL_RIGHTS)) is None
 
     def _refusal(self, command: IssuedCommand) -> Refused | None:
-        return self._held(command) or self._policies.check(command, is_recorded=False)
+        return self._refuse_held(command) or self._policies.check(command, is_recorded=False)
 
     async def _may_begin(self, commands: Sequence[IssuedCommand], device: Device, part: DevicePart) -> bool:
         """Return whether the group or scene has the same members as when it was chosen, and no lease has begun since.
@@ -168,14 +168,14 @@ class GroupBatcher:
         now = None if present is None else present.part(part.id)
         is_same = now is not None and (now.part.members, now.part.values) == (part.part.members, part.part.values)
         whole = replace(commands[0], device=device, part=part)
-        if not is_same or any(map(self._held, (*commands, whole))):
+        if not is_same or any(map(self._refuse_held, (*commands, whole))):
             return False
         if part.part.is_group:
             self._leases.yield_to(whole, self._clock.monotonic())
             self._timelines.command_members(order_of(commands[0]), [(device, part)])
         return True
 
-    def _held(self, command: IssuedCommand) -> Refused | None:
+    def _refuse_held(self, command: IssuedCommand) -> Refused | None:
         is_leased = command.place in self._leases.parts
         return self._leases.refuse(command, self._clock.monotonic()) if is_leased else None
 

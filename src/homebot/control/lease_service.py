@@ -102,7 +102,7 @@ class LeaseService:
             return refused
         lease = self._begin(request, holder)
         if isinstance(lease, str):
-            return self._refused(request, lease)
+            return self._refuse(request, lease)
         if lease.stop_watch is None:
             timeline = self._executor.timelines.of(device, part)
             lease.held = HeldValue(lease.capability, lease.value, timeline.profile, partial(self._on_report, lease))
@@ -114,7 +114,7 @@ class LeaseService:
         outcome = await self._command(lease, key, holder)
         if outcome is None:  # the lease ended, or a hand outranked it, before its turn
             self._release(key)
-            return self._refused(request, "a hand outranks it now, or its time is over")
+            return self._refuse(request, "a hand outranks it now, or its time is over")
         if outcome.is_final and key in lease.holders:
             self._release(key)
         return LeaseState(key in lease.holders, outcome)
@@ -177,14 +177,14 @@ class LeaseService:
         try:
             check_setting(device.id, part.part, held.capability, held.value.plain())
         except RefusedError as exc:
-            return self._refused(request, f"{exc.what}: {exc.reason}", "device")
+            return self._refuse(request, f"{exc.what}: {exc.reason}", "device")
         if (shown := without_codes((held,), device, part)) != (held,):
-            return self._refused(
+            return self._refuse(
                 request.model_copy(update={"setting": shown[0]}), "a code is given once and cannot be held"
             )
         first = _command_of((device.id, part.id), held, request.issuer, holder)
         refused = self._executor.preview(first, device, part)
-        return None if refused is None else self._refused(request, refused.reason, refused.policy)
+        return None if refused is None else self._refuse(request, refused.reason, refused.policy)
 
     def _begin(self, request: HoldRequest, holder: LeaseHolder) -> Lease | str:
         """Return the lease of a new holder, or the reason of its refusal."""
@@ -247,7 +247,7 @@ class LeaseService:
             self._record("released", lease, key[0], key[1])
         return lease
 
-    def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseState:
+    def _refuse(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseState:
         self._node.log.info(
             "control.lease_refused",
             message=f"{request.device} is not held for {request.by} ({request.issuer}): {reason}",

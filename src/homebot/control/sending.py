@@ -104,11 +104,11 @@ class Sending:
         witnesses: list[Witness] = []
         try:
             if is_so:
-                return self._decided(opened, AlreadySo(command_id=command.id))
+                return self._decide(opened, AlreadySo(command_id=command.id))
             rehearsal = self.rehearsal
             if rehearsal is not None and (assumed := self.rehearse(command, opened.timeline)) is not None:
                 await asyncio.sleep(durations.REHEARSED)
-                self._decided(opened, AlreadySo(command_id=command.id))
+                self._decide(opened, AlreadySo(command_id=command.id))
                 wanted = (
                     {name: wanted_value.value for name, wanted_value in opened.progress.wanted.items()}
                     if assumed.succeeded
@@ -126,7 +126,7 @@ class Sending:
                 outcome = await self.witnesses.verify(opened, witnesses, outcome)
             if await self._is_gone(command, outcome):
                 outcome = Gone(command_id=command.id)
-            return self._decided(opened, outcome)
+            return self._decide(opened, outcome)
         finally:
             for witness in witnesses:
                 witness.stop_watch()
@@ -138,7 +138,7 @@ class Sending:
             return NoAnswer(0.0, _CANCELLED, command_id=name)
         sendings = opened.progress.transmission
         waited, reason = self._clock.monotonic() - sendings.first_sent_at, "" if sendings.count else _CANCELLED
-        return self._decided(opened, NoAnswer(waited, reason, command_id=name))
+        return self._decide(opened, NoAnswer(waited, reason, command_id=name))
 
     def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:
         """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
@@ -325,7 +325,7 @@ class Sending:
         self._journal.record("sent", command)
         return False
 
-    def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
+    def _decide(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
         opened.timeline.append(Decided(opened.command.id, self._clock.monotonic(), outcome))
         self._timelines.schedule(opened.command.place)
         return outcome

@@ -104,7 +104,7 @@ class Witnesses:
             return await self._verify_report(opened, witnesses, outcome, now)
         is_silent = isinstance(outcome, NoAnswer) and not outcome.reason
         seeing = _with_answer(Observed.EFFECT, witnesses, opened, now) if is_silent else []
-        return self._confirmed(opened, seeing[0], outcome) if seeing else outcome
+        return self._confirm(opened, seeing[0], outcome) if seeing else outcome
 
     async def _verify_report(
         self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome, reported_at: float
@@ -116,7 +116,7 @@ class Witnesses:
             until += self._timeout + opened.command.transition
         while isinstance(newest := outcome_of(opened.progress, now), Confirmed):
             if seeing := _with_answer(Observed.EFFECT, witnesses, opened, reported_at):
-                return self._confirmed(opened, seeing[0], outcome)
+                return self._confirm(opened, seeing[0], outcome)
             if now >= until:
                 contradicting = _with_answer(Observed.NOTHING, named, opened, reported_at)
                 return self._contradict(opened, contradicting[0]) if contradicting else outcome
@@ -141,7 +141,7 @@ class Witnesses:
             witness.newest, witness.seen_at = value, self._clock.monotonic()
             wake()
 
-    def _confirmed(self, opened: OpenCommand, witness: Witness, outcome: Outcome) -> Outcome:
+    def _confirm(self, opened: OpenCommand, witness: Witness, outcome: Outcome) -> Outcome:
         command = opened.command
         self.counts["commands_witnessed"] += 1
         self.contradicted.pop(command.place, None)

@@ -51,7 +51,7 @@ def find_conventions(
         if isinstance(table, dict):
             known = {key: value for key, value in (("root", root), ("home", home)) if key in kind.Settings.model_fields}
             table = {**known, **table}
-        settings = _checked(kind.Settings, table)
+        settings = _check(kind.Settings, table)
         try:
             conventions.append(kind(settings))
         except Exception as exc:
@@ -78,7 +78,7 @@ def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[I
             )
             continue
         try:
-            _checked(models[key], table)
+            _check(models[key], table)
         except ValidationError as exc:
             problems += [_problem(key, models[key], error) for error in exc.errors(include_url=False)]
     return problems
@@ -103,7 +103,7 @@ def _table_name(name: str, kind: type[Convention]) -> str:
     return kind.name if ":" in name else name
 
 
-def _checked(model: type[BaseModel], table: object) -> BaseModel:
+def _check(model: type[BaseModel], table: object) -> BaseModel:
     return model.model_validate_json(to_json(table), strict=True)
 
 

@@ -192,7 +192,7 @@ class _MovedCodec(TableCodec[MessageT]):
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*."""
-        return self._moved(partial(super().write, capability, value, transition=transition))
+        return self._move(partial(super().write, capability, value, transition=transition))
 
     def write_several(
         self, values: Mapping[str, PlainValue], *, transition: float = 0.0
@@ -205,13 +205,13 @@ class _MovedCodec(TableCodec[MessageT]):
             publications, names = super(_MovedCodec, self).write_several(values, transition=transition)
             return publications
 
-        return self._moved(write), names
+        return self._move(write), names
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
         """Return the command that sets *capability* with a *code*."""
-        return self._moved(partial(super().write_with_code, capability, value, code))
+        return self._move(partial(super().write_with_code, capability, value, code))
 
-    def _moved(self, write: Callable[[], Publications]) -> Publications:
+    def _move(self, write: Callable[[], Publications]) -> Publications:
         """Return the publications on its own topics; an error that ends with a topic names its own."""
         try:
             return tuple([publication._replace(topic=self.moved_topics[publication.topic]) for publication in write()])

@@ -110,7 +110,7 @@ class Commander:
         request = CommandRequest(
             device=view.device.id,
             part=part.id,
-            settings=_checked(view.device, part, values, transition, code),
+            settings=_check(view.device, part, values, transition, code),
             transition=float(transition),
             code=code,
             issuer=self._node.full_name,
@@ -195,7 +195,7 @@ class Commander:
         return Confirmed(self._clock.monotonic() - began, Evidence.ACKNOWLEDGED)
 
 
-def _checked(
+def _check(
     device: Device, part: DevicePart, values: Mapping[str, PlainValue], transition: float, code: str
 ) -> tuple[Setting, ...]:
     target = f"{device.id}#{part.id}" if part.id else device.id

@@ -99,7 +99,7 @@ class Devices:
             if service_type and not devices:
                 self._view.names.add(type_is(service_type), f"find({service_type!r})")
             return devices
-        wanted = _checked_kind(service_type).where(*none, **query)
+        wanted = _check_kind(service_type).where(*none, **query)
         find = self._view.find if wanted.near is None else self._view.find_near
         answer = await find(wanted.search)
         handles: list[HandleT] = []
@@ -132,7 +132,7 @@ class Devices:
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
             return Follow(self._node, service_type)
-        wanted = _checked_kind(service_type).where(*none, **query)
+        wanted = _check_kind(service_type).where(*none, **query)
         return FollowHandles(self._node, wanted, _call_text("follow", wanted, query))
 
     def messages(self, kind: HandleType[P, HandleT], *none: P.args, **query: P.kwargs) -> HandleMessages[HandleT]:
@@ -296,7 +296,7 @@ def _call_text(name: str, query: HandleQuery[HandleT], conditions: Mapping[str, 
     return f"{name}({', '.join((query.kind.__name__, *given))})"
 
 
-def _checked_kind(kind: HandleType[P, HandleT]) -> HandleType[P, HandleT]:
+def _check_kind(kind: HandleType[P, HandleT]) -> HandleType[P, HandleT]:
     if not hasattr(kind, "where"):
         raise UsageError(f"{kind!r:.60} is neither a kind of handle, such as Light, nor a type of device as text")
     return kind

@@ -280,7 +280,7 @@ class CommandDescription(NamedTuple):
             ("its identifiers are", self.identifiers, before.identifiers),
         ):
             if now != then:
-                yield f"{name} {_listed(now)} instead of {_listed(then)}"
+                yield f"{name} {_list(now)} instead of {_list(then)}"
         if self.payloads != before.payloads:
             yield "the payloads of its commands changed"
 
@@ -289,6 +289,6 @@ _MAX_LISTED = 5
 _MAX_CHARACTERS = 100
 
 
-def _listed(words: tuple[str, ...]) -> str:
+def _list(words: tuple[str, ...]) -> str:
     shown = ", ".join([word[:_MAX_CHARACTERS] for word in words[:_MAX_LISTED]])
     return (f"{shown}, …" if len(words) > _MAX_LISTED else shown) or "none"

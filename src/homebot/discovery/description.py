@@ -183,8 +183,8 @@ def with_stated_facts(
 
     The owner's statements outrank announcements, which outrank a tag; the facts are in this order.
     """
-    own = [_stated_fact(fact) for fact in stated if not fact.name.startswith(_TAUGHT)]
-    taught = [_stated_fact(fact) for fact in stated if fact.name.startswith(_TAUGHT)]
+    own = [_state_fact(fact) for fact in stated if not fact.name.startswith(_TAUGHT)]
+    taught = [_state_fact(fact) for fact in stated if fact.name.startswith(_TAUGHT)]
     names = tuple(dict.fromkeys((*_values(own, "name"), described.name, *described.names)))
     area, outer_areas = described.area, described.outer_areas
     if stated_area := _area_of(own, plan) or (not area and _area_of(taught, plan)):
@@ -271,7 +271,7 @@ def with_approvals(
     if not facts:
         return described
     parts = [_with_approved_routes(part, digests) for part in described.merged.parts]
-    joined = frozenset(_joined(parts, frozenset(place for place, _, _ in approvals)))
+    joined = frozenset(_join(parts, frozenset(place for place, _, _ in approvals)))
     return replace(
         described,
         merged=described.merged._replace(parts=tuple(parts)).hiding(joined),
@@ -279,7 +279,7 @@ def with_approvals(
     )
 
 
-def _joined(parts: Iterable[DevicePart], known: frozenset[PartPlace]) -> Iterator[PartPlace]:
+def _join(parts: Iterable[DevicePart], known: frozenset[PartPlace]) -> Iterator[PartPlace]:
     """Yield the places that joined approved parts; of a part that changed since, only those never approved."""
     for part in parts:
         places = {(route.gateway, route.key, route.part): route.approved for route in part.routes}
@@ -329,7 +329,7 @@ def _owner_fact(name: str, value: str, gateway: str, key: str, said_at: float, c
     return Fact(name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=at)
 
 
-def _stated_fact(fact: OwnerFact) -> Fact:
+def _state_fact(fact: OwnerFact) -> Fact:
     if not fact.name.startswith(_TAUGHT):
         return _owner_fact(fact.name, fact.value, "", fact.source, fact.said_at)
     gateway, _, key = fact.source.partition("/")

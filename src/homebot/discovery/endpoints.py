@@ -39,7 +39,7 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
             reports.append((source, "", None))
         else:
             reports += [(source, part.id, source.reach_of(part.id)) for part in source.sighting.parts]
-    return _combined(reports)
+    return _combine(reports)
 
 
 def offline_parts(
@@ -54,11 +54,11 @@ def offline_parts(
             if not source.is_lost:
                 linked.append((source, part, source.reach_of(part)))
     return tuple(
-        ids[place] for place in sorted(reports) if not reports[place] or _combined(reports[place]).state == "no"
+        ids[place] for place in sorted(reports) if not reports[place] or _combine(reports[place]).state == "no"
     )
 
 
-def _combined(reports: list[_SourceReach]) -> Reachability:
+def _combine(reports: list[_SourceReach]) -> Reachability:
     """Return the newest of *reports* that say yes; else of those that say no; else of those that do not know."""
     for value in (True, False, None):
         answers = [

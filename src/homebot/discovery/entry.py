@@ -200,12 +200,12 @@ class Entry:
 
     def parts(self, topics: TopicOwnership) -> MergedParts:
         """Return its parts."""
-        return (self._description or self._described(topics)).merged
+        return (self._description or self._describe(topics)).merged
 
     def to_device(self, topics: TopicOwnership) -> Device:
         """Return the message that describes it; the same object as long as nothing has changed."""
         if self.device is None:
-            described = self._description or self._described(topics)
+            described = self._description or self._describe(topics)
             sources = self.sources.values()
             has_states, has_events = any(map(_VALUES, sources)), any(map(_EVENTS, sources))
             facts = described.facts
@@ -260,7 +260,7 @@ class Entry:
     def is_regrouped(self, groups: HouseGroups, topics: TopicOwnership) -> bool:
         """Return whether the gateways' groups of which it is a member changed; its message is discarded then."""
         device = self.to_device(topics)
-        described = self._description or self._described(topics)
+        described = self._description or self._describe(topics)
         if groups.native_facts(device) == tuple([group for group in described.groups or () if not group.convention]):
             return False
         described.groups = self.device = None
@@ -330,7 +330,7 @@ class Entry:
             return self.sources
         return {key: source for key, source in self.sources.items() if not source.is_claimed} or self.sources
 
-    def _described(self, topics: TopicOwnership) -> DeviceDescription:
+    def _describe(self, topics: TopicOwnership) -> DeviceDescription:
         if self._description is None:
             sources = tuple(self.sources.values())
             self._description = describe_device(sources, topics, self.known_ids, self.owner)

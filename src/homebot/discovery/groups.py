@@ -225,15 +225,15 @@ def _members(name: str, queries: Mapping[str, str], *inside: str) -> Query:
             f"{queries[name]!r} depends on what changes from moment to moment; name the members by type, room, name or "
             "tag"
         )
-    return _expanded(query, partial(_group, queries, (*inside, name)))
+    return _expand(query, partial(_group, queries, (*inside, name)))
 
 
-def _expanded(query: Query, group: Callable[[str], Query]) -> Query:
+def _expand(query: Query, group: Callable[[str], Query]) -> Query:
     match query:
         case And(terms) | Or(terms):
-            return type(query)(tuple([_expanded(term, group) for term in terms]))
+            return type(query)(tuple([_expand(term, group) for term in terms]))
         case Not(term):
-            return Not(_expanded(term, group))
+            return Not(_expand(term, group))
         case FactIs("group", folded):
             return group(folded)
         case _:

@@ -28,7 +28,7 @@ class HouseRooms:
             ConfigError: They contradict the plan; nothing was added.
         """
         added, added_doors = tuple(rooms), tuple(doors)
-        self.plan = _checked(self.plan.with_rooms(added, source, added_doors))
+        self.plan = _check(self.plan.with_rooms(added, source, added_doors))
         self.imported = HousePlan(self.plan.home, (*self.imported, *added), source).rooms
         self.imported_doors = tuple({fold(door.name): door for door in (*self.imported_doors, *added_doors)}.values())
 
@@ -41,11 +41,11 @@ class HouseRooms:
         self.imported, self.imported_doors = rooms, doors
         problem: ConfigError | None = None
         try:
-            self.plan = _checked(self.plan.with_rooms(rooms, source, doors))
+            self.plan = _check(self.plan.with_rooms(rooms, source, doors))
         except ConfigError:
             for added, further in [*(((room,), ()) for room in rooms), *(((), (door,)) for door in doors)]:
                 try:
-                    self.plan = _checked(self.plan.with_rooms(added, source, further))
+                    self.plan = _check(self.plan.with_rooms(added, source, further))
                 except ConfigError as exc:
                     problem = exc
         if problem is not None:
@@ -86,10 +86,10 @@ class HouseRooms:
         if fold(new) != fold(name) and self.plan.room(new) is not None:
             raise RefusedError(order, f"there is a room {new!r} already")
         doors = [
-            door._replace(rooms=(_spelled(door.rooms[0], name, new), _spelled(door.rooms[1], name, new)))
+            door._replace(rooms=(_spell(door.rooms[0], name, new), _spell(door.rooms[1], name, new)))
             for door in self.imported_doors
         ]
-        self._change((_renamed(room, name, new) for room in self.imported), doors)
+        self._change((_rename(room, name, new) for room in self.imported), doors)
 
     def _check_imported(self, name: str, order: str) -> None:
         """Refuse *order* unless the room *name* comes from an import alone."""
@@ -105,11 +105,11 @@ class HouseRooms:
         known = {fold(room.name) for room in (*changed, *self._configured.rooms)} | {OUTSIDE}
         changed = tuple(room._replace(doors=tuple(to for to in room.doors if fold(to) in known)) for room in changed)
         joined = tuple(door for door in doors if known.issuperset(map(fold, door.rooms)))
-        self.plan = _checked(self._configured.with_rooms(changed, "the imported rooms", joined))
+        self.plan = _check(self._configured.with_rooms(changed, "the imported rooms", joined))
         self.imported, self.imported_doors = changed, joined
 
 
-def _checked(plan: HousePlan) -> HousePlan:
+def _check(plan: HousePlan) -> HousePlan:
     """Return *plan*.
 
     Raises:
@@ -120,10 +120,10 @@ def _checked(plan: HousePlan) -> HousePlan:
     return plan
 
 
-def _renamed(room: HouseRoom, name: str, new: str) -> HouseRoom:
-    doors = tuple(_spelled(door, name, new) for door in room.doors)
-    return room._replace(name=_spelled(room.name, name, new), doors=doors)
+def _rename(room: HouseRoom, name: str, new: str) -> HouseRoom:
+    doors = tuple(_spell(door, name, new) for door in room.doors)
+    return room._replace(name=_spell(room.name, name, new), doors=doors)
 
 
-def _spelled(room: str, name: str, new: str) -> str:
+def _spell(room: str, name: str, new: str) -> str:
     return new if fold(room) == fold(name) else room

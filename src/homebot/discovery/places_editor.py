@@ -59,7 +59,7 @@ class PlacesEditor:
             is_new: Whether the room may be new although its name is one typo away from another.
             may_be_absent: Whether the device need not exist yet.
         """
-        entry = self._found(device, may_be_absent=may_be_absent)
+        entry = self._find(device, may_be_absent=may_be_absent)
         facts = self._where(device, room, at, now, is_new=is_new)
         replaced = {fact.name for fact in facts}
         others = [fact for fact in self._stated(device, entry) if fact.name not in replaced]
@@ -72,7 +72,7 @@ class PlacesEditor:
         Raises:
             RefusedError: There is no such device, or no room was stated or taught.
         """
-        entry = self._found(device, may_be_absent=may_be_absent)
+        entry = self._find(device, may_be_absent=may_be_absent)
         stated = self._stated(device, entry)
         for names in (_WHERE, _TAUGHT):
             facts = [fact for fact in stated if fact.name not in names]
@@ -137,7 +137,7 @@ class PlacesEditor:
                 position = position._replace(error=max(position.error, TAG_ERROR))
                 facts.append(OwnerFact("taught_position", position.text, source, now))
         if not facts or room or area:
-            name = self._spelled(check_name(area or room), entry.id)
+            name = self._spell(check_name(area or room), entry.id)
             self._check_typo(name)
             facts.append(OwnerFact("taught_area", name, source, now))
         return facts
@@ -230,7 +230,7 @@ class PlacesEditor:
             entry.invalidate_description()
             self._table.record_change("changed", entry, why)
 
-    def _found(self, device: str, *, may_be_absent: bool) -> Entry | None:
+    def _find(self, device: str, *, may_be_absent: bool) -> Entry | None:
         return None if may_be_absent and not self.has(device) else self._entry(device)
 
     def _stated(self, device: str, entry: Entry | None) -> tuple[OwnerFact, ...]:
@@ -247,7 +247,7 @@ class PlacesEditor:
     def _where(self, device: str, room: str, at: str, now: float, *, is_new: bool) -> list[OwnerFact]:
         facts = []
         if room or not at:
-            name = self._spelled(check_name(room), device)
+            name = self._spell(check_name(room), device)
             if not is_new:
                 self._check_typo(name)
             facts.append(OwnerFact("area", name, "command", now))
@@ -266,7 +266,7 @@ class PlacesEditor:
                 return f"{fact.value!r} is stated in the configuration; change [places] there"
         return ""
 
-    def _spelled(self, room: str, device_id: str) -> str:
+    def _spell(self, room: str, device_id: str) -> str:
         """Return *room* as the plan or the other devices in it spell it."""
         name, _ = self._table.owner.plan.locate(room)
         others = sorted(self._table.postings.find(AreaIs(fold(name))) - {device_id})
@@ -280,7 +280,7 @@ class PlacesEditor:
             *self._table.postings.values_of("area"),
         }
         spelled = fold(room)
-        meant = sorted(self._spelled(name, "") for name in known if is_room_typo(spelled, name))
+        meant = sorted(self._spell(name, "") for name in known if is_room_typo(spelled, name))
         if meant and spelled not in known:
             raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
 

@@ -57,9 +57,9 @@ class PlacesExchange:
             known.update((entry.id, *entry.sources))
             known.update(identifier for source in sources for identifier in source.sighting.identifiers)
             known.update(owner.known_as(key) for key in entry.sources)
-            if facts := _exported(owner.of(entry.id, sources)):
+            if facts := _export(owner.of(entry.id, sources)):
                 devices.append((entry.id, facts, entry.hardware()))
-        unknown = ((names, _exported(facts)) for names, facts in owner.unknown(known))
+        unknown = ((names, _export(facts)) for names, facts in owner.unknown(known))
         devices += [(names[0], facts, tuple(names[1:])) for names, facts in unknown if facts]
         return places_text(owner.plan, sorted(devices, key=lambda device: device[0]))
 
@@ -215,7 +215,7 @@ def _values(facts: Iterable[OwnerFact]) -> list[tuple[str, str]]:
     return [(fact.name, fact.value) for fact in facts]
 
 
-def _exported(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
+def _export(facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
     return tuple(fact for fact in facts if fact.name in {"area", "position", "name", "tag"})
 
 

@@ -254,7 +254,7 @@ class StateRecorder:
             if merged.has_own_ids:
                 readings.append(reading)
                 names += place
-            elif (shown := _shown(merged, source, reading)) is not None:
+            elif (shown := _show(merged, source, reading)) is not None:
                 readings.append(shown)
                 names += (shown.part, shown.capability)
         if readings:
@@ -322,7 +322,7 @@ def _denies_life(report: Report) -> bool:
     return any(reading.capability == REACHABLE and not reading.value.flag for reading in report.readings)
 
 
-def _shown(merged: MergedParts, source: SourceRecord, reading: Reading) -> Reading | None:
+def _show(merged: MergedParts, source: SourceRecord, reading: Reading) -> Reading | None:
     """Return *reading* with the id that its part has in the device; None if that part is not shown."""
     part = merged.shown_part_of(source, reading.part)
     return None if part is None else _of_part(part.id, reading)

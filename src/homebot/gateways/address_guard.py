@@ -48,7 +48,7 @@ class AddressGuard:
         Raises:
             OwnAddressError: It is one of this computer.
         """
-        text, is_own = _judged(address)
+        text, is_own = _judge(address)
         if is_own and parse_address(text) not in self._allowed:
             raise OwnAddressError
         return text
@@ -82,7 +82,7 @@ class ThisComputerGuard(AddressGuard):
         Raises:
             OSError: It is one of another host.
         """
-        text, is_own = _judged(address)
+        text, is_own = _judge(address)
         if not is_own:
             raise OSError("its name leads to another host now, not to this computer")
         return text
@@ -101,7 +101,7 @@ async def guard_for(host: str | None) -> AddressGuard:
     return here
 
 
-def _judged(address: SocketAddress) -> tuple[str, bool]:
+def _judge(address: SocketAddress) -> tuple[str, bool]:
     text = socket.getnameinfo(address, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)[0]
     return text, _is_own(text, address[3] if len(address) > 3 else 0)
 

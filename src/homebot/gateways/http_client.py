@@ -182,7 +182,7 @@ class HttpClient:
         where = parse_url(url)
         headers = _headers(accept, content_type, etag)
         async with self._within(method, where, self._time_limit if time_limit is None else time_limit):
-            response = await self._opened().request(
+            response = await self._open().request(
                 method, where, data=body, headers=headers, allow_redirects=method == "GET", max_redirects=_REDIRECTS
             )
             SENT_REQUESTS.get().is_unanswered = False
@@ -206,7 +206,7 @@ class HttpClient:
         """
         where = parse_url(url, "http", "https", "ws", "wss")
         async with self._within("WebSocket", where, self._time_limit):
-            opened = await self._opened().ws_connect(
+            opened = await self._open().ws_connect(
                 where,
                 autoping=False,  # it would answer all that came without a pause
                 heartbeat=heartbeat,
@@ -232,7 +232,7 @@ class HttpClient:
         where = parse_url(url)
         headers = {**_headers("text/event-stream", ""), "Cache-Control": "no-store"}
         async with self._within("GET", where, self._time_limit):
-            response = await self._opened().get(where, headers=headers, max_redirects=_REDIRECTS)
+            response = await self._open().get(where, headers=headers, max_redirects=_REDIRECTS)
         async with response:
             check_status(f"GET {shown_url(where)}", response.status, has_login=self._login is not None)
             if response.status == 204:
@@ -251,7 +251,7 @@ class HttpClient:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVED_AT_ONCE)
         return made
 
-    def _opened(self) -> aiohttp.ClientSession:
+    def _open(self) -> aiohttp.ClientSession:
         if self._session is None:
             raise LinkError("the connection was closed")
         return self._session

@@ -190,7 +190,7 @@ class ParameterSet:
             raise ParameterError(f"{self._node}: no parameter {name[:100]!r} is declared; {hint}") from None
 
     def _fitting(self, name: str, declared: _Declared, value: Value) -> Value:
-        value = _converted(value, declared.kind)
+        value = _convert(value, declared.kind)
         kind = _kind_of(value)
         if kind != declared.kind and not (value == () and declared.kind.endswith("[]")):
             raise ParameterError(
@@ -224,7 +224,7 @@ _TYPES = ("not set", "bool", "integer", "double", "string", "byte[]", "bool[]", 
 """The kinds by their number in ``rcl_interfaces/msg/ParameterType``."""
 
 
-def _converted(value: Value, kind: str) -> Value:
+def _convert(value: Value, kind: str) -> Value:
     """Return *value* with lists as tuples, and integers as floats if *kind* is a double."""
     if isinstance(value, list):
         value = tuple(value)

@@ -98,7 +98,7 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     house = parse_settings(_HouseTable, parts.house, source, "house")
     seed = house.seed if seed is None else seed
     rooms = _rooms(parts.rooms, source)
-    placed = [_placed(name, table, rooms, seed, house.dialect, source) for name, table in parts.devices.items()]
+    placed = [_place(name, table, rooms, seed, house.dialect, source) for name, table in parts.devices.items()]
     people = [_person(name, table, rooms, source) for name, table in parts.people.items()]
     known = {item.device.device_id for item in placed}
     for metered in placed:
@@ -108,7 +108,7 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     errands = [
         errand
         for number, table in enumerate(parts.errands)
-        for errand in _scheduled(f"errands.{number}", table, known, source)
+        for errand in _schedule(f"errands.{number}", table, known, source)
     ]
     return World(
         rooms,
@@ -124,7 +124,7 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     )
 
 
-def _scheduled(key: str, table: Table, known: Container[str], source: str) -> Iterator[ScheduledCommand]:
+def _schedule(key: str, table: Table, known: Container[str], source: str) -> Iterator[ScheduledCommand]:
     scheduled = parse_settings(_ScheduledCommandTable, table, source, key)
     if scheduled.device not in known:
         raise ConfigError(source, f"{key}.device", f"there is no device {scheduled.device!r}")
@@ -211,7 +211,7 @@ def _rooms(tables: Mapping[str, Table], source: str) -> Rooms:
     return Rooms(rooms, tuple(doors))
 
 
-def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, source: str) -> Placed:
+def _place(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, source: str) -> Placed:
     key = f"devices.{name}"
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:

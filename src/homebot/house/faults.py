@@ -101,9 +101,9 @@ class DeviceFault(SimulatedDevice):
         return self._deliver_all(self.device.handle_command(command, self.now))
 
     def _deliver_all(self, reports: Iterable[str]) -> tuple[str, ...]:
-        return tuple(report_text for report in reports for report_text in self._delivered(report))
+        return tuple(report_text for report in reports for report_text in self._deliver(report))
 
-    def _delivered(self, report: str) -> tuple[str, ...]:
+    def _deliver(self, report: str) -> tuple[str, ...]:
         """Return the reports that reach the world for *report*."""
         return (report,)
 
@@ -128,7 +128,7 @@ class Lossy(DeviceFault):
     def _obey(self, command: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else self._pass(command)
 
-    def _delivered(self, report: str) -> tuple[str, ...]:
+    def _deliver(self, report: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else (report,)
 
     def heartbeat(self) -> tuple[str, ...] | None:
@@ -246,7 +246,7 @@ class Chatterbox(DeviceFault):
     times: int = field(default=50, kw_only=True)
     every: float = field(default=0.1, kw_only=True)
 
-    def _delivered(self, report: str) -> tuple[str, ...]:
+    def _deliver(self, report: str) -> tuple[str, ...]:
         begins = max(self.now, self._held[-1][0]) if self._held else self.now
         for number in range(1, self.times):
             self._hold(begins + number * self.every, report)
@@ -278,7 +278,7 @@ class Late(DeviceFault):
 
     delay: float = field(default=30.0, kw_only=True)
 
-    def _delivered(self, report: str) -> tuple[str, ...]:
+    def _deliver(self, report: str) -> tuple[str, ...]:
         self._hold(self.now + self.delay, report)
         return ()
 
@@ -293,7 +293,7 @@ class Silent(DeviceFault):
         """Return nothing once it is silent."""
         return () if self.now >= self.since else self.device.heartbeat()
 
-    def _delivered(self, report: str) -> tuple[str, ...]:
+    def _deliver(self, report: str) -> tuple[str, ...]:
         return () if self.now >= self.since else (report,)
 
 
@@ -352,7 +352,7 @@ class Unplugged(DeviceFault):
             self._missed = None
         return (self.state(),)  # its only report when it starts
 
-    def _delivered(self, report: str) -> tuple[str, ...]:
+    def _deliver(self, report: str) -> tuple[str, ...]:
         return (report,) if self.has_power else ()
 
 

@@ -109,7 +109,7 @@ class SimulatedHouse:
         self._is_served = False
         infos = {name: self._device_info(placed) for name, placed in world.devices.items()}
         self._network = network or HouseNetwork(world.families())
-        self._devices = {name: self._connected(infos[name], placed.dialect) for name, placed in world.devices.items()}
+        self._devices = {name: self._connect(infos[name], placed.dialect) for name, placed in world.devices.items()}
         self._bridges = self._bound(world, infos)
 
     @classmethod
@@ -229,7 +229,7 @@ class SimulatedHouse:
                 bridges.append(self._mqtt_device(info, BridgeDialect(bridge)))
         return bridges
 
-    def _connected(self, info: SimulatedDeviceInfo, family: str) -> ConnectedDevice:
+    def _connect(self, info: SimulatedDeviceInfo, family: str) -> ConnectedDevice:
         if family in self._dialects:
             return self._mqtt_device(info, self._dialects[family])
         return self._network.connect(family, info, partial(self.command, info.device_id))

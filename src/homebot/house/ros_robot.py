@@ -124,16 +124,16 @@ class RosRobot:
     def _transform(
         self, parent: str, child: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0
     ) -> TransformStamped:
-        transform = Transform(translation=Vector3(x=x, y=y, z=z), rotation=_turned(yaw))
+        transform = Transform(translation=Vector3(x=x, y=y, z=z), rotation=_turn_quaternion(yaw))
         return TransformStamped(header=self.header(parent), child_frame_id=child, transform=transform)
 
 
 def ros_pose(pose: MapPose) -> Pose:
     """Return *pose* as a message."""
-    return Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=_turned(pose.yaw))
+    return Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=_turn_quaternion(pose.yaw))
 
 
-def _turned(yaw: float) -> Quaternion:
+def _turn_quaternion(yaw: float) -> Quaternion:
     return Quaternion(x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2))
 
 

@@ -47,7 +47,7 @@ class EntryAggregation:
 
     def waiting(self) -> list[JournalNote]:
         """Return the entries that are not stored yet."""
-        return [note for counted in self._counted.values() for note in _folded(counted.newest, counted.held_back)]
+        return [note for counted in self._counted.values() for note in _fold_notes(counted.newest, counted.held_back)]
 
     def _passes(self, notes: Sequence[JournalNote]) -> bool:
         """Return whether to store *notes*; if not, they take the place of the command before with the same outcome."""
@@ -63,10 +63,10 @@ class EntryAggregation:
         return True
 
     def _on_interval_end(self, _key: object, interval: LimitInterval[_Notes]) -> None:
-        self._ended += _folded(*interval.release())
+        self._ended += _fold_notes(*interval.release())
 
 
-def _folded(notes: _Notes | None, count: int) -> _Notes:
+def _fold_notes(notes: _Notes | None, count: int) -> _Notes:
     """Return the newest of *count* folded commands; its first entry counts the others."""
     return [notes[0]._replace(folded=count - 1), *notes[1:]] if notes else []
 

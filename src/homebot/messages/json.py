@@ -87,7 +87,7 @@ def message_from_json(
         unless it is a secret (``Field(repr=False)``).
     """
     if not isinstance(value, Mapping):
-        raise TypeMismatchError(f"not a {message_type.ros_type}: expected an object, got {_shown(value)}")
+        raise TypeMismatchError(f"not a {message_type.ros_type}: expected an object, got {_show(value)}")
     try:
         return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
@@ -115,10 +115,10 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
     if first["type"] == "extra_forbidden":
         return f"field {path!r} is unknown"
     if first["type"] == "bytes_type":
-        return f"field {path!r}: bytes are base64 text or a list of 0 to 255, got {_shown(first['input'])}"
+        return f"field {path!r}: bytes are base64 text or a list of 0 to 255, got {_show(first['input'])}"
     if first["type"] == "model_type":
-        return f"field {path!r} is an object with fields of its own, got {_shown(first['input'])}"
-    return f"field {path!r}: {first['msg'][:1].lower()}{first['msg'][1:]}, got {_shown(first['input'])}"
+        return f"field {path!r} is an object with fields of its own, got {_show(first['input'])}"
+    return f"field {path!r}: {first['msg'][:1].lower()}{first['msg'][1:]}, got {_show(first['input'])}"
 
 
 @lru_cache(maxsize=1024)
@@ -205,6 +205,6 @@ def _element_from_json(field: FieldDefinition, value: object) -> object:
     return value
 
 
-def _shown(value: object) -> str:
+def _show(value: object) -> str:
     shown = repr(value)
     return shown if len(shown) <= 60 else f"{shown[:57]}..."  # enough to recognise a value

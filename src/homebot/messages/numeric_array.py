@@ -99,14 +99,14 @@ class RosArray:
         number = handler.generate_schema(self.element)
         plain = core_schema.float_schema() if self.name.startswith("float") else core_schema.int_schema()
         return core_schema.no_info_wrap_validator_function(
-            self._converted,
+            self._convert,
             core_schema.tuple_variable_schema(number),
             serialization=core_schema.plain_serializer_function_ser_schema(
                 _plain, return_schema=core_schema.list_schema(plain)
             ),
         )
 
-    def _converted(self, value: object, check: Callable[[object], object]) -> NumericArray[Any]:
+    def _convert(self, value: object, check: Callable[[object], object]) -> NumericArray[Any]:
         held = "d" if self.name == "float32" else LAYOUTS[self.name]
         if isinstance(value, NumericArray) and value.buffer.format == held:
             return value

@@ -55,9 +55,9 @@ def type_hash(interface: type[Message] | ServiceType[Any, Any] | ActionType[Any,
 
 
 def _add_message(types: dict[str, list[_Field]], message: type[Message], name: str) -> None:
-    types[name] = _described(fields_of(message))
+    types[name] = _describe(fields_of(message))
     for nested in nested_types(message):
-        types[nested.ros_type] = _described(fields_of(nested))
+        types[nested.ros_type] = _describe(fields_of(nested))
 
 
 def _add_service(types: dict[str, list[_Field]], service: ServiceType[Any, Any]) -> None:
@@ -68,9 +68,9 @@ def _add_service(types: dict[str, list[_Field]], service: ServiceType[Any, Any])
     _add_message(types, find_message(_EVENT_INFO), _EVENT_INFO)
     event = f"{service.ros_type}_Event"
     kept = (FieldDefinition(side, name, is_array=True, bound=1) for side, name in names.items())
-    types[event] = _described((FieldDefinition("info", _EVENT_INFO), *kept))
+    types[event] = _describe((FieldDefinition("info", _EVENT_INFO), *kept))
     members = {f"{side}_message": name for side, name in names.items()} | {"event_message": event}
-    types[service.ros_type] = _described(FieldDefinition(name, ros_type) for name, ros_type in members.items())
+    types[service.ros_type] = _describe(FieldDefinition(name, ros_type) for name, ros_type in members.items())
 
 
 def _add_action(types: dict[str, list[_Field]], action: ActionType[Any, Any, Any]) -> None:
@@ -85,10 +85,10 @@ def _add_action(types: dict[str, list[_Field]], action: ActionType[Any, Any, Any
         "get_result_service": action.GetResult.ros_type,
         "feedback_message": action.FeedbackMessage.ros_type,
     }
-    types[action.ros_type] = _described(FieldDefinition(name, ros_type) for name, ros_type in members.items())
+    types[action.ros_type] = _describe(FieldDefinition(name, ros_type) for name, ros_type in members.items())
 
 
-def _described(fields: Iterable[FieldDefinition]) -> list[_Field]:
+def _describe(fields: Iterable[FieldDefinition]) -> list[_Field]:
     # IDL has no empty structures, so ROS 2 gives them a member.
     members = tuple(fields) or (FieldDefinition("structure_needs_at_least_one_member", "uint8"),)
     return [{"name": field.name, "type": _field_type(field)} for field in members]

@@ -107,7 +107,7 @@ class MemoryBroker(EmbeddedBroker):
             raise LinkError("the broker in memory has too many connections")
         state.counters.connections_accepted += 1
         self._dialled += 1
-        link = MemoryLink(state, user, f"memory:{self._dialled}", self._closed)
+        link = MemoryLink(state, user, f"memory:{self._dialled}", self._on_closed)
         self._links[link] = None
         return link.socket
 
@@ -127,7 +127,7 @@ class MemoryBroker(EmbeddedBroker):
                 self._empty = anyio.Event()
                 await self._empty.wait()
 
-    def _closed(self, link: MemoryLink) -> None:
+    def _on_closed(self, link: MemoryLink) -> None:
         self._links.pop(link, None)
         if not self._links:
             self._empty.set()

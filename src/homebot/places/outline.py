@@ -68,7 +68,7 @@ def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:
     ring = [*ring[start:], *ring[:start]]
     far = max(range(len(ring)), key=lambda index: math.dist(ring[0], ring[index]))
     for tolerance in _TOLERANCES:
-        kept = (*_thinned([*ring[: far + 1]], tolerance)[:-1], *_thinned([*ring[far:], ring[0]], tolerance)[:-1])
+        kept = (*_thin([*ring[: far + 1]], tolerance)[:-1], *_thin([*ring[far:], ring[0]], tolerance)[:-1])
         if len(kept) <= MAX_CORNERS or tolerance == _TOLERANCES[-1]:
             try:
                 return Polygon(kept).rings[0]
@@ -77,7 +77,7 @@ def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:
     return ()
 
 
-def _thinned(line: Sequence[Point], tolerance: float) -> list[Point]:
+def _thin(line: Sequence[Point], tolerance: float) -> list[Point]:
     """Return the points of *line* that are needed to stay within *tolerance* of it (Douglas-Peucker)."""
     kept = {0, len(line) - 1}
     spans = [(0, len(line) - 1)]

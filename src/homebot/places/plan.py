@@ -102,7 +102,7 @@ class HousePlan:
     ) -> None:
         self.home = home
         self.source = source
-        self._rooms = _merged(rooms, source)
+        self._rooms = _merge(rooms, source)
         self._check_levels(source)
         self.doors = self._join({fold(door.name): door for door in doors}.values())
         self.rooms = tuple(self._rooms.values())
@@ -204,7 +204,7 @@ def door_name(rooms: tuple[str, str]) -> str:
     return "–".join(rooms)  # noqa: RUF001 - an en dash joins the ends of a way
 
 
-def _merged(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
+def _merge(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
     """Return each room once, by its folded name, with floors in their first spelling."""
     house_rooms: dict[str, HouseRoom] = {}
     for room in rooms:

@@ -23,7 +23,7 @@ class RoomSight:
     """
 
     def __init__(self, *areas: Polygon) -> None:
-        self.areas = tuple(map(_simplified, areas))
+        self.areas = tuple(map(_simplify, areas))
         self._edges = tuple(edge for area in self.areas for edge in area.edges())
         self.corners = tuple(_inward_corners(self.areas[0]) if len(areas) == 1 else self._joint_corners())
 
@@ -77,6 +77,6 @@ def _inward_corners(polygon: Polygon) -> Iterator[Point]:
                 yield x, y
 
 
-def _simplified(polygon: Polygon) -> Polygon:
+def _simplify(polygon: Polygon) -> Polygon:
     ring: Sequence[Point] = () if sum(map(len, polygon.rings)) <= MAX_CORNERS else simplified(polygon.rings[0])
     return Polygon(ring) if ring else polygon

@@ -193,7 +193,7 @@ def read_line(text: str | bytes) -> RecordingLine:
     Raises:
         UsageError: It is not a valid line; the message names the field.
     """
-    record = _parsed(text)
+    record = _parse(text)
     if not isinstance(record, dict) or not record.keys() >= {"at", "kind", "message"}:
         raise UsageError("must be a JSON object with the fields 'at', 'kind' and 'message'")
     at, kind, message = record["at"], record["kind"], record["message"]
@@ -214,7 +214,7 @@ def read_line(text: str | bytes) -> RecordingLine:
         raise UsageError(f"field 'message': {exc}") from exc
 
 
-def _parsed(text: str | bytes) -> object:
+def _parse(text: str | bytes) -> object:
     try:
         return parse_strict(text)
     except UnicodeDecodeError as exc:

@@ -116,7 +116,7 @@ def load_recording(path: Path) -> Recording:
     try:
         if path.suffix == ".gz":
             _check_ratio(path)
-        with _opened(path) as file:
+        with _open(path) as file:
             return read_recording(_lines(file, str(path)), str(path))
     except gzip.BadGzipFile as exc:
         raise UsageError(f"{path} is damaged, or not compressed, and its name ends in .gz") from exc
@@ -198,7 +198,7 @@ def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:
             recording.events.append(RecordedEvent(line.at, line.message, number))
 
 
-def _opened(path: Path) -> IO[bytes]:
+def _open(path: Path) -> IO[bytes]:
     return cast("IO[bytes]", gzip.open(path)) if path.suffix == ".gz" else path.open("rb")
 
 

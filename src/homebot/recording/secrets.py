@@ -33,7 +33,7 @@ def public_settings(settings: BaseModel) -> dict[str, object]:
     hidden = {
         name for name in settings.model_fields_set if isinstance(getattr(settings, name, None), SecretStr | SecretBytes)
     }
-    return {name: _cleaned(value) for name, value in public.items() if name not in hidden and not is_secret_name(name)}
+    return {name: _clean(value) for name, value in public.items() if name not in hidden and not is_secret_name(name)}
 
 
 def without_secrets(payload: bytes) -> bytes:
@@ -49,16 +49,16 @@ def without_secrets(payload: bytes) -> bytes:
         content = json.loads(payload)
     except (ValueError, RecursionError):
         return payload
-    cleaned = _cleaned(content)
+    cleaned = _clean(content)
     return payload if cleaned == content else json.dumps(cleaned, separators=(",", ":")).encode()
 
 
-def _cleaned(value: object) -> object:
+def _clean(value: object) -> object:
     match value:
         case dict():
-            return {name: HIDDEN if is_secret_name(str(name)) else _cleaned(item) for name, item in value.items()}
+            return {name: HIDDEN if is_secret_name(str(name)) else _clean(item) for name, item in value.items()}
         case list():
-            return [_cleaned(item) for item in value]
+            return [_clean(item) for item in value]
         case str():
             return _LOGIN.sub(HIDDEN, value)
     return value

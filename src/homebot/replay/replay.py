@@ -204,7 +204,7 @@ class _RecordedOutcomes:
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
         """See :class:`homebot.control.sending.SimulatedExecution`."""
-        recorded = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
+        recorded = self._matcher.pop(TimedCommand(self._now(), _record(command)))
         if recorded is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
         if recorded.result is None:
@@ -213,7 +213,7 @@ class _RecordedOutcomes:
         return None if outcome.was_sent else outcome
 
 
-def _recorded(command: IssuedCommand) -> RecordedCommand:
+def _record(command: IssuedCommand) -> RecordedCommand:
     settings = tuple(Setting(capability=name, value=Value.of(value)) for name, value in command.settings.items())
     return RecordedCommand(
         id=command.id, issuer=command.issuer, device=command.device.id, part=command.part.id, settings=settings

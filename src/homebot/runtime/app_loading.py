@@ -143,7 +143,7 @@ class AppPlanner:
             table = dict(config.apps.get(name, {}))
             if name not in config.apps and name in self._files:
                 table["class"] = self._files[name]
-            return self._checked(name, table, config, code.load), code
+            return self._check(name, table, config, code.load), code
         except BaseException as exc:
             code.restore()
             if isinstance(exc, ConfigError):
@@ -156,11 +156,11 @@ class AppPlanner:
         kind = code.load(APPS, name)
         app = snake_case(kind.__name__)
         path = f"{file_and_class(name)[0]}:{kind.__name__}"
-        planned = self._checked(app, {**config.apps.get(app, {}), "class": path}, config, lambda *_: kind)
+        planned = self._check(app, {**config.apps.get(app, {}), "class": path}, config, lambda *_: kind)
         self._files[app] = path
         return planned
 
-    def _checked(
+    def _check(
         self, name: str, table: Table, config: Config, load: Callable[[str, str], type[App]]
     ) -> PlannedComponent[App]:
         planned = planned_app(name, table, config, self._given.get(name), load)

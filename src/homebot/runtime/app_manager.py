@@ -293,7 +293,7 @@ class AppManager:
         try:
             await self._start(planned)
         except UsageError as exc:
-            app = self._apps[planned.name] = _ended(planned)
+            app = self._apps[planned.name] = _on_end(planned)
             app.crash = str(exc)
             app.has_crashed.set()
 
@@ -318,7 +318,7 @@ class AppManager:
     async def _hold(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         watch: asyncio.TimerHandle | None = None
         try:
-            async with self._supervisor.running(app.planned.name, partial(self._watched, app), "app"):
+            async with self._supervisor.running(app.planned.name, partial(self._watch, app), "app"):
                 try:
                     task_status.started()
                     await app.is_stopped.wait()
@@ -342,7 +342,7 @@ class AppManager:
         )
         _log.error(NOT_ENDED, message=app.problem, app=name)
 
-    async def _watched(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
+    async def _watch(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         try:
             await self._host.serve(app.planned, task_status=task_status)
         except Exception as exc:
@@ -376,7 +376,7 @@ async def _answer(change: Callable[[str], Awaitable[str]], request: ChangeAppReq
         return ChangeAppResponse(success=False, message=str(exc))
 
 
-def _ended(planned: PlannedApp) -> _RunningApp:
+def _on_end(planned: PlannedApp) -> _RunningApp:
     app = _RunningApp(planned)
     app.has_ended.set()
     return app

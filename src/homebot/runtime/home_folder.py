@@ -101,10 +101,10 @@ def settle_home(config: Config, file: Path | None) -> Path:
     if folder is not None:
         _check_not_copied(config, _HomeFolder(folder, _facts_in(folder)), facts)
     if others:
-        names = ", ".join(map(_shown, others))
+        names = ", ".join(map(_show, others))
         _log.warning(OTHERS, message=f"the data in {names} were not taken; `homebot home adopt FOLDER` takes them")
     try:
-        settled = _made_or_moved(folder, folder if folder and _is_homes(folder) else _new_folder(config))
+        settled = _make_or_move(folder, folder if folder and _is_homes(folder) else _new_folder(config))
         _claim(settled, facts)
     except (OSError, LinkError) as exc:  # tried again at the next start
         place = folder or _new_folder(config)
@@ -125,7 +125,7 @@ def adopt_folder(config: Config, file: Path, wanted: str) -> Path:
     paths = {(data_directory() / wanted).resolve(), Path(wanted).resolve()}
     folder = next((folder for folder in _folders() if folder.path in paths), None)
     if folder is None:
-        known = ", ".join(_shown(folder.path) for folder in _folders()) or "none"
+        known = ", ".join(_show(folder.path) for folder in _folders()) or "none"
         raise UsageError(f"{wanted} is no folder of a home; known are {known}")
     if folder.belongs_to_other(Path(facts.config)):
         raise UsageError(f"{wanted} belongs to the home of {folder.facts.config}; remove the id there first")
@@ -133,7 +133,7 @@ def adopt_folder(config: Config, file: Path, wanted: str) -> Path:
 
     check_unused(index_place(config, file).parent)
     check_unused(folder.path)
-    path = _made_or_moved(
+    path = _make_or_move(
         folder.path, folder.path if _is_homes(folder.path) else _root() / _HOMES / secrets.token_hex(8)
     )
     if not _write_id(file, path.name) and config.home.id:
@@ -152,7 +152,7 @@ def unused_folders(used: Path) -> Iterator[str]:
     for folder in _folders() if used.is_relative_to(_root()) else ():
         if folder.path != used and not folder.belongs_to_other(None):
             used_on = datetime.fromtimestamp((folder.path / INDEX_FILE).stat().st_mtime, UTC).date()
-            name = _shown(folder.path)
+            name = _show(folder.path)
             text = f"data of the home {folder.facts.name}, last used on {used_on}, are not in use"
             yield f"{text}: homebot home adopt {name}"
 
@@ -222,7 +222,7 @@ def _check_not_copied(config: Config, folder: _HomeFolder, facts: _HomeFacts) ->
         raise ConfigError(config.source, "home.id", problem)
 
 
-def _made_or_moved(old: Path | None, new: Path) -> Path:
+def _make_or_move(old: Path | None, new: Path) -> Path:
     """Return the folder *new*, as it is, or empty, or with the data of another one *old*, of which a copy stays.
 
     Raises:
@@ -293,5 +293,5 @@ def _write(path: Path, text: str, like: Path | None = None) -> None:
         new.unlink(missing_ok=True)
 
 
-def _shown(path: Path) -> str:
+def _show(path: Path) -> str:
     return path.relative_to(_root()).as_posix()

@@ -76,7 +76,7 @@ def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
     live = {"places", "devices", "groups", "notify", *(key for key, table in feature_tables().items() if table.is_live)}
     old, new = ({key: table for key, table in _by_key(config).items() if key not in live} for config in (before, after))
-    keys = (key for table in old | new for key in _changed(table, old.get(table) or {}, new.get(table) or {}))
+    keys = (key for table in old | new for key in _find_changes(table, old.get(table) or {}, new.get(table) or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})
     return (*keys, *(f"door.tokens (the robot {name})" for name in robots))
 
@@ -88,7 +88,7 @@ def _robots(table: Mapping[str, Any]) -> set[str]:
     return {name for token in table.get("tokens", {}).values() for name in read_scope(token.get("scope", ())).robots}
 
 
-def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+def _find_changes(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     for key in dict.fromkeys((*old, *new)):
         if old.get(key) == new.get(key) or (key in _LIVE.get(table, ()) and _runs(table, old)):
             continue

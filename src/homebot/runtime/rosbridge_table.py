@@ -30,7 +30,7 @@ class RosbridgeTable(RosbridgeSettings):
     key: FilePath | None = None
 
 
-def _checked_end(text: str) -> str:
+def _check_end(text: str) -> str:
     try:
         _end_of(text, "")
     except (ValueError, OverflowError):
@@ -50,7 +50,7 @@ class TokenTable(BaseModel):
 
     token_file: FilePath
     scope: Scope
-    until: Annotated[str, AfterValidator(_checked_end)] = ""
+    until: Annotated[str, AfterValidator(_check_end)] = ""
 
 
 def read_rosbridge_settings(config: Config) -> RosbridgeSettings:

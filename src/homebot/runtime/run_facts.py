@@ -33,12 +33,12 @@ def run_facts(plan: Plan, detected: tuple[str, ...], *, trusts_apps: bool, appro
         control=json.dumps(public_settings(control)),
         places=_places(plan),
         detected=detected,
-        apps=tuple(_recorded(app, plan) for app in plan.apps),
+        apps=tuple(_record(app, plan) for app in plan.apps),
         home_table=_home_table(plan.home_settings),
     )
 
 
-def _recorded(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
+def _record(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
     settings = public_settings(app.settings)
     if (scope := plan.grants.get(f"/{app.name}")) is not None:
         settings[ACT] = queries_of(scope)

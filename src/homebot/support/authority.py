@@ -68,7 +68,7 @@ def renew_certificate(folder: Path, name: str, hosts: list[str], now: float) -> 
         authority = _authority(folder, at)
     except (ValueError, x509.ExtensionNotFound) as exc:
         raise UsageError(f"{folder} has a certificate that homebot did not make; remove its files: {exc}") from exc
-    made = _made("homebot", authority, at, x509.SubjectAlternativeName(wanted))
+    made = _make("homebot", authority, at, x509.SubjectAlternativeName(wanted))
     made.write(folder, name, authority.certificate.public_bytes(Encoding.PEM))
     return files
 
@@ -87,12 +87,12 @@ def _authority(folder: Path, now: datetime) -> _Certificate:
         if not isinstance(key, ec.EllipticCurvePrivateKey):
             raise ValueError(f"{key_file.name} is a key of another kind")
         return _Certificate(x509.load_pem_x509_certificate(file.read_bytes()), key)
-    made = _made(f"homebot at {socket.gethostname()}"[:64], None, now, None)
+    made = _make(f"homebot at {socket.gethostname()}"[:64], None, now, None)
     made.write(folder, file.stem)
     return made
 
 
-def _made(
+def _make(
     name: str, authority: _Certificate | None, now: datetime, names: x509.SubjectAlternativeName | None
 ) -> _Certificate:
     """Return a certificate for *names* by the *authority*; without both, an authority (RFC 5280, section 4.2)."""

@@ -103,7 +103,7 @@ class Installation:
         if self._file is None:
             return {}
         try:
-            self._descriptor = _opened_alone(self._file)
+            self._descriptor = _open_alone(self._file)
             known = json.loads(os.read(self._descriptor, _MAX_CHARACTERS) or "{}")
         except (OSError, ValueError, RecursionError) as exc:
             self.problem = f"{self._file}: {exc}"
@@ -125,7 +125,7 @@ class Installation:
         return f"{self._random.getrandbits(4 * _DIGITS):0{_DIGITS}x}"
 
 
-def _opened_alone(path: Path) -> int:
+def _open_alone(path: Path) -> int:
     """Open the file exclusively for this process.
 
     Raises:

@@ -244,7 +244,7 @@ def queued_output() -> Iterator[Callable[[], int]]:
     """
     before = sys.stdout, sys.stderr
     queues: dict[tuple[int, int, int], OutputQueue] = {}
-    sys.stdout, sys.stderr = (_queued(stream, queues) for stream in before)
+    sys.stdout, sys.stderr = (_queue(stream, queues) for stream in before)
 
     def drain() -> None:
         for queue in queues.values():
@@ -258,10 +258,10 @@ def queued_output() -> Iterator[Callable[[], int]]:
         drain()
 
 
-def _queued(stream: TextIO, queues: dict[tuple[int, int, int], OutputQueue]) -> TextIO:
+def _queue(stream: TextIO, queues: dict[tuple[int, int, int], OutputQueue]) -> TextIO:
     """Return *stream* over the queue of its file; both streams of a terminal share one, to keep their order."""
     if isinstance(stream, CleanText):
-        return cast("TextIO", CleanText(_queued(stream.raw, queues)))
+        return cast("TextIO", CleanText(_queue(stream.raw, queues)))
     try:
         stream.flush()
         descriptor = stream.fileno()

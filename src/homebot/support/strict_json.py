@@ -45,7 +45,7 @@ def duplicate_key_hook(note: Callable[[str], None]) -> Callable[[list[tuple[str,
     def build_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         built = dict(pairs)
         if len(built) < len(pairs):
-            note(_repeated(pairs))
+            note(_report_repeated(pairs))
         return built
 
     return build_object
@@ -58,7 +58,7 @@ def _reject(key: str) -> None:
 _reject_duplicates = duplicate_key_hook(_reject)
 
 
-def _repeated(pairs: list[tuple[str, Any]]) -> str:
+def _report_repeated(pairs: list[tuple[str, Any]]) -> str:
     seen: set[str] = set()
     for key, _ in pairs:
         if key in seen:
@@ -67,10 +67,10 @@ def _repeated(pairs: list[tuple[str, Any]]) -> str:
     return ""
 
 
-def _escaped(error: UnicodeError) -> tuple[str, int]:
+def _escape(error: UnicodeError) -> tuple[str, int]:
     """Return the escapes of non-ASCII characters and the position after them."""
     assert isinstance(error, UnicodeEncodeError)  # noqa: S101 - for the type checker
     return json.dumps(error.object[error.start : error.end])[1:-1], error.end
 
 
-codecs.register_error(_ESCAPE, _escaped)
+codecs.register_error(_ESCAPE, _escape)

@@ -29,11 +29,11 @@ def edit_toml(text: str, table: tuple[str, ...], values: Mapping[str, object]) -
         UsageError: A value stands where only a person can change it, such as on several lines.
     """
     for key, value in values.items() or [("", REMOVED)]:
-        text = _edited(text, table, key, value)
+        text = _edit(text, table, key, value)
     return text
 
 
-def _edited(text: str, table: tuple[str, ...], key: str, value: object) -> str:
+def _edit(text: str, table: tuple[str, ...], key: str, value: object) -> str:
     before = tomllib.loads(text)
     wanted = deepcopy(dict(before))
     here: Any = wanted

@@ -78,7 +78,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         """Run *func* in a thread; no time passes until it is done."""
         future = super().run_in_executor(executor, func, *args)
         self._executing += 1
-        future.add_done_callback(self._executed)
+        future.add_done_callback(self._execute)
         return future
 
     async def settled(self) -> None:
@@ -102,7 +102,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     async def _find_limiter(self) -> None:
         self._limiter = to_thread.current_default_thread_limiter()  # only a task may ask for it
 
-    def _executed(self, _: asyncio.Future[ResultT]) -> None:
+    def _execute(self, _: asyncio.Future[ResultT]) -> None:
         self._executing -= 1
 
     def _threads_at_work(self) -> int | None:

@@ -85,11 +85,11 @@ class Expectation(HouseWatcher):
     def _problem(self) -> str:
         if self._device() is None:
             known = sorted({device.name or device.id for device in self._known.values()})
-            return f"there is no such device; {did_you_mean(self._name, known, f'there are {_listed(known)}')}"
+            return f"there is no such device; {did_you_mean(self._name, known, f'there are {_list(known)}')}"
         present = self._present()
         for word in self._values:
             if word not in present:
-                hint = did_you_mean(word, present, f"its values are {_listed(sorted(present))}")
+                hint = did_you_mean(word, present, f"its values are {_list(sorted(present))}")
                 return f"it has no value {word!r}; {hint}"
         return f"it is {', '.join(f'{word}={present[word]!r}' for word in self._values)}"
 
@@ -115,7 +115,7 @@ class Expectation(HouseWatcher):
         named = [device for device in devices if device.id == self._name or device.id.rpartition("/")[2] == self._name]
         named = named or [*devices_called(self._name, devices)]
         if len(named) > 1:
-            raise UsageError(f"{self._name} may be {_listed([device.id for device in named])}; give the id of one")
+            raise UsageError(f"{self._name} may be {_list([device.id for device in named])}; give the id of one")
         return named[0] if named else None
 
 
@@ -132,5 +132,5 @@ def _is_equal(present: object, wanted: object) -> bool:
     return present == wanted
 
 
-def _listed(names: list[str]) -> str:
+def _list(names: list[str]) -> str:
     return ", ".join(names) or "none"

@@ -78,14 +78,14 @@ async def _with_log(made: AbstractAsyncContextManager[TestHouse]) -> AsyncIterat
 def _virtual_house(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse]:
     apps, arguments = _read(test, "house", HOUSE)
     seed = arguments.get("seed")
-    world = _checked("house", "world", arguments.get("world", thesis_world), lambda value: _world(value, test, seed))
-    config = _checked("house", "config", arguments.get("config", {}), lambda value: _config(value, test))
+    world = _check("house", "world", arguments.get("world", thesis_world), lambda value: _world(value, test, seed))
+    config = _check("house", "config", arguments.get("config", {}), lambda value: _config(value, test))
     return virtual_house_of(*apps, **(arguments | {"world": world, "config": config}))
 
 
 def _homebot(test: pytest.Item, config: object) -> AbstractAsyncContextManager[TestHouse]:
     apps, arguments = _read(test, "homebot", HOMEBOT)
-    given = _checked("homebot", "config", config, lambda value: _config(value, test))
+    given = _check("homebot", "config", config, lambda value: _config(value, test))
     return house_of(*apps, **(arguments | {"config": given}))
 
 
@@ -100,8 +100,8 @@ def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str
     if unknown:
         raise UsageError(f"{_where(name, unknown[0])} is unknown; known are {', '.join(sorted(known))}")
     named = next((mark.args for mark in test.iter_markers(name) if mark.args), ())
-    apps = [_checked(name, f"app {number}", app, _app) for number, app in enumerate(named, 1)]
-    checked = {key: _checked(name, key, value, _CHECKS.get(key, _same)) for key, value in arguments.items()}
+    apps = [_check(name, f"app {number}", app, _app) for number, app in enumerate(named, 1)]
+    checked = {key: _check(name, key, value, _CHECKS.get(key, _same)) for key, value in arguments.items()}
     return apps, {key: value for key, value in checked.items() if key != ALLOW_CRASHES}
 
 
@@ -110,7 +110,7 @@ def _arguments(test: pytest.Item, name: str) -> dict[str, Any]:
     return {key: value for mark in reversed(list(test.iter_markers(name))) for key, value in mark.kwargs.items()}
 
 
-def _checked(mark: str, argument: str, value: object, check: Callable[[Any], ValueT]) -> ValueT:
+def _check(mark: str, argument: str, value: object, check: Callable[[Any], ValueT]) -> ValueT:
     try:
         return check(value)
     except UsageError as exc:

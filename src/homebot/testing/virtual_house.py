@@ -146,7 +146,7 @@ class VirtualHouse(TestHouse):
             UsageError: There is no such device or command; the message lists the existing ones.
         """
         __tracebackhide__ = True
-        placed = self._placed(device_id)
+        placed = self._place(device_id)
         if not placed.device.knows(command):
             known = ", ".join(placed.device.commands()) or "nothing by hand"
             raise UsageError(f"{device_id} does not know {command[:_SHOWN]!r}; it takes: {known}")
@@ -164,7 +164,7 @@ class VirtualHouse(TestHouse):
             UsageError: There is no such device, or it does not sense this; the message lists what it senses.
         """
         __tracebackhide__ = True
-        device = unwrap(self._placed(device_id).device)
+        device = unwrap(self._place(device_id).device)
         word, kind = device.senses or ("nothing", bool)
         given = ", ".join(f"{name}={value!r}" for name, value in values.items())
         fits = [*values] == [word] and isinstance(values[word], bool) is (kind is bool)
@@ -181,7 +181,7 @@ class VirtualHouse(TestHouse):
         await super().becomes(device, within=within, **values)
         await self.settle()
 
-    def _placed(self, device_id: str) -> Placed:
+    def _place(self, device_id: str) -> Placed:
         __tracebackhide__ = True
         placed = self.world.devices.get(device_id)
         if placed is None:
@@ -236,7 +236,7 @@ async def virtual_house_of(
             )
             for mistake in runtime.app_host.left_out.values():
                 raise mistake
-            async with runtime, _inhabited(runtime, broker, clock, world, root, parse_duration(heartbeat)) as house:
+            async with runtime, _inhabit(runtime, broker, clock, world, root, parse_duration(heartbeat)) as house:
                 yield house
 
 
@@ -251,7 +251,7 @@ def _on_a_broker(world: World | None) -> World:
 
 
 @asynccontextmanager
-async def _inhabited(
+async def _inhabit(
     runtime: Runtime, broker: MemoryBroker, clock: LoopClock, world: World, root: str, heartbeat: float
 ) -> AsyncIterator[VirtualHouse]:
     random, make_client = runtime.random, broker.make_client

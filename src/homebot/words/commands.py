@@ -69,7 +69,7 @@ def parse_command_words(
     for word in words:
         if word == SET or (is_light_on and word == "on"):
             continue
-        capability, value = _changed(word, part, target, known) or _decoded(word, part, target)
+        capability, value = _read_change(word, part, target, known) or _decode(word, part, target)
         if settings.setdefault(capability, value) != value:
             raise RefusedError(_command_text(command, values), "these contradict each other; give one of them")
     settings.update(_further_setting(value, part, target, known) for value in values)
@@ -92,18 +92,18 @@ def _further_setting(
 ) -> tuple[str, PlainValue]:
     """Return the setting *given* beside the command; its name may end in its value, as in ``heating = setpoint 21``."""
     text, count = f"{given.key} {given.value}", len(given.key.split()) + 1
-    longer = _changed(text, part, target, known) or _named_value(text, part, target, count)
+    longer = _read_change(text, part, target, known) or _named_value(text, part, target, count)
     return longer or _setting(given.key, given.value, part, target)
 
 
-def _changed(given: str, part: Part, target: str, known: Mapping[str, PlainValue]) -> tuple[str, PlainValue] | None:
+def _read_change(given: str, part: Part, target: str, known: Mapping[str, PlainValue]) -> tuple[str, PlainValue] | None:
     """Return the setting that a change such as ``+10 %``, ``level -5`` or ``darker`` leads to; None if it is none.
 
     A minus is part of the number for what may be below zero. No lamp is turned off by getting darker.
     """
     if (change := read_change(given)) is None:
         return None
-    name, amount = _decoded(f"{change.before}{change.amount}", part, target)
+    name, amount = _decode(f"{change.before}{change.amount}", part, target)
     low, high = _bounds(name, part.capabilities)
     if change.sign == "-" and (low < 0 or not isinstance(amount, float)):
         return None
@@ -156,12 +156,12 @@ def _capability(word: str, part: Part) -> str:
     return next((name for name in meant if name in settable), word.replace(" ", "_"))
 
 
-def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
+def _decode(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
     word = given.casefold()
     try:
         return decode_command(given, part)
     except RefusedError as exc:
-        if (found := _reworded(word, part, target)) is not None:
+        if (found := _read_synonym(word, part, target)) is not None:
             return found
         if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
             raise RefusedError(exc.what, f"{exc.reason}; did you mean {word} %?") from None
@@ -174,14 +174,14 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
 
 
-def _reworded(word: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
+def _read_synonym(word: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
     """Return the setting for a *word* that no text of the part is; None for none."""
     return (
         _respelt(word, part)
         or _with_unit(word, part)
         or _named_value(word, part, target)
         or _state_for(word, part)
-        or _colored(word, part)
+        or _read_color(word, part)
     )
 
 
@@ -198,7 +198,7 @@ def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
     return None
 
 
-def _colored(word: str, part: Part) -> tuple[str, PlainValue] | None:
+def _read_color(word: str, part: Part) -> tuple[str, PlainValue] | None:
     """Return the setting for the name of a colour, or of a white tone, that *part* takes; None for none."""
     name = word.replace("_", " ")
     named = {"color_temperature": WHITES.get(name), "color": COLORS.get(name)}
@@ -216,7 +216,7 @@ def _named_value(text: str, part: Part, target: str, least: int = 1) -> tuple[st
     for count in range(len(words) - 1, least - 1, -1):
         name, value = " ".join(words[:count]), " ".join(words[count:]).removeprefix("to ")
         is_settable = any(one.name == _capability(name, part) and one.settable for one in part.capabilities)
-        if is_settable or (name == "color" and _colored(value, part) is not None):
+        if is_settable or (name == "color" and _read_color(value, part) is not None):
             return _setting(name, value, part, target)
     return None
 
@@ -257,7 +257,7 @@ def _is_unit(text: str, unit: str) -> bool:
 
 def _setting(word: str, text: str, part: Part, target: str) -> tuple[str, PlainValue]:
     """Return the setting of a capability by *word*: a white tone as a colour is a colour temperature where it can."""
-    if word == "color" and (colored := _colored(text.casefold(), part)) is not None:
+    if word == "color" and (colored := _read_color(text.casefold(), part)) is not None:
         return colored
     name = _capability(word, part)
     return name, _value(name, text, part, target)

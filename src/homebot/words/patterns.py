@@ -103,7 +103,7 @@ def pattern_of_type(verb: str, word: str) -> CommandPattern:
     return CommandPattern(f"{verb} {word}", verb, type_is(word))
 
 
-def _validated(value: object) -> tuple[CommandPattern, ...]:
+def _validate(value: object) -> tuple[CommandPattern, ...]:
     if not isinstance(value, list | tuple) or len(value) > _MAX_PATTERNS:
         raise ValueError(f"must be an array of at most {_MAX_PATTERNS} texts such as 'turn off lights', got {value!r}")
     return tuple(one if isinstance(one, CommandPattern) else _read(one) for one in value)
@@ -119,7 +119,7 @@ def _texts(patterns: tuple[CommandPattern, ...]) -> list[str]:
 
 
 Patterns: TypeAlias = Annotated[
-    tuple[CommandPattern, ...], PlainValidator(_validated), PlainSerializer(_texts, return_type=list[str])
+    tuple[CommandPattern, ...], PlainValidator(_validate), PlainSerializer(_texts, return_type=list[str])
 ]
 """Patterns in a table of the configuration: an array of texts."""
 

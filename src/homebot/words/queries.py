@@ -316,7 +316,7 @@ class _Parser:
         if token.kind not in {"word", "text"}:
             raise UsageError(f"{token.text!r} at character {token.at} has no name before it")
         if self._is_compared():
-            return comparison(*self._compared())
+            return comparison(*self._read_comparison())
         if token.kind == "word":
             return self._phrase()
         self._place += 1
@@ -381,7 +381,7 @@ class _Parser:
         if self._depth > _MAX_DEPTH:
             raise UsageError(f"the query is nested deeper than {_MAX_DEPTH} at character {token.at}")
 
-    def _compared(self) -> tuple[Token, Token, Token]:
+    def _read_comparison(self) -> tuple[Token, Token, Token]:
         length = self._length_of_name()
         *words, operator = self._tokens[self._place : self._place + length + 1]
         name = replace(words[0], text=" ".join([one.text for one in words]))
@@ -393,7 +393,7 @@ class _Parser:
         if value.kind == "word" and value.text[-1:].isdigit():
             for length in (2, 1):  # per cent
                 unit = " ".join([token.text for token in self._tokens[self._place : self._place + length]])
-                if self._folded(length) and (symbol := UNITS.get(unit) or UNITS.get(unit.casefold(), "")):
+                if self._peek_folded(length) and (symbol := UNITS.get(unit) or UNITS.get(unit.casefold(), "")):
                     self._place += length
                     value = replace(value, text=value.text + symbol)
                     break
@@ -407,15 +407,15 @@ class _Parser:
             return False
         word = fold(token.text)
         if word in FILLERS:
-            return not any(self._folded(length) in ADJECTIVES for length in (2, 3, 4))  # as in: anna is home
-        return word in RELATIVES and self._folded(2).endswith((" is", " are"))
+            return not any(self._peek_folded(length) in ADJECTIVES for length in (2, 3, 4))  # as in: anna is home
+        return word in RELATIVES and self._peek_folded(2).endswith((" is", " are"))
 
     def _length_of_name(self) -> int:
         """Return the number of words before an operator: one, or those of a capability; 0 if no operator follows."""
         for length in range(1, _MAX_PHRASE + 1):
             following = self._tokens[self._place + length : self._place + length + 1]
             if following and following[0].kind == "operator":
-                return length if length == 1 or self._folded(length) in CAPABILITY_WORDS else 0
+                return length if length == 1 or self._peek_folded(length) in CAPABILITY_WORDS else 0
         return 0
 
     def near(self, token: Token) -> Query:
@@ -444,7 +444,7 @@ class _Parser:
 
     def _ability(self, token: Token) -> Query:
         for length in range(_MAX_PHRASE, 0, -1):
-            phrase = self._folded(length)
+            phrase = self._peek_folded(length)
             if phrase in CAPABILITY_WORDS or phrase in CONDITIONS:
                 self._place += length
                 return CanDo(CAPABILITY_WORDS[phrase]) if phrase in CAPABILITY_WORDS else CONDITIONS[phrase]
@@ -456,7 +456,7 @@ class _Parser:
     def _phrase(self) -> Query:
         """Parse the longest phrase with a meaning; a single word without one is searched for."""
         for length in range(_MAX_PHRASE, 0, -1):
-            if (meant := meaning_of(self._folded(length))) is not None:
+            if (meant := meaning_of(self._peek_folded(length))) is not None:
                 self._place += length
                 return meant
         token = self._tokens[self._place]
@@ -478,7 +478,7 @@ class _Parser:
         if _is(joint, "but") and following is not None and not (_is(following, "not") or _is(following, "without")):
             raise UsageError(f"'but' at character {joint.at} is not followed by 'not' or 'without'")
 
-    def _folded(self, length: int) -> str:
+    def _peek_folded(self, length: int) -> str:
         tokens = self._tokens[self._place : self._place + length]
         is_phrase = len(tokens) == length and all(one.kind == "word" for one in tokens)
         return fold(" ".join(one.text for one in tokens)) if is_phrase else ""

@@ -39,13 +39,13 @@ def readings_of(text: str) -> Readings:
         UsageError: It is not a query.
     """
     alternatives = parse_alternatives(text)
-    if len(alternatives) == 1 and (listed := _listed(alternatives[0])):
-        return Readings((text,), frozenset(), tuple(_distributed(listed)))
+    if len(alternatives) == 1 and (listed := _list(alternatives[0])):
+        return Readings((text,), frozenset(), tuple(_distribute(listed)))
     sides = [_units(terms) for terms in alternatives]
     if len(sides) == 1 and len(sides[0]) == 1 and (inner := sides[0][0][1]).startswith("("):
         return readings_of(inner[1:-1])
     texts = tuple(map(_text, sides))
-    distributed = tuple(_distributed(sides))
+    distributed = tuple(_distribute(sides))
     return Readings(
         alternatives=texts,
         words=frozenset(_text(side) for side in sides if {kind for kind, _ in side} <= {"words"}),
@@ -53,7 +53,7 @@ def readings_of(text: str) -> Readings:
     )
 
 
-def _listed(terms: tuple[Term, ...]) -> list[list[_Unit]]:
+def _list(terms: tuple[Term, ...]) -> list[list[_Unit]]:
     """Return the items of a list of devices, which each begin with a type, a room or words; empty if it is none."""
     starts = [place for place, (_, _, is_joined) in enumerate(terms) if is_joined]
     sides = [_units(terms[start:end]) for start, end in zip([0, *starts], [*starts, None], strict=True)]
@@ -86,7 +86,7 @@ def _kind(term: Query, text: str) -> _Kind:
             return "other"
 
 
-def _distributed(sides: list[list[_Unit]]) -> list[str]:
+def _distribute(sides: list[list[_Unit]]) -> list[str]:
     """Return the alternatives of *sides*; adjacent ones that differ in one unit each get the other's words."""
     found: list[str] = []
     place = 0

@@ -288,17 +288,17 @@ def _with_scopes(terms: list[Query]) -> list[Query]:
         leaves(term) for term in terms if isinstance(term, TypeIs) or (isinstance(term, Or) and _LOCK in term.terms)
     ]
     types = frozenset(one for term in chain(*whole) if isinstance(term, TypeIs) for one in term.types)
-    return [_scoped(term, types) for term in terms] if types else terms
+    return [_add_scope(term, types) for term in terms] if types else terms
 
 
-def _scoped(term: Query, types: frozenset[str]) -> Query:
+def _add_scope(term: Query, types: frozenset[str]) -> Query:
     if term in _ADJECTIVE_TERMS:
         match term:
             case StateIs():
                 return replace(term, types=types)
             case Or(terms):
                 return Or(tuple(replace(one, types=types) for one in terms if isinstance(one, StateIs)))
-    return Not(_scoped(term.term, types)) if isinstance(term, Not) else term
+    return Not(_add_scope(term.term, types)) if isinstance(term, Not) else term
 
 
 _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for states in ADJECTIVES.values())

@@ -85,9 +85,9 @@ async def test_a_host_that_answers_from_many_ports_keeps_no_other_out() -> None:
     """Nor one whose address begins alike."""
     async with watched_gateway(devices=["coap://127.0.0.2"], timeout=PATIENCE) as watcher:
         for port in range(1, 60):
-            watcher.gateway._answered(GroupAnswer("127.0.0.12", port, b"</on>", is_whole=True))
+            watcher.gateway._on_answer(GroupAnswer("127.0.0.12", port, b"</on>", is_whole=True))
         assert len(watcher.gateway._sessions) == 1 + MAX_PER_ADDRESS
-        watcher.gateway._answered(GroupAnswer("127.0.0.1", 5683, b"</on>", is_whole=True))
+        watcher.gateway._on_answer(GroupAnswer("127.0.0.1", 5683, b"</on>", is_whole=True))
         assert len(watcher.gateway._sessions) == 2 + MAX_PER_ADDRESS
 
 
@@ -98,9 +98,9 @@ async def test_a_host_that_answers_from_many_ports_and_is_silent_delays_no_other
             for _ in range(MAX_PER_ADDRESS):
                 opened = silent.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
                 opened.bind(("127.0.0.12", 0))
-                watcher.gateway._answered(GroupAnswer("127.0.0.12", opened.getsockname()[1], b"</on>", is_whole=True))
+                watcher.gateway._on_answer(GroupAnswer("127.0.0.12", opened.getsockname()[1], b"</on>", is_whole=True))
             port = int(lamp.uri.rpartition(":")[2])
-            watcher.gateway._answered(GroupAnswer("127.0.0.1", port, b"</on>", is_whole=True))
+            watcher.gateway._on_answer(GroupAnswer("127.0.0.1", port, b"</on>", is_whole=True))
             assert (await watcher.sighting(lambda one: bool(one.parts))).key == lamp.uri
 
 

@@ -128,11 +128,11 @@ class HouseApi(ABC):
             ToolError: The request is wrong, there is no right to it, or homebot does not answer.
         """
         asked = urlencode({name: value for name, value in query.items() if value != ""})
-        return _checked(*await self.ask("GET", f"{path}{quote(last, safe='')}?{asked}"))
+        return _check(*await self.ask("GET", f"{path}{quote(last, safe='')}?{asked}"))
 
     async def post(self, path: str, body: Mapping[str, object]) -> str:
         """Return the answer to *body* as JSON, like :meth:`read`."""
-        return _checked(*await self.ask("POST", path, json.dumps(body).encode()))
+        return _check(*await self.ask("POST", path, json.dumps(body).encode()))
 
     async def perform_goal(
         self, action: OfferedService, goal: Mapping[str, object], report: Callable[[Any], Awaitable[None]]
@@ -297,7 +297,7 @@ def _targets(details: list[Any], named: str | list[str]) -> list[str]:
     ]
 
 
-def _checked(status: int, text: str) -> str:
+def _check(status: int, text: str) -> str:
     if status == HTTPStatus.OK:
         return text.rstrip()
     raise _refusal(text)

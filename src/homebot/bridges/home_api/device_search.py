@@ -73,7 +73,7 @@ async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
         return MeantDevice(devices[0], f"{devices[0].id}{hash_sign}{part}" if is_by_id else devices[0].id)
     ids = [known.id for known in devices] or await _fitting(home, text)
     if not devices and len(ids) == 1:
-        return MeantDevice((await _found(home, {"ids": ids}))[0], text)
+        return MeantDevice((await _search(home, {"ids": ids}))[0], text)
     more = ", …" if len(ids) >= _MAX_NAMED else ""
     problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MAX_NAMED])}{more}"
     raise ProblemError(HTTPStatus.CONFLICT, problem)
@@ -94,7 +94,7 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
     """Return the devices with the id, with or without a part, or the name *text*."""
     device_id = text.partition("#")[0]
     terms = query_terms(name_query(text, device_id))
-    devices = await _found(home, {"query": [message_to_json(term) for term in terms]})
+    devices = await _search(home, {"query": [message_to_json(term) for term in terms]})
     return devices_called(text, devices, device_id)
 
 
@@ -129,6 +129,6 @@ async def all_listed(home: HomeCalls) -> Sequence[ListedDevice]:
     return devices
 
 
-async def _found(home: HomeCalls, request: Mapping[str, object]) -> list[Device]:
+async def _search(home: HomeCalls, request: Mapping[str, object]) -> list[Device]:
     answer = await home.call(FIND_DEVICES, {**request, "is_checked": False})
     return cast("list[Device]", answer.devices)

@@ -163,7 +163,7 @@ def _time(graph: Graph, _request: Message) -> TimeOfBothKinds:
     return TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec)
 
 
-def _served(fact: str, type_field: str) -> _Answerer:
+def _serve_fact(fact: str, type_field: str) -> _Answerer:
     """Return the function that answers with a *fact* of each server of the type in a field."""
 
     def answer(graph: Graph, request: Any) -> tuple[str, ...]:
@@ -233,12 +233,12 @@ _SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
     "nodes": ("", "string[] nodes", lambda graph, _: _visible(_nodes(graph))),
     "publishers": ("string topic", "string[] publishers", _users(EntityKind.PUBLISHER)),
     "service_node": ("string service", "string node", _of_service("node")),
-    "service_providers": ("string service", "string[] providers", _served("node", "service")),
+    "service_providers": ("string service", "string[] providers", _serve_fact("node", "service")),
     "service_request_details": ("string type", "TypeDef[] typedefs", _typedefs(find_service_type, "Request")),
     "service_response_details": ("string type", "TypeDef[] typedefs", _typedefs(find_service_type, "Response")),
     "service_type": ("string service", "string type", _of_service("ros_type")),
     "services": ("", "string[] services", lambda graph, _: _visible(graph.get_service_names_and_types())),
-    "services_for_type": ("string type", "string[] services", _served("name", "type")),
+    "services_for_type": ("string type", "string[] services", _serve_fact("name", "type")),
     "set_param": ("string name, string value", _DONE, _parameters("set_parameter")),
     "subscribers": ("string topic", "string[] subscribers", _users(EntityKind.SUBSCRIPTION)),
     "topic_type": ("string topic", "string type", _type_of_topic),

@@ -42,13 +42,13 @@ def read_scope(scope: tuple[str, ...]) -> ClientRights:
     return rights.read_scope(scope)
 
 
-def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
+def _check(scope: tuple[str, ...]) -> tuple[str, ...]:
     with value_errors():
         read_scope(scope)
     return scope
 
 
-Scope: TypeAlias = Annotated[tuple[str, ...], AfterValidator(_checked)]
+Scope: TypeAlias = Annotated[tuple[str, ...], AfterValidator(_check)]
 """Rights, as parsed by :func:`homebot.words.rights.read_scope`."""
 
 

@@ -60,7 +60,7 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
     Args:
         ros_type: The type that the client expects; may be empty if the topic exists.
     """
-    carried = _checked(f"topic {topic} carries", graph.get_message_type(topic), ros_type)
+    carried = _check(f"topic {topic} carries", graph.get_message_type(topic), ros_type)
     if carried is None and not ros_type:
         raise PeerError(f"there is no topic {topic} yet, so its type must be given")
     return carried or find_message_type(graph, ros_type)
@@ -68,13 +68,13 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
 
 def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[Any, Any]:
     """Return the type that a new server of *service* has."""
-    used = _checked(f"service {service} is a", graph.get_service_type(service), ros_type)
+    used = _check(f"service {service} is a", graph.get_service_type(service), ros_type)
     return used or find_service_type(graph, ros_type)
 
 
 def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
     """Return the type that *action* has, or that a new server of it has."""
-    used = _checked(f"action {action} is a", graph.get_action_type(action), ros_type)
+    used = _check(f"action {action} is a", graph.get_action_type(action), ros_type)
     return used or find_action_type(graph, ros_type)
 
 
@@ -121,7 +121,7 @@ def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
     return DefineTypeResponse(success=True, type_hash=type_hash(defined))
 
 
-def _checked(subject: str, used: InterfaceT | None, ros_type: str) -> InterfaceT | None:
+def _check(subject: str, used: InterfaceT | None, ros_type: str) -> InterfaceT | None:
     if used is not None and ros_type and not same_type(used.ros_type, ros_type):
         article = "a " if subject.endswith(" a") else ""
         raise TypeMismatchError(f"{subject} {used.ros_type}, not {article}{ros_type}")

@@ -62,10 +62,10 @@ class EntityToken:
         info = self.info
         namespace, _, node = info.node.rpartition("/")
         parts = [_ROOT, str(self.domain), self.session, *map(str, self.ids), _WORDS[info.kind]]
-        parts += [_escaped(self.enclave), _escaped(namespace or "/"), node]
+        parts += [_escape(self.enclave), _escape(namespace or "/"), node]
         if info.kind is not EntityKind.NODE:
             qos = qos_to_text(info.qos or QoSProfile())
-            parts += [_escaped(info.name), _wire_type(info.ros_type), self.type_hash, qos]
+            parts += [_escape(info.name), _wire_type(info.ros_type), self.type_hash, qos]
         return "/".join(parts)
 
     @property
@@ -109,7 +109,7 @@ class EntityToken:
         except ValueError:
             raise TypeMismatchError(f"{text[:200]!r} is no token of a ROS 2 node: a number is none") from None
         type_hash = "" if kind is EntityKind.NODE else parts[11]
-        return cls(domain, parts[2], (node_id, entity_id), _info_in(parts, kind), type_hash, _unescaped(parts[6]))
+        return cls(domain, parts[2], (node_id, entity_id), _info_in(parts, kind), type_hash, _unescape(parts[6]))
 
 
 def data_key(domain: int, name: str, ros_type: str, type_hash: str) -> str:
@@ -124,11 +124,11 @@ def gid_of(token: str) -> bytes:
 
 
 def _info_in(parts: Sequence[str], kind: EntityKind) -> EndpointInfo:
-    node = full_node_name(parts[8], _unescaped(parts[7]))
+    node = full_node_name(parts[8], _unescape(parts[7]))
     if kind is EntityKind.NODE:
         return EndpointInfo(kind, node, node)
     qos = qos_from_text(parts[12])
-    name = validate_full_name(_unescaped(parts[9]), "name in a token")
+    name = validate_full_name(_unescape(parts[9]), "name in a token")
     is_topic = kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION}
     return EndpointInfo(kind, node, name, _ros_type(parts[10]), qos if is_topic else None)
 
@@ -146,9 +146,9 @@ def _ros_type(text: str) -> str:
     return f"{parts[0]}/{parts[1]}/{parts[3][:-1]}"
 
 
-def _escaped(name: str) -> str:
+def _escape(name: str) -> str:
     return name.replace("/", "%")
 
 
-def _unescaped(text: str) -> str:
+def _unescape(text: str) -> str:
     return text.replace("%", "/")

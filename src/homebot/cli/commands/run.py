@@ -179,7 +179,7 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
     """Return *first* and all other mistakes in the configuration, as in ``homebot config check``."""
     if not isinstance(first, ConfigError):
         return (first,)
-    errors = _located((first, *first.others))
+    errors = _locate((first, *first.others))
     with suppress(ConfigError):
         errors += config_errors(load_tables(Path(path)), Path(path)) if path else ()
     return [*{(error.key, error.reason): error for error in reversed(errors)}.values()][::-1]
@@ -190,15 +190,15 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
     from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - after a mistake alone
 
     try:
-        return _located(plan_errors(with_environment(parse_config(tables, str(path), path.parent))))
+        return _locate(plan_errors(with_environment(parse_config(tables, str(path), path.parent))))
     except ConfigError as exc:
-        errors = _located((exc, *exc.others))
+        errors = _locate((exc, *exc.others))
         wrong = {error.key.partition(".")[0] for error in errors}
     rest = {name: table for name, table in tables.items() if name not in wrong}
     return (*errors, *config_errors(rest, path)) if len(rest) < len(tables) else errors
 
 
-def _located(errors: Iterable[ConfigError]) -> tuple[ConfigError, ...]:
+def _locate(errors: Iterable[ConfigError]) -> tuple[ConfigError, ...]:
     from homebot.config_lines import located  # noqa: PLC0415 - after a mistake alone
 
     return tuple(map(located, errors))
@@ -232,7 +232,7 @@ def run_configured(options: argparse.Namespace) -> int:
         _print_slow_start(options)
     with gc_paused():
         config, house = configuration(options)
-    view = partial(_watched, house) if is_watched and house is not None and not house.time.is_real else None
+    view = partial(_watch, house) if is_watched and house is not None and not house.time.is_real else None
     with (
         queued_output() as lost_lines,
         _observers(options) as observers,
@@ -416,7 +416,7 @@ async def _run(
     with gc_paused():  # loads the plug-ins of the plan
         again = anyio.Event()
         runtime = make_runtime(loop_watch=watch, restart=again.set)
-    service, reload = (view or _settled)(runtime), partial(runtime.reload, read)
+    service, reload = (view or _settle)(runtime), partial(runtime.reload, read)
     if seconds is None and not is_service():
         await serve(service, None, runtime.cut_start_short, reload, again.wait)
         return _AGAIN if again.is_set() else 1 if runtime.supervisor.given_up else 0
@@ -444,8 +444,8 @@ async def _first_of(*waits: Callable[[], Awaitable[None]]) -> None:
 
 
 @asynccontextmanager
-async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
-    async with _settled(runtime):
+async def _watch(world: World, runtime: Runtime) -> AsyncIterator[None]:
+    async with _settle(runtime):
         from homebot.cli.live_house import shown  # noqa: PLC0415 - for a terminal alone
 
         async with shown(runtime.graph, world, "" if runtime.rosbridge is None else runtime.rosbridge.page):
@@ -453,7 +453,7 @@ async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
 
 
 @asynccontextmanager
-async def _settled(runtime: Runtime) -> AsyncIterator[None]:
+async def _settle(runtime: Runtime) -> AsyncIterator[None]:
     """Enter *runtime*; objects that exist then, mostly modules and classes, are exempt from garbage collection."""
     async with AsyncExitStack() as stack:
         with gc_paused():

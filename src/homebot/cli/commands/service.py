@@ -153,7 +153,7 @@ def _exit_code(service: str, response: Mapping[str, object]) -> int:
 
 def unit_text(config: Path, *, is_user: bool) -> str:
     """Return the unit that runs homebot with the file *config*."""
-    command = f"{_quoted(sys.executable)} -m homebot run --config {_quoted(str(config))}"
+    command = f"{_quote(sys.executable)} -m homebot run --config {_quote(str(config))}"
     paths = (config, Path(sys.executable))
     is_home = any(path.is_relative_to(folder) for path in paths for folder in ("/home", "/root"))
     more = "" if is_user else _SYSTEM.format(protect_home="read-only" if is_home else "yes")
@@ -189,6 +189,6 @@ def _install(options: argparse.Namespace) -> int:
     return 0
 
 
-def _quoted(path: str) -> str:
+def _quote(path: str) -> str:
     escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
     return f'"{escaped}"'

@@ -96,7 +96,7 @@ def _read(door: DoorClient, options: argparse.Namespace) -> int:
     timeout = options.wait + _GRACE
     answer = cast("ReadTagResponse", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout))
     if not answer.success:
-        return _failed(answer.problem, answer.message)
+        return _print_failure(answer.problem, answer.message)
     print(f"tag {printable(answer.tag)} ({printable(answer.tag_type)}): {printable(answer.message)}")
     for what, text in (("device", answer.device), ("area", answer.area), ("reader", answer.reader)):
         if text:
@@ -131,7 +131,7 @@ def _write(door: DoorClient, options: argparse.Namespace) -> int:
         "WriteTagResponse", _call(door, options.gateway, TagNames(options.gateway).write_tag, request, timeout)
     )
     if not answer.success:
-        return _failed(answer.problem, answer.message)
+        return _print_failure(answer.problem, answer.message)
     print(f"tag {printable(answer.tag)} points to {name} ({printable(answer.device)})")
     return 0
 
@@ -148,7 +148,7 @@ def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, ob
         raise PeerError(problem) from None
 
 
-def _failed(problem: str, message: str) -> int:
+def _print_failure(problem: str, message: str) -> int:
     """Print *message* and return the exit code of a *problem* that has one."""
     code = _CODES.get(problem)
     if code is None:

@@ -157,7 +157,7 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
         requests, now = chains_of(response.entries), house_time(door)
         _print_state(device)
         if response.is_so:
-            print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
+            print(f"It is already {_wanted(options)}; `homebot why {_quote(device)}` tells why.")
         if requests:
             most = 1 if response.is_so else _MAX_DEVICES
             times = "once" if len(requests) == 1 else f"{len(requests)} times"
@@ -165,9 +165,9 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
             print()
             print_rows([_row(chain, client, now) for chain in requests[-most:]])
             if len(requests) > most:
-                print(f"  … the last {most} of {len(requests)}; all: homebot journal {_quoted(device)}")
+                print(f"  … the last {most} of {len(requests)}; all: homebot journal {_quote(device)}")
             if not response.is_so and was_obeyed(requests[-1]):
-                print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
+                print(f"\nIt changed after that: `homebot why {_quote(device)}` tells why.")
         elif not response.is_so:
             print(_unasked(device, options, response, now))
         if not response.is_so:
@@ -182,7 +182,7 @@ def _unasked(device: Device, options: argparse.Namespace, response: ExplainMissi
     begins = response.begins
     since = f" since the journal began, {ago_text(begins, now)}" if begins.sec else ""
     empty = "" if begins.sec else ": the journal is empty"
-    how = f" To ask for it: homebot do {_quoted(device)} {printable(response.word)}" if response.word else ""
+    how = f" To ask for it: homebot do {_quote(device)} {printable(response.word)}" if response.word else ""
     return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
 
 
@@ -197,7 +197,7 @@ def _name(device: Device) -> str:
     return printable(device.name or device.id)
 
 
-def _quoted(device: Device) -> str:
+def _quote(device: Device) -> str:
     return shlex.quote(_name(device))
 
 

@@ -92,7 +92,7 @@ class PresenceGuardSettings(PolicyTable):
             return Verdict(NAME, allowed=False, reason=reason)
         presence, used = presence_in(room, facts, self.absent_after)
         if presence == "absent" and (remaining := remaining_person(room, self, facts)) is not None:
-            detected = f"{_shown(remaining)} was on {facts.age(remaining.since):.0f} s ago"
+            detected = f"{_show(remaining)} was on {facts.age(remaining.since):.0f} s ago"
             reason = f"somebody is in {room}: {detected}, and no door has been opened since"
             return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
         if presence != "present":  # a switch reports before a motion sensor
@@ -179,11 +179,11 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
             return f"it is unknown whether anybody is in {room}: {_doubt(used, facts)}"
     (fact,) = used
     if fact.value is True:
-        return f"somebody is in {room}: {_shown(fact)} is on"
-    return f"somebody was in {room} {facts.age(fact.since):.0f} s ago: {_shown(fact)}"
+        return f"somebody is in {room}: {_show(fact)} is on"
+    return f"somebody was in {room} {facts.age(fact.since):.0f} s ago: {_show(fact)}"
 
 
-def _shown(used: FactUsed) -> str:
+def _show(used: FactUsed) -> str:
     """Return the name of the fact, without the id of the sensor's part."""
     return used.name.partition("#")[0]
 
@@ -194,10 +194,10 @@ def _doubt(used: tuple[FactUsed, ...], facts: Facts) -> str:
         return "the devices of the home are not known yet"
     if not used:
         return "it has no motion sensor"
-    silent = " or ".join(_shown(reading) for reading in used if reading.value is None)
+    silent = " or ".join(_show(reading) for reading in used if reading.value is None)
     doubts = [f"no current {silent}"] if silent else []
     for reading in used:
-        sensor, shown = (name.removeprefix(f"{OCCUPANCY} of ") for name in (reading.name, _shown(reading)))
+        sensor, shown = (name.removeprefix(f"{OCCUPANCY} of ") for name in (reading.name, _show(reading)))
         if reading.value is False and sensor in facts.house.detections:
             doubts.append(f"{shown} has been heard for only {facts.age(reading.since):.0f} s")
         elif reading.value is False:

@@ -52,19 +52,19 @@ def _tokens(frame: str) -> tuple[int | str, ...]:
     return tuple(tokens)
 
 
-def _checked(frame: str) -> str:
+def _check(frame: str) -> str:
     _tokens(frame)
     return frame
 
 
-def _checked_command(frame: str) -> str:
+def _check_command(frame: str) -> str:
     if "" in _tokens(frame):
         raise ValueError(".. is only for reports; a command needs every byte")
     return frame
 
 
-ReportFrame: TypeAlias = Annotated[str, AfterValidator(_checked)]
-CommandFrame: TypeAlias = Annotated[str, AfterValidator(_checked_command)]
+ReportFrame: TypeAlias = Annotated[str, AfterValidator(_check)]
+CommandFrame: TypeAlias = Annotated[str, AfterValidator(_check_command)]
 GattState: TypeAlias = dict[str, int]
 """The state of a device, as in its frames: the bytes by field."""
 

@@ -78,7 +78,7 @@ def endpoint_of_link(link: WebLink) -> CoapEndpoint:
     lifetime = link.get("lt")
     return CoapEndpoint(
         key=clean_text(f"{name}@{sector}" if sector else name, 200).replace("/", "%2F"),  # no address, nor below one
-        base=_checked_base(base, name),
+        base=_check_base(base, name),
         name=clean_text(name),
         is_registered=True,
         lifetime=float(lifetime) if lifetime.isdecimal() and len(lifetime) < 10 else 0.0,
@@ -118,7 +118,7 @@ def check_uri(uri: str) -> str:
     return uri
 
 
-def _checked_base(base: str, name: str) -> str:
+def _check_base(base: str, name: str) -> str:
     try:
         parts = urlsplit(base)
         is_usable = parts.scheme in SCHEMES and bool(parts.hostname) and parts.port != 0

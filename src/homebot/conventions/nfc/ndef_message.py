@@ -95,7 +95,7 @@ def read_ndef(message: bytes) -> tuple[NdefRecord, ...]:
         return ()
     records: list[NdefRecord] = []
     damaged: WireError | None = None
-    for record in _decoded(message, {}):
+    for record in _decode(message, {}):
         try:
             records.extend(_read(record))
         except WireError as exc:
@@ -120,7 +120,7 @@ def write_ndef(*records: NdefRecord) -> bytes:
     return b"".join(ndef.message_encoder(made))
 
 
-def _decoded(message: bytes, known: Mapping[str, object] | None = None) -> list[object]:
+def _decode(message: bytes, known: Mapping[str, object] | None = None) -> list[object]:
     """Return the records of *message*; those that are not of a *known* type, by default the library's, undecoded.
 
     Raises:
@@ -152,7 +152,7 @@ def _read(record: object) -> Iterator[NdefRecord]:
     if kind in _WELL_KNOWN:
         yield from _well_known(record)
     elif kind == _SMART_POSTER:
-        inner = [within for within in _decoded(bytes(record.data), {}) if isinstance(within, ndef.Record)]
+        inner = [within for within in _decode(bytes(record.data), {}) if isinstance(within, ndef.Record)]
         known = [within for within in inner if str(within.type) in _WELL_KNOWN]
         for within in sorted(known, key=lambda within: str(within.type), reverse=True):  # the address, then the titles
             yield from _well_known(within)
@@ -170,7 +170,7 @@ def _well_known(record: object) -> Iterator[NdefRecord]:
     """
     ndef = _ndef()
 
-    for decoded in _decoded(b"".join(ndef.message_encoder([record]))):
+    for decoded in _decode(b"".join(ndef.message_encoder([record]))):
         if isinstance(decoded, ndef.UriRecord):
             yield NdefRecord("uri", decoded.iri.encode())
         elif isinstance(decoded, ndef.TextRecord):

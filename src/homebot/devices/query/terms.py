@@ -279,7 +279,7 @@ def split_near(query: Query) -> tuple[IsNear | None, Query]:
     Raises:
         UsageError: It is combined with ``or`` or ``not``, or there are several.
     """
-    terms = tuple(_joined(query))
+    terms = tuple(_join(query))
     rest = tuple(term for term in terms if not isinstance(term, IsNear))
     if any(isinstance(leaf, IsNear) for term in rest for leaf in leaves(term)):
         remedy = "write for example '(lamp or plug) near robot'"
@@ -290,9 +290,9 @@ def split_near(query: Query) -> tuple[IsNear | None, Query]:
     return (near[0], And(rest)) if near else (None, query)
 
 
-def _joined(query: Query) -> Iterator[Query]:
+def _join(query: Query) -> Iterator[Query]:
     """Yield the terms all of which must match."""
     for term in query.terms if isinstance(query, And) else ():
-        yield from _joined(term)
+        yield from _join(term)
     if not isinstance(query, And):
         yield query

@@ -250,7 +250,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
 
 
 def _request_reason(first: JournalEntry, names: Mapping[str, str], verb: str) -> str:
-    asked = f"{issuer_text(first.issuer)} {verb} {_commanded(first)}"
+    asked = f"{issuer_text(first.issuer)} {verb} {_describe_command(first)}"
     cause = trigger_text(first.trigger, names)
     return f"{asked}, because {cause}" if cause else asked
 
@@ -306,7 +306,7 @@ def result_text(chain: Chain, now: float) -> str:
     return "its outcome is not known yet"
 
 
-def _commanded(entry: JournalEntry) -> str:
+def _describe_command(entry: JournalEntry) -> str:
     return repr(entry.text) if entry.kind == "published" else settings_text(entry.settings)
 
 

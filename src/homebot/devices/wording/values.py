@@ -86,7 +86,7 @@ def value_text(capability: str, value: PlainValue, unit: str = "", step: float =
             return " ".join(_number(number) for number in value)
         case _:
             unit = unit or CAPABILITIES.get(capability, OWN).unit
-            return f"{_rounded(value, unit, step)} {unit}".rstrip()
+            return f"{_round(value, unit, step)} {unit}".rstrip()
 
 
 def span(capability: Capability) -> str:
@@ -117,7 +117,7 @@ def is_topic(address: str) -> bool:
     return bool(address) and not is_text_address(address)
 
 
-def _rounded(value: float, unit: str, step: float) -> str:
+def _round(value: float, unit: str, step: float) -> str:
     """Return *value* as people say it: 40.16 % is 40 %, unless the device has half percents."""
     near, most = abs(value), 1 if unit == "%" else _DIGITS
     usual = int(0 < near < 1) if unit == "%" else 1 if unit == "°C" or near >= _LARGE else _DIGITS

@@ -188,7 +188,7 @@ class IdentityGraph:
             identity = self._identities.get(key)
             if identity is None or identity in done:
                 continue
-            identities = self._connected((identity,))
+            identities = self._find_connected((identity,))
             done |= identities
             groups.append(frozenset(source for member in identities for source in self._sources[member]))
         return tuple(groups)
@@ -233,10 +233,10 @@ class IdentityGraph:
         """Return the announcements of *reached*, and of all that these identifiers connect now or did before."""
         for identifier, was_link in were_links.items():
             if identifier in self._holders and (was_link or self._is_link(identifier)):
-                reached |= self._connected(self._holders[identifier])
+                reached |= self._find_connected(self._holders[identifier])
         return frozenset(source for identity in reached for source in self._sources[identity])
 
-    def _connected(self, identities: Iterable[Identity]) -> set[Identity]:
+    def _find_connected(self, identities: Iterable[Identity]) -> set[Identity]:
         """Return everything connected to one of *identities*, directly or through others."""
         reached = set(identities)
         waiting = list(reached)

@@ -72,10 +72,10 @@ def regroup(
         if keeps is not None:
             kept.add(keeps.id)
         planned.append((keys, keeps, entries))
-    return tuple(_regrouped(*group, kept) for group in planned)
+    return tuple(_regroup(*group, kept) for group in planned)
 
 
-def _regrouped(keys: tuple[SourceKey, ...], keeps: Entry | None, entries: Iterable[Entry], kept: set[str]) -> Regrouped:
+def _regroup(keys: tuple[SourceKey, ...], keeps: Entry | None, entries: Iterable[Entry], kept: set[str]) -> Regrouped:
     gone = () if keeps is None else tuple(entry for entry in entries if entry.id not in kept)
     return Regrouped(keys, keeps, gone, tuple(entry for entry in entries if entry.id in kept and entry is not keeps))
 

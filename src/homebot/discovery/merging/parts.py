@@ -43,7 +43,7 @@ def described_part(ways: Sequence[Way]) -> Part:
     A source that states the category decides it, and for settings also the type, as Home Assistant calls a setting that
     is on or off a switch.
     """
-    heard, others = _heard(ways)
+    heard, others = _split_deciding(ways)
     whole = _merge_capabilities(heard + others)
     knows = next((part for part in heard if part.category), whole)
     is_setting = knows.service_type == SETTING
@@ -71,12 +71,12 @@ def _merge_capabilities(parts: Sequence[Part]) -> Part:
     for part in parts:
         for capability in part.capabilities:
             known = merged.get(capability.name)
-            merged[capability.name] = capability if known is None else _joined(known, capability)
+            merged[capability.name] = capability if known is None else _join(known, capability)
     capabilities = tuple(merged.values())
     return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
 
 
-def _heard(ways: Sequence[Way]) -> tuple[list[Part], list[Part]]:
+def _split_deciding(ways: Sequence[Way]) -> tuple[list[Part], list[Part]]:
     """Return the parts that decide on type and category, and the others.
 
     A setting decides if its source is authenticated, or owns the command topics of the loads that it may be, or has
@@ -109,7 +109,7 @@ def _all_options(best: Capability, other: Capability) -> tuple[str, ...]:
     return tuple(dict.fromkeys(best.options + other.options)) if both_have_some else best.options
 
 
-def _joined(best: Capability, other: Capability) -> Capability:
+def _join(best: Capability, other: Capability) -> Capability:
     """Join two capabilities; if only one is settable, its range and options count, as they are those of commands."""
     if best == other:
         return best

@@ -71,13 +71,13 @@ def judge(sources: Iterable[SourceRecord], known: frozenset[EndpointKey]) -> fro
     proved = {endpoint_of(source) for source in ordered if source.sighting.authenticated}
     first = frozenset(endpoints[:1]) if not known and len(endpoints) > 1 else NOBODY_TRUSTED
     trusted = known | first | proved.intersection(endpoints)
-    claimed = _claimed(ordered, endpoints, trusted) if trusted else ()
+    claimed = _find_claimed(ordered, endpoints, trusted) if trusted else ()
     for source in ordered:
         source.is_claimed = bool(claimed) and endpoint_of(source) in claimed and takes_commands(source.sighting)
     return trusted if len(trusted) <= MAX_TRUSTED else known
 
 
-def _claimed(
+def _find_claimed(
     ordered: Iterable[SourceRecord], endpoints: Sequence[EndpointKey], trusted: frozenset[EndpointKey]
 ) -> Sequence[EndpointKey]:
     """Return the endpoints that are not trusted; if none is there that is, the oldest counts, unless it can hurt."""

@@ -84,7 +84,7 @@ def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]
         score, why = _weigh(term, facets)
         if isinstance(term, StateIs):
             value = postings.value(device_id, term)
-            score, why = (1.0, f"{term.capability} is {_shown(value)}") if value is not None else (0.0, "")
+            score, why = (1.0, f"{term.capability} is {_show(value)}") if value is not None else (0.0, "")
         if why:
             scored.append((score, why))
     scored += [status for status in _status_scores(facets) if status[1]]
@@ -175,7 +175,7 @@ def _status_scores(facets: Facets) -> Iterator[tuple[float, str]]:
         yield _GUESSED
 
 
-def _shown(value: PlainValue) -> str:
+def _show(value: PlainValue) -> str:
     match value:
         case bool():
             return "true" if value else "false"

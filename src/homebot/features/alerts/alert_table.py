@@ -53,7 +53,7 @@ class AlertKind(NamedTuple):
     def query(self, lost: Iterable[str] = ()) -> Query:
         """Return the query; devices of *lost* gateways are unreachable, as these' own alert says."""
         known = lost if self.finding is FindingKind.UNREACHABLE else ()
-        return And((_parsed(self.text), *(Not(GatewayIs(name)) for name in known)))
+        return And((_parse(self.text), *(Not(GatewayIs(name)) for name in known)))
 
 
 _PROBLEMS = "problem=true or safety=true or freeze=true or lock=jammed or vacuum=error or mower=error"
@@ -174,14 +174,14 @@ def _translations() -> Mapping[str, list[str]]:
 
 
 @cache
-def _parsed(text: str) -> Query:
+def _parse(text: str) -> Query:
     return parse_query(text)
 
 
 @cache
 def _terms(kind: AlertKind) -> tuple[StateIs, ...]:
     """Return the values that *kind* is about; none if it is about a whole device."""
-    return tuple(term for term in leaves(_parsed(kind.text)) if isinstance(term, StateIs))
+    return tuple(term for term in leaves(_parse(kind.text)) if isinstance(term, StateIs))
 
 
 WATCHED: Final = frozenset(term.capability for kind in ALERTS for term in _terms(kind))
@@ -247,10 +247,10 @@ def is_over(key: str, device: Device) -> bool:
 def doctor_checks(lost: Iterable[str]) -> Iterator[DeviceCheck]:
     """Yield the check of each kind but gateways; that devices of *lost* ones are unreachable is no finding."""
     for kind in ALERTS:
-        yield DeviceCheck(kind.finding, kind.text, partial(_shown, kind, lost), asked=kind.query(lost))
+        yield DeviceCheck(kind.finding, kind.text, partial(_show, kind, lost), asked=kind.query(lost))
 
 
-def _shown(kind: AlertKind, lost: Iterable[str], device: Device, now: float) -> Iterable[str]:
+def _show(kind: AlertKind, lost: Iterable[str], device: Device, now: float) -> Iterable[str]:
     return (_why(alert) for alert in alerts_of((kind,), device, now, lost) if alert.is_shown(now))
 
 

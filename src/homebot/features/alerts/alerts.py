@@ -260,7 +260,7 @@ class Alerts(App[AlertsSettings]):
         now = self.clock.now()
         try:
             alerts = await self._alerts(now)
-            ended, held = await self._ended(self._incidents.keys() - alerts.keys(), now)
+            ended, held = await self._sort_ended(self._incidents.keys() - alerts.keys(), now)
         except ServiceError:
             return _MIN_PAUSE_S
         self._shown = findings_of(alert for alert in alerts.values() if alert.is_shown(now))
@@ -302,7 +302,7 @@ class Alerts(App[AlertsSettings]):
             alert.key: alert for alert in sorted(alerts, key=lambda alert: [*FindingKind].index(alert.kind.finding))
         }
 
-    async def _ended(self, keys: Iterable[str], now: float) -> tuple[set[str], dict[str, Alert]]:
+    async def _sort_ended(self, keys: Iterable[str], now: float) -> tuple[set[str], dict[str, Alert]]:
         """Return those of *keys* that are known to be over, and those that are not, though they would not begin now."""
         targets = {key: key.partition(" ")[2].partition("#")[0] for key in keys}
         devices = {device.id: device for device in await self._devices((), tuple(targets.values()))} if targets else {}

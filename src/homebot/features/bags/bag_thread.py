@@ -58,7 +58,7 @@ class BagThread:
         try:
             self._writer.close()
         except (OSError, UsageError) as exc:
-            self.error = self.error or self._told(exc)
+            self.error = self.error or self._explain(exc)
 
     def _run(self) -> None:
         try:
@@ -68,10 +68,10 @@ class BagThread:
                     self._waiting -= len(message.data) + _EACH
         except (OSError, UsageError) as exc:
             with self._lock:
-                self.error = self._told(exc)
+                self.error = self._explain(exc)
                 self.dropped += 1
 
-    def _told(self, exc: OSError | UsageError) -> UsageError:
+    def _explain(self, exc: OSError | UsageError) -> UsageError:
         path, why = self._writer.path, exc.strerror if isinstance(exc, OSError) else exc
         return UsageError(f"{path} ends early: {why}; `homebot bag recover {path} NEW` keeps what is whole")
 

@@ -134,7 +134,7 @@ class McapFile:
             DamagedFileError: It was cut off or damaged.
             UsageError: It cannot be read, or is no MCAP file.
         """
-        with self._opened() as file:
+        with self._open() as file:
             summary = _summary(file)
             if summary.statistics is None:
                 raise EndOfFile("it has no index")
@@ -149,7 +149,7 @@ class McapFile:
 
     def messages(self) -> Iterator[BagMessage]:
         """Yield its messages in order of time; errors as for :meth:`content`."""
-        with self._opened() as file:
+        with self._open() as file:
             summary, numbers = _summary(file), count()
             waiting: list[tuple[int, int, BagMessage]] = []
             for chunk in sorted(summary.chunk_indexes, key=lambda chunk: chunk.message_start_time):
@@ -169,7 +169,7 @@ class McapFile:
 
     def whole_messages(self) -> Iterator[BagMessage]:
         """Yield the messages of all chunks that are whole, as they were written; then errors as :meth:`content`."""
-        with self._opened() as file:
+        with self._open() as file:
             summary, problem = Summary(), None
             with suppress(*_BROKEN):
                 summary = _summary(file)
@@ -198,7 +198,7 @@ class McapFile:
                 raise problem
 
     @contextmanager
-    def _opened(self) -> Iterator[IO[bytes]]:
+    def _open(self) -> Iterator[IO[bytes]]:
         try:
             with self.path.open("rb") as file:
                 # The library looks at the end first.
@@ -268,7 +268,7 @@ def _messages(records: Iterator[_Record], summary: Summary) -> Iterator[BagMessa
             case Channel():
                 summary.channels[record.id] = record
             case Chunk():
-                data = _unpacked(record.data, record.compression)
+                data = _unpack(record.data, record.compression)
                 if record.uncompressed_crc not in {0, zlib.crc32(data)}:
                     raise EndOfFile("a chunk has another checksum")
                 yield from _messages(_records(BytesIO(data), is_file=False), summary)
@@ -280,10 +280,10 @@ def _messages(records: Iterator[_Record], summary: Summary) -> Iterator[BagMessa
 def _whole(message: BagMessage) -> BagMessage:
     """Unpack *message* if it is compressed by itself: one at a time, as each may be large."""
     is_packed = message.data.startswith(_COMPRESSED)
-    return message._replace(data=_unpacked(message.data, "zstd")) if is_packed else message
+    return message._replace(data=_unpack(message.data, "zstd")) if is_packed else message
 
 
-def _unpacked(data: bytes, compression: str) -> bytes:
+def _unpack(data: bytes, compression: str) -> bytes:
     match compression:
         case "zstd":  # which believes the size in a frame, and takes as much memory
             if frame_content_size(data) <= MAX_UNPACKED_BYTES:

@@ -159,7 +159,8 @@ class _Meanings:
             GoalPart(device.id, part.id, part_name(device, part), settings, (state,))
             for device in await self._lookup.devices(query)
             for part in device.parts
-            if fits(lights, PartFacets(device, part)) and (settings := _switched(part, is_on=wish.is_lit)) is not None
+            if fits(lights, PartFacets(device, part))
+            and (settings := _settings_of(part, is_on=wish.is_lit)) is not None
         )
         if not parts:
             raise UsageError(
@@ -218,7 +219,7 @@ def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs
         yield GoalPart(device.id, part.id, part_name(device, part), {}, states)
 
 
-def _switched(part: DevicePart, *, is_on: bool) -> dict[str, PlainValue] | None:
+def _settings_of(part: DevicePart, *, is_on: bool) -> dict[str, PlainValue] | None:
     """Return the settings that turn a lamp on or off, none if it only reports that; None if it is no lamp by itself."""
     able = [capability for capability in part.part.capabilities if capability.name == "on_off"]
     if not able or part.part.is_group or part.part.category:

@@ -157,7 +157,7 @@ class _FactBuilder:
 
     def add_applied(self, scene: SceneInfo) -> None:
         """Add the fact that a scene is applied, whose bridge does not tell its values."""
-        fact = _applied(scene)
+        fact = _apply_step(scene)
         self.problem.goal[fact] = None
         self.problem.contrary[fact] = f"what scene {scene.name} does is known only to its bridge"
 
@@ -204,7 +204,7 @@ class _StepBuilder:
         )
         step = PlanStep("scene", f"apply scene {scene.name}", scene.id, parts, asks)
         gives, takes = self._effects(step)
-        gives |= {_applied(scene)}
+        gives |= {_apply_step(scene)}
         refusals = (self._refusal(part, asks) for part in parts)
         why = self._blocked(step) or next(filter(None, refusals), "")
         self._known.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
@@ -310,7 +310,7 @@ def _parts_of(scene: SceneInfo) -> tuple[PartSettings, ...]:
     )
 
 
-def _applied(scene: SceneInfo) -> str:
+def _apply_step(scene: SceneInfo) -> str:
     return f"scene {scene.name} is applied"
 
 

@@ -145,7 +145,7 @@ def _habits_of(days: Days, done: EventSeries, unlikely: float) -> Iterator[Found
         yield None
         if best is None:
             return
-        habit = _proved(rules, days, best, left, done, unlikely)
+        habit = _prove(rules, days, best, left, done, unlikely)
         followed = {case.occasion.done_at for case in best.occasions}
         if habit is None or len(followed & left) < MIN_DAYS:
             return
@@ -211,7 +211,7 @@ def _rule(days: Days, done: EventSeries, when: str, within: float, *, is_found: 
         begins = [at - within for at in days.moments_of(when) if first <= at <= last]
         span, late, shifts = 2 * within, within, _OTHER_HOURS
     occasions = _occasions(days, done, begins, span, late)
-    tried = _tried(days, done, occasions) if is_found or _is_worth_a_look(days, done, occasions) else ()
+    tried = _try_rules(days, done, occasions) if is_found or _is_worth_a_look(days, done, occasions) else ()
     return _Rule(when, begins, span, late, shifts, tried)
 
 
@@ -238,7 +238,7 @@ def _occasions(days: Days, done: EventSeries, begins: Iterable[float], span: flo
     return occasions
 
 
-def _tried(days: Days, done: EventSeries, occasions: Iterable[Occasion]) -> tuple[_Tried, ...]:
+def _try_rules(days: Days, done: EventSeries, occasions: Iterable[Occasion]) -> tuple[_Tried, ...]:
     conditions = days.conditions_on(done.device).items()
     return tuple(
         _Tried(occasion, days.number(occasion.at), frozenset(text for text, holds in conditions if holds(occasion.at)))
@@ -301,14 +301,14 @@ def _score(tried: Sequence[_Tried], conditions: tuple[str, ...], left: set[float
     return sure + 0.3 * new / len(left) if sure >= _WORTH_A_LOOK else 0.0
 
 
-def _proved(
+def _prove(
     rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], done: EventSeries, unlikely: float
 ) -> FoundHabit | None:
     """Return the habit if it holds on days that were not used to find it; None otherwise."""
     tried = best.occasions
     hits = [case for case in tried if case.occasion.done_at is not None]
     recent = [case for case in tried if case.day >= len(days.midnights) - _RECENT]
-    held_out = [*_held_out(rules, days, left)]
+    held_out = [*_test_held_out(rules, days, left)]
     proved = _hits(held_out), len(held_out)
     precision = (proved[0] + 0.5) / (proved[1] + 1)  # H. Jeffreys (1946)
     chance = _by_chance(days, done, best)
@@ -349,7 +349,7 @@ def _is_automatic(days: Days, rule: _Rule, hits: Iterable[_Tried]) -> bool:
     return sum(abs(delay - usual) <= _PUNCTUAL for delay in late) >= 0.8 * len(late)
 
 
-def _held_out(rules: Sequence[_Rule], days: Days, left: set[float]) -> Iterator[_Tried]:
+def _test_held_out(rules: Sequence[_Rule], days: Days, left: set[float]) -> Iterator[_Tried]:
     """Yield the occasions of each third of the days, by the best rule of the others."""
     for fold in range(_FOLDS):
         known = [day for day in range(len(days.midnights)) if day % _FOLDS != fold]

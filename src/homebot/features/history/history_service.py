@@ -229,7 +229,7 @@ def _with_numbers(empty: HistorySeries, unit: str, numbers: Numbers) -> HistoryS
             "unit": unit,
             "width": numbers.width / 1000,
             "times": tuple(at / 1000 for at in numbers.times),
-            "values": tuple(_rounded(bucket.mean) if is_summary else bucket.mean for bucket in buckets),
+            "values": tuple(_round(bucket.mean) if is_summary else bucket.mean for bucket in buckets),
             "lows": tuple(bucket.low for bucket in buckets) if is_summary else (),
             "highs": tuple(bucket.high for bucket in buckets) if is_summary else (),
         }
@@ -278,12 +278,12 @@ def _energy(
             device=device,
             name=found_series.names.get(device, device) if request.by == "device" else part,
             part=part if request.by == "device" else "",
-            used=_rounded(sums.get("energy", 0.0)),
-            returned=_rounded(sums.get("energy_returned", 0.0)),
+            used=_round(sums.get("energy", 0.0)),
+            returned=_round(sums.get("energy_returned", 0.0)),
         )
         for (day, device, part), sums in sorted(by_day.items())
     ]
 
 
-def _rounded(number: float) -> float:
+def _round(number: float) -> float:
     return float(f"{number:.{_DIGITS}g}")

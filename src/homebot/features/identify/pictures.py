@@ -48,7 +48,7 @@ def brightness(image: Any, region: Region) -> float:
     if encoding is None:
         known = ", ".join(_ENCODINGS)
         raise UsageError(f"pictures in {image.encoding[:40]!r} cannot be read; known are {known}")
-    x, y, width, height = _checked(region, image.width, image.height)
+    x, y, width, height = _check(region, image.width, image.height)
     size, step, data = encoding.size, max(image.step, image.width * encoding.size), bytes(image.data)
     if len(data) < step * (image.height - 1) + image.width * size:
         raise UsageError(f"a picture of {image.width}x{image.height} has only {len(data)} bytes")
@@ -73,7 +73,7 @@ def compressed_brightness(image: Any, region: Region) -> float:
 
     try:
         with Image.open(BytesIO(bytes(image.data)), formats=_FORMATS) as picture:
-            x, y, width, height = _checked(region, *picture.size)
+            x, y, width, height = _check(region, *picture.size)
             across = picture.width
             picture.draft("L", (across * _SAMPLES // width, picture.height * _SAMPLES // height))
             scale = picture.width / across
@@ -89,7 +89,7 @@ def compressed_brightness(image: Any, region: Region) -> float:
         raise UsageError(f"a picture of {len(image.data)} bytes cannot be read: {exc}") from exc
 
 
-def _checked(region: Region, width: int, height: int) -> tuple[int, int, int, int]:
+def _check(region: Region, width: int, height: int) -> tuple[int, int, int, int]:
     if not 0 < width * height <= _MAX_PIXELS:
         raise UsageError(f"pictures of {width}x{height} pixels cannot be read")
     if not region:

@@ -123,14 +123,14 @@ class PeopleGateway(Gateway):
     def _signs(self, view: HouseView, key: str, person: PersonSettings, now: float) -> Iterator[tuple[Sign, float]]:
         for text in person.trackers:
             for place, reported in self._trackers.signs(view, text).items():
-                yield self._timed(f"{key} {place}", reported, now)
+                yield self._add_time(f"{key} {place}", reported, now)
         if person.ping:
             heard_at = self._heard_at.get(key)
             is_home = heard_at is not None and now - heard_at < _HEARD
             sign: Sign = "home" if is_home else "unknown" if heard_at is None else "silent"
-            yield self._timed(key, sign, now)
+            yield self._add_time(key, sign, now)
 
-    def _timed(self, source: str, sign: Sign, now: float) -> tuple[Sign, float]:
+    def _add_time(self, source: str, sign: Sign, now: float) -> tuple[Sign, float]:
         """Return *sign* with the time since which it has been so, by the monotonic clock: the other one may be set."""
         if (known := self._since.get(source)) is None or known[0] != sign:
             self._since[source] = (sign, now)

@@ -49,7 +49,7 @@ def _record_into(door: DoorClient, options: argparse.Namespace) -> int:
     answer = door.call(START_RECORDER.name, timeout=_MAX_WAIT_S)
     if not answer["success"]:
         raise RefusedError("recording", str(answer["message"]))
-    with _created(door, options) as file:
+    with _create(door, options) as file:
         problem = _fetch(door, file, options.seconds)
     print(f"{file.path}: {file.lines:,} lines{f', {file.dropped:,} did not fit' if file.dropped else ''}")
     if problem is not None:
@@ -57,7 +57,7 @@ def _record_into(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
+def _create(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
     """Return the new file; if it cannot be created, end the recorder, which would wait for this client."""
     try:
         return RecordingFile(Path(options.file), options.max_mb, force=options.force)

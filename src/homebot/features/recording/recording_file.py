@@ -38,7 +38,7 @@ class RecordingFile:
         self.dropped = 0
         self._left = max(0, round(megabytes * _MEGABYTE) - _END_BYTES)
         self._is_full = False
-        self._file = _created(path, force=force)
+        self._file = _create(path, force=force)
 
     @property
     def is_full(self) -> bool:
@@ -114,7 +114,7 @@ class FileSink:
         await to_thread.run_sync(self._file.write, lines)
 
 
-def _created(path: Path, *, force: bool) -> IO[bytes]:
+def _create(path: Path, *, force: bool) -> IO[bytes]:
     if force:
         with explain_create_error(path):
             path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link

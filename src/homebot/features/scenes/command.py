@@ -153,13 +153,13 @@ def _save(door: DoorClient, options: argparse.Namespace) -> int:
             f"the configuration has a scene {options.name!r}, which this would hide; change it there, and "
             "`homebot reload`, or choose another name"
         )
-    answer = _changed(door, options, "save")
+    answer = _change(door, options, "save")
     for item in answer.left_out:
         print(f"left out: {printable(item.key)}: {printable(item.value, 300)}", file=sys.stderr)
     return 0
 
 
-def _changed(door: DoorClient, options: argparse.Namespace, change: str, **more: object) -> ChangeSceneResponse:
+def _change(door: DoorClient, options: argparse.Namespace, change: str, **more: object) -> ChangeSceneResponse:
     request = {"name": options.name, "change": change, "target": getattr(options, "target", ""), **more}
     answer = cast("ChangeSceneResponse", door.ask(CHANGE_SCENE, request))
     for scene in answer.scenes:
@@ -190,7 +190,7 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _send(door: DoorClient, options: argparse.Namespace, values: Mapping[str, str]) -> int:
-    _changed(door, options, "edit", target="", values=[{"key": key, "value": value} for key, value in values.items()])
+    _change(door, options, "edit", target="", values=[{"key": key, "value": value} for key, value in values.items()])
     return 0
 
 
@@ -208,11 +208,11 @@ def _differences(before: Mapping[str, str], text: str) -> dict[str, str]:
 
 
 def _rename(door: DoorClient, options: argparse.Namespace) -> int:
-    _changed(door, options, "rename")
+    _change(door, options, "rename")
     return 0
 
 
 def _remove(door: DoorClient, options: argparse.Namespace) -> int:
-    _changed(door, options, "remove")
+    _change(door, options, "remove")
     print(f"removed {printable(options.name)}")
     return 0

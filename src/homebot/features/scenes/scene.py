@@ -143,12 +143,12 @@ class HouseScenes:
         parts, routes = dict[str, Mapping[str, PlainValue]](), dict[str, tuple[str, ...]]()
         for target, values in scene.parts.items():
             known = scene.routes.get(target, ())
-            device_and_part = self.place(place_of(target)) or self._reached(known)
+            device_and_part = self.place(place_of(target)) or self._find_reachable(known)
             now = target if device_and_part is None else target_of(device_and_part[0].id, device_and_part[1].id)
             parts[now], routes[now] = values, known if device_and_part is None else tuple(_routes(device_and_part[1]))
         return scene.model_copy(update={"parts": parts, "routes": routes})
 
-    def _reached(self, routes: Sequence[str]) -> tuple[Device, DevicePart] | None:
+    def _find_reachable(self, routes: Sequence[str]) -> tuple[Device, DevicePart] | None:
         wanted = set(routes)
         parts = ((device, part) for device in self.devices.values() for part in device.parts) if wanted else ()
         return next(

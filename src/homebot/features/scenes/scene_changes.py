@@ -61,7 +61,7 @@ class SceneChanges:
             house.check_hides_none(new)
             return book.rename(known, new), ()
         parts = {} if request.replaces else dict(known.parts)
-        edited = await self._edited(parts, request.values, house)
+        edited = await self._edit(parts, request.values, house)
         scene = house.current(known.model_copy(update={"parts": edited}))
         book.put(scene)
         return scene, ()
@@ -92,7 +92,7 @@ class SceneChanges:
         if not (parts or request.values):
             reasons = "; ".join(f"{item.key}: {item.value}" for item in left_out[:_MAX_NAMED])
             raise UsageError(f"there is nothing to save; {reasons or 'nothing of that has values to bring back'}")
-        edited = await self._edited(parts, request.values, house)
+        edited = await self._edit(parts, request.values, house)
         scene = house.current(SavedScene(name=name, parts=edited))
         book.put(scene)
         return scene, tuple(left_out)
@@ -102,7 +102,7 @@ class SceneChanges:
     ) -> Sequence[tuple[Device, DevicePart]]:
         """Return the parts whose present values are saved: those of the target, or else those of the scene so far."""
         if request.target:
-            return await self._found(request.target)
+            return await self._find_parts(request.target)
         configured = house.configured.get(fold(name))
         places = [*map(place_of, known.parts)] if known is not None else configured.parts if configured else ()
         devices_and_parts = [device_and_part for place in places if (device_and_part := house.place(place)) is not None]
@@ -110,7 +110,7 @@ class SceneChanges:
             raise UsageError("say what the scene is of, such as 'lights in living'")
         return devices_and_parts
 
-    async def _edited(
+    async def _edit(
         self, parts: dict[str, Mapping[str, PlainValue]], values: Sequence[KeyValue], house: HouseScenes
     ) -> dict[str, Mapping[str, PlainValue]]:
         """Return *parts* with *values* in words."""
@@ -134,7 +134,7 @@ class SceneChanges:
         """Return the parts that *target* means and that take *words*, each with its values."""
         settings: list[tuple[str, dict[str, PlainValue]]] = []
         problem: RefusedError | None = None
-        for device, part in await self._found(target):
+        for device, part in await self._find_parts(target):
             try:
                 values = _values_of(words, device, part) if words else {}
                 settings.append((target_of(device.id, part.id), values))
@@ -144,7 +144,7 @@ class SceneChanges:
             raise problem
         return settings
 
-    async def _found(self, target: str) -> list[tuple[Device, DevicePart]]:
+    async def _find_parts(self, target: str) -> list[tuple[Device, DevicePart]]:
         """Return the parts that *target* means, with the members of a group in its place, each once."""
         try:
             targets = await self._targets.find(CommandDevicesRequest(target=target))

@@ -150,7 +150,7 @@ class SharedReachability:
     def update(self, index: int, is_reachable: bool, *, retained: bool) -> None:  # noqa: FBT001 - the report of the source
         """Record the report of source *index*."""
         self._reports[index] = self._latest = is_reachable, retained
-        self.value = self._combined()
+        self.value = self._combine()
 
     def discard_retained_offline(self) -> None:
         """Forget each retained "offline", now that the device has spoken: many are never cleared.
@@ -160,9 +160,9 @@ class SharedReachability:
         if self._latest == _RETAINED_OFFLINE:
             self._latest = None
         self._reports = [None if report == _RETAINED_OFFLINE else report for report in self._reports]
-        self.value = self._combined()
+        self.value = self._combine()
 
-    def _combined(self) -> bool | None:
+    def _combine(self) -> bool | None:
         if self.availability.mode == "latest":
             return self._latest[0] if self._latest is not None else None
         known = [report[0] for report in self._reports if report is not None]

@@ -139,7 +139,7 @@ class CommandServer:
                     self._check_approved(command)
                 along = await self._perform(command)
         except LinkError as exc:
-            return self._failed(str(exc), requests)
+            return self._report_failure(str(exc), requests)
         except HomebotError as exc:
             self._counters.commands_refused += 1
             is_unable = isinstance(exc, UnableError)
@@ -148,7 +148,7 @@ class CommandServer:
             if not limit.expired():
                 raise
             what = "did not answer" if requests.is_unanswered else "was not reached"
-            return self._failed(f"{command.key[:100]} {what} within {command.expires_after:.2g} s", requests)
+            return self._report_failure(f"{command.key[:100]} {what} within {command.expires_after:.2g} s", requests)
         finally:
             SENT_REQUESTS.reset(token)
         self._counters.commands += 1
@@ -202,7 +202,7 @@ class CommandServer:
         if part is None or CommandDescription.of(part, template.identifiers).digest != command.approved:
             raise RefusedError(f"a command to {command.key[:100]}", "it changed since the owner approved it")
 
-    def _failed(self, message: str, requests: SentRequests) -> SendCommandResponse:
+    def _report_failure(self, message: str, requests: SentRequests) -> SendCommandResponse:
         self._counters.commands_failed += 1
         problem: Literal["unanswered", "unreachable"] = "unanswered" if requests.is_unanswered else "unreachable"
         return SendCommandResponse(success=False, message=message, problem=problem)

@@ -91,7 +91,7 @@ class PublishedDevices:
         self._reporter = self.engine.reporter
         CommandServer(
             self.engine,
-            self._checked,
+            self._check,
             self,
             lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems()), notes=tuple(find_notes())),
             keeps_states=True,
@@ -261,7 +261,7 @@ class PublishedDevices:
             self._last_raw.pop(device.raw, None)
             del self._by_address[device.raw]
 
-    async def _checked(self, command: Command) -> Collection[str] | None:
+    async def _check(self, command: Command) -> Collection[str] | None:
         """Carry out *command* if it fits the part; see :data:`Perform`."""
         part = self.engine.find_part(command.key, command.part, command.topics).described.part
         try:

@@ -33,7 +33,7 @@ def sent_commands(described: DescribedPart) -> Iterator[str]:
         (settable, value) for settable in part.capabilities if settable.settable for value in _samples(settable)
     ]
     for capability, value in settings[:MAX_LINES]:
-        sent = _sent(described.codec, capability.name, value)
+        sent = _encode_sent(described.codec, capability.name, value)
         if sent is not None:
             yield f"{label}{capability.name}={_spelt(value)}: {sent}"
     if len(settings) > MAX_LINES:
@@ -57,20 +57,20 @@ def _samples(capability: Capability) -> tuple[PlainValue, ...]:
             return known.options or ("TEXT",)
 
 
-def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
+def _encode_sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
     """Return the message as text; None if the part refuses *value*."""
     try:
         try:
-            return _shown(codec.write(capability, value))
+            return _show(codec.write(capability, value))
         except WrongCodeError:
-            return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
+            return _show(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
     except WrongCodeError:
         return "it takes a code, which is not shown"
     except HomebotError:
         return None
 
 
-def _shown(publications: Publications) -> str:
+def _show(publications: Publications) -> str:
     texts = []
     for topic, payload, _, retain in publications:
         text = payload.decode(errors="backslashreplace")

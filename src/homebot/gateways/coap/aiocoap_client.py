@@ -147,9 +147,9 @@ class CoapClient:
         if method.upper() not in _METHODS:
             raise RefusedError(f"{method[:20]} {uri[:200]}", "CoAP has no such method")
         message = _message(_METHODS[method.upper()], uri, payload, content_format, accept)
-        with _translated(uri):
+        with _translate(uri):
             first = await self._send(message)
-            return await self._whole(uri, accept, _checked(uri, first))
+            return await self._whole(uri, accept, _check(uri, first))
 
     async def observe(self, uri: str, accept: int | None = None) -> AsyncGenerator[CoapAnswer, None]:
         """Yield the current state of a resource, and each later one; the newest where they come faster than they go.
@@ -162,20 +162,20 @@ class CoapClient:
             WireError: As :meth:`request`.
         """
         while True:
-            with _translated(uri):
+            with _translate(uri):
                 message = _message(Code.GET, uri, b"", None, accept)
                 message.opt.observe = 0
-                request = await self._begun(message)
+                request = await self._begin_request(message)
                 notifications = aiter(request.observation)
                 try:
-                    response = _checked(uri, await self._answered(request))
+                    response = _check(uri, await self._answered(request))
                     if response.opt.observe is None:
                         raise RefusedError(f"observing {uri[:200]}", "it cannot be observed")
                     while response is not None:
                         answer = await self._whole(uri, accept, response)
                         yield answer
                         response = await self._next(notifications, response)
-                        response = None if response is None else _checked(uri, response)
+                        response = None if response is None else _check(uri, response)
                 finally:
                     if not request.observation.cancelled:
                         request.observation.cancel()
@@ -213,14 +213,14 @@ class CoapClient:
         tries = 1 if message.code == Code.POST else _TRIES  # POST may do harm when it comes twice
         for _ in range(tries - 1):
             try:
-                return await self._answered(await self._begun(message))
+                return await self._answered(await self._begin_request(message))
             except aiocoap.error.NetworkError as exc:
                 if type(exc) is not aiocoap.error.NetworkError:
                     raise
                 message = message.copy(token=b"", mid=None)
-        return await self._answered(await self._begun(message))
+        return await self._answered(await self._begin_request(message))
 
-    async def _begun(self, message: aiocoap.Message) -> aiocoap.interfaces.Request:
+    async def _begin_request(self, message: aiocoap.Message) -> aiocoap.interfaces.Request:
         """Begin a request; the look-up of a name is waited for here, so that it can be cancelled."""
         with anyio.fail_after(self._patience):
             if self._guard is not None and isinstance(message.remote, UndecidedRemote):
@@ -255,7 +255,7 @@ class CoapClient:
                 raise LinkError(f"{uri[:200]} takes longer than {_BLOCKS_WITHIN:g} s for one answer")
             message = _message(Code.GET, uri, b"", None, accept)
             message.opt.block2 = (number, False, block.size_exponent)
-            response = _checked(uri, await self._send(message))
+            response = _check(uri, await self._send(message))
             block = response.opt.block2
             if block is None or block.block_number != number or response.opt.etag != first.opt.etag:
                 raise WireError(f"the answer of {uri[:200]} changed while its blocks were asked for")
@@ -311,7 +311,7 @@ def _message(code: Code, uri: str, payload: bytes, content_format: int | None, a
     return message
 
 
-def _checked(uri: str, response: aiocoap.Message) -> aiocoap.Message:
+def _check(uri: str, response: aiocoap.Message) -> aiocoap.Message:
     if response.code.is_successful():
         return response
     detail = response.payload[:100].decode(errors="replace") if response.payload.isascii() else ""
@@ -322,7 +322,7 @@ def _checked(uri: str, response: aiocoap.Message) -> aiocoap.Message:
 
 
 @contextmanager
-def _translated(uri: str) -> Iterator[None]:
+def _translate(uri: str) -> Iterator[None]:
     """Raise errors of aiocoap as ours."""
     uri = uri[:200]
     try:

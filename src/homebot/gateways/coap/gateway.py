@@ -115,7 +115,7 @@ class CoapGateway(Gateway):
             for way, run in ways.items():
                 tasks.start_soon(run_as, way, run)
             for uri in settings.devices:
-                self._found(static_endpoint(uri))
+                self._on_found(static_endpoint(uri))
             self._report_ways()
             if not self._all_tried.is_set():
                 if self._ways:
@@ -161,21 +161,21 @@ class CoapGateway(Gateway):
         listed = {endpoint.key for endpoint in endpoints}
         for endpoint in [session.endpoint for session in self._sessions.values()]:
             if endpoint.source == directory and endpoint.key not in listed:
-                self._gone(endpoint, f"its registration at {directory} ended")
+                self._on_gone(endpoint, f"its registration at {directory} ended")
         for endpoint in endpoints:
-            self._found(endpoint)
+            self._on_found(endpoint)
 
     async def _ask(self, client: CoapClient, interface: str, version: str) -> None:
         way = f"{interface} {version}"
         while True:
             try:
-                await client.ask_group(version, interface, self._settings.group_port, self._answered)
+                await client.ask_group(version, interface, self._settings.group_port, self._on_answer)
                 self._report(way, "")
             except LinkError as exc:
                 self._report(way, str(exc))
             await anyio.sleep(self._settings.ask_every)
 
-    def _answered(self, answer: GroupAnswer) -> None:
+    def _on_answer(self, answer: GroupAnswer) -> None:
         """Handle an answer to a multicast question; it may be incomplete, as its sender is asked again."""
         source = answer.host.partition("%")[0]
         if not self.devices.admits(source):
@@ -191,13 +191,13 @@ class CoapGateway(Gateway):
         if endpoint.key not in self._sessions and found_there >= MAX_PER_HOST:
             self.devices.reject(source, b"", f"more than {MAX_PER_HOST} endpoints answer from there")
             return
-        self._found(endpoint)
+        self._on_found(endpoint)
 
     def _at_host_of(self, endpoint: CoapEndpoint) -> list[EndpointSession]:
         host = host_of(endpoint.base)
         return [session for session in self._sessions.values() if session.host == host]
 
-    def _found(self, endpoint: CoapEndpoint) -> None:
+    def _on_found(self, endpoint: CoapEndpoint) -> None:
         """Start the session of an endpoint, or wake the one that it has."""
         known = self._sessions.get(endpoint.key)
         if known is not None and (known.endpoint == endpoint or known.endpoint.source != endpoint.source):
@@ -229,7 +229,7 @@ class CoapGateway(Gateway):
             return False
         for other in same:
             if not other.is_registered:
-                self._gone(other, f"it registered itself as {endpoint.key}")
+                self._on_gone(other, f"it registered itself as {endpoint.key}")
         if len(self._sessions) < self._settings.max_devices:
             return True
         self.devices.counters.devices_refused += 1
@@ -246,7 +246,7 @@ class CoapGateway(Gateway):
         await session.run()
         self._forget(session)
 
-    def _gone(self, endpoint: CoapEndpoint, why: str) -> None:
+    def _on_gone(self, endpoint: CoapEndpoint, why: str) -> None:
         known = self._sessions.get(endpoint.key)
         if known is None or known.endpoint.source != endpoint.source:
             return

@@ -169,7 +169,7 @@ class MdnsNetwork(ServiceNetwork):
         except Error:
             return None
         cache = info.load_from_cache(self._zeroconf.zeroconf)
-        return self._resolved(info, service_type, name) if cache else None
+        return self._resolve(info, service_type, name) if cache else None
 
     async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
         """Ask for the records of a service that have expired or were never received.
@@ -184,7 +184,7 @@ class MdnsNetwork(ServiceNetwork):
         except Error:  # a name that is none, or the network was closed meanwhile
             return None
         is_enough = is_complete or (info.server and info.port is not None and info.parsed_addresses())
-        return self._resolved(info, service_type, name) if is_enough else None
+        return self._resolve(info, service_type, name) if is_enough else None
 
     def forget(self, service_type: str, name: str) -> None:
         """Drop the cached records of a service, so that its next announcement is news."""
@@ -259,7 +259,7 @@ class MdnsNetwork(ServiceNetwork):
         ):
             self.browse(service_type)
 
-    def _resolved(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
+    def _resolve(self, info: AsyncServiceInfo, service_type: str, name: str) -> ResolvedService:
         ttl, left = self._time_to_live(name)
         # the library keeps 10,000 records, of any hosts
         cache = self._zeroconf.zeroconf.cache

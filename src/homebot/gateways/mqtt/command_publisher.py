@@ -156,7 +156,7 @@ class CommandPublisher:
         """
         try:
             announced_part = self._find_part(command.key, command.part, command.topics)
-            publications, names = self._written(announced_part, command)
+            publications, names = self._write(announced_part, command)
         except WrongCodeError:
             raise  # with a wrong code no other route is tried: it might not ask for one
         except HomebotError as exc:
@@ -212,7 +212,7 @@ class CommandPublisher:
             is_heard = is_heard or reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or publication.retain
         return is_heard
 
-    def _written(
+    def _write(
         self, announced_part: AnnouncedPart, command: Command
     ) -> tuple[tuple[Publication, ...], Collection[str]]:
         """Return the messages of *command*, and the names of those of its settings that they set."""

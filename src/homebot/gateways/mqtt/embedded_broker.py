@@ -22,12 +22,12 @@ _log = get_logger(node="/homebot")
 
 
 @asynccontextmanager
-async def _hosted(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
+async def _host(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
     async with embedded_broker(graph, clock) as broker:
         yield HostedBroker(broker.url)
 
 
-EMBEDDED_BROKER = HostService(HostedBroker, _hosted)
+EMBEDDED_BROKER = HostService(HostedBroker, _host)
 
 
 @asynccontextmanager
@@ -36,7 +36,7 @@ async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = 
 
     The service ``/broker/health`` reports its counters and recent losses.
     """
-    broker = await _started(clock, ports)
+    broker = await _start(clock, ports)
     try:
         taken = f" (port {ports[0]} was taken)" if broker.port != ports[0] else ""
         _log.info(STARTED, message=f"embedded MQTT broker on {broker.url}{taken}", url=broker.url)
@@ -55,7 +55,7 @@ def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
     )
 
 
-async def _started(clock: Clock, ports: Sequence[int]) -> Broker:
+async def _start(clock: Clock, ports: Sequence[int]) -> Broker:
     for port in (*ports, 0):  # 0 is any free one
         broker = Broker(port=port, clock=clock)
         try:

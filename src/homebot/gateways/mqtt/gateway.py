@@ -104,14 +104,14 @@ class LinkReport:
         """Report each state until the connection is closed."""
         async for state in self._connection.states():
             if state.phase is LinkPhase.CONNECTED:
-                self._connected()
+                self._on_connected()
             elif state.phase in _DOWN or (self._was_up and state.phase is LinkPhase.CONNECTING):
                 self._down(state)  # after a loss the next attempt starts at once, and may take ten seconds
             self._was_up = state.phase is LinkPhase.CONNECTED
             if state.phase is not LinkPhase.CONNECTING:
                 self._tried.set()
 
-    def _connected(self) -> None:
+    def _on_connected(self) -> None:
         if self._was_up:
             self._gateway.publish_state("unavailable", "the connection was lost")  # and restored at once
         url, refused = self._connection.url, self._connection.refused

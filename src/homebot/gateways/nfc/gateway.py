@@ -94,7 +94,7 @@ class NfcGateway(Gateway):
     def check(cls, settings: BaseModel) -> None:
         """Look for the libraries."""
         backend = settings.backend if isinstance(settings, NfcGatewaySettings) else "auto"
-        wanted = ["ndef", _LIBRARIES[_chosen(backend)]]
+        wanted = ["ndef", _LIBRARIES[_choose(backend)]]
         try:
             check_extra('the gateway "nfc"', "nfc", *wanted)
         except UsageError as exc:
@@ -116,7 +116,7 @@ class NfcGateway(Gateway):
         given = self.context.service(TagReaders)
         if given is not None:
             return list(given.readers)
-        if _chosen(self._settings.backend) == "pcsc":
+        if _choose(self._settings.backend) == "pcsc":
             return [PcscReader(self._settings.readers)]
         await anyio.to_thread.run_sync(importlib.import_module, "nfc")  # it looks for OpenSSL by running ldconfig
         from homebot.gateways.nfc.nfcpy_reader import NfcpyReader  # noqa: PLC0415 - an extra
@@ -189,7 +189,7 @@ class NfcGateway(Gateway):
             pointed = await self.finder.find(pointer)
             is_random = len(seen.uid) == _RANDOM_UID and seen.uid.startswith("08")
             if seen.uid in self._settings.tags or not (is_random or pointer.problems):
-                self.devices.put(self._described(seen, pointer, pointed), f"it was held to {clean_text(seen.reader)}")
+                self.devices.put(self._describe(seen, pointer, pointed), f"it was held to {clean_text(seen.reader)}")
                 await self.devices.deliver_raw(seen.uid, seen.content.message if seen.content else b"")
                 await self.devices.report(seen.uid, {"connectivity": True})
                 await self.devices.report(seen.uid, {"scan": seen.uid})
@@ -224,7 +224,7 @@ class NfcGateway(Gateway):
             pointer = pointer_of_device(own.device)
         return Pointer(area=own.area).joined(pointer) if own.area else pointer
 
-    def _described(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
+    def _describe(self, seen: TagSeen, pointer: Pointer, pointed: PointedAt) -> GatewayDevice:
         own = self._settings.tags.get(seen.uid, TagSettings())
         facts = {
             "tag": seen.uid,
@@ -264,7 +264,7 @@ class NfcGateway(Gateway):
         raise RefusedError(command.key, "tags take no commands")
 
 
-def _chosen(backend: str) -> str:
+def _choose(backend: str) -> str:
     if backend != "auto":
         return backend
     return "pcsc" if importlib.util.find_spec("smartcard") is not None else "nfcpy"

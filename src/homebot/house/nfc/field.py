@@ -88,7 +88,7 @@ class TagField:
         if command == _SENSE:
             return _SENSED
         if command[:1] in {b"\x93", b"\x95", b"\x97"}:
-            return _selected(card.uid, command)
+            return _select(card.uid, command)
         if command[:1] == b"\xe0":
             self._activated = card
             return _ANSWER_TO_SELECT
@@ -114,7 +114,7 @@ def _bound(port: int) -> socket.socket:
     return server
 
 
-def _selected(uid: bytes, command: bytes) -> bytes:
+def _select(uid: bytes, command: bytes) -> bytes:
     """Return the answer in anti-collision: four bytes of the number and their sum, or that they are selected."""
     level = _CASCADE.index(command[0])
     parts = [uid] if len(uid) == 4 else [b"\x88" + uid[:3], uid[3:]]

@@ -223,12 +223,12 @@ def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastVal
         description = update.entity_descriptions[key]
         device_class = str(getattr(description.device_class, "value", "") or "")
         if device_class not in _OWN_CLASSES and id(measured) not in before:
-            yield from _measured(parts, _part_id(key), description, device_class, measured.native_value)
+            yield from _read_measurement(parts, _part_id(key), description, device_class, measured.native_value)
     for key, value in update.binary_entity_values.items():
         if id(value) not in before:
             yield from _condition(sensor, key, update.binary_entity_descriptions[key].device_class, value.native_value)
     for key, event in update.events.items():
-        yield from _happened(sensor, _part_id(key), event)
+        yield from _read_event(sensor, _part_id(key), event)
 
 
 def _condition(sensor: _Sensor, key: DeviceKey, described: object, value: object) -> Iterator[BroadcastValue]:
@@ -240,7 +240,7 @@ def _condition(sensor: _Sensor, key: DeviceKey, described: object, value: object
         yield BroadcastValue(part.id, capability, None if value is None else bool(value))
 
 
-def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[BroadcastValue]:
+def _read_event(sensor: _Sensor, part_id: str, event: Event) -> Iterator[BroadcastValue]:
     """Add the part of an event, and yield its value: a press, a condition for a moment, or the event in its words.
 
     The last is of a part of its own: a lock has a state of the same name.
@@ -261,7 +261,7 @@ def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[Broadcast
 _MAX_EVENT_CHARACTERS = 100
 
 
-def _measured(
+def _read_measurement(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
     unit = str(description.native_unit_of_measurement or "")

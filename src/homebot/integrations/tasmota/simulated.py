@@ -67,11 +67,9 @@ class TasmotaDialect(Dialect):
         """Return the meaning of a command, or of each in a ``Backlog``."""
         name, value = topic.rpartition("/")[2].lower(), as_text(payload)
         if name.rstrip("0123456789") != "backlog":
-            return _parsed(device.kind, name, value)
+            return _parse(device.kind, name, value)
         orders = (order.strip().partition(" ") for order in value.split(";"))
-        return tuple(
-            text for order, _, wanted in orders for text in _parsed(device.kind, order.lower(), wanted.strip())
-        )
+        return tuple(text for order, _, wanted in orders for text in _parse(device.kind, order.lower(), wanted.strip()))
 
     def replies(
         self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
@@ -132,7 +130,7 @@ def _shutter(motor: DeviceState) -> dict[str, object]:
     return {"Shutter1": {"Position": round(motor.position * 100), "Direction": motor.way}}
 
 
-def _parsed(kind: str, name: str, value: str) -> tuple[str, ...]:
+def _parse(kind: str, name: str, value: str) -> tuple[str, ...]:
     name = name.rstrip("0123456789")
     return device_orders(
         kind,

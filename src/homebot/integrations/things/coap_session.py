@@ -172,7 +172,7 @@ class ThingEndpointSession(EndpointSession):
                 raise
         devices: list[tuple[GatewayDevice, Thing]] = []
         named = [link for link in links if str(TD_FORMAT) in link.words("ct") or "wot.thing" in link.words("rt")]
-        for uri in list(dict.fromkeys(uri for link in named if (uri := self._resolved(link))))[:MAX_THINGS]:
+        for uri in list(dict.fromkeys(uri for link in named if (uri := self._resolve(link))))[:MAX_THINGS]:
             key = endpoint.key if not devices else f"{endpoint.key}{uri.removeprefix(endpoint.base)}"
             devices.append(self._described(await self._read_description(uri), key))
         if devices:
@@ -181,11 +181,11 @@ class ThingEndpointSession(EndpointSession):
             return [self._described(await self._read_description(endpoint.base + _WOT), endpoint.key)]
         except (RefusedError, WireError):
             pass  # most have none
-        own = {link.target: self._resolved(link) for link in links}
+        own = {link.target: self._resolve(link) for link in links}
         thing = thing_of_links(links, own, endpoint.name or endpoint.base.partition("://")[2])
         return [self._described(thing, endpoint.key, links)]
 
-    def _resolved(self, link: WebLink) -> str:
+    def _resolve(self, link: WebLink) -> str:
         """Return the address of a link; empty for one of another host, which this one does not speak for."""
         try:
             uri = resolve_uri(self.endpoint.base + "/", link.target)

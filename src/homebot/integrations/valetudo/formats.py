@@ -84,7 +84,7 @@ def read_map(payload: bytes) -> VacuumMap:
     Raises:
         WireError: It is no such map, or one that is too large.
     """
-    text = _inflated(payload)
+    text = _inflate(payload)
     if sum(map(text.count, (b":", b"[", b"{"))) > _MAX_VALUES:
         raise WireError(f"it has more than {_MAX_VALUES:,} keys, lists and tables")
     try:
@@ -105,7 +105,7 @@ def read_map(payload: bytes) -> VacuumMap:
     )
 
 
-def _inflated(payload: bytes) -> bytes:
+def _inflate(payload: bytes) -> bytes:
     if len(payload) > _MAX_PAYLOAD:
         raise WireError(f"it has {len(payload):,} bytes; {_MAX_PAYLOAD:,} is the limit")
     if payload.startswith(b"{"):  # a file, or what another program has unpacked

@@ -16,7 +16,7 @@ from homebot.support.addresses import is_loopback
 _ADDRESS = re.compile(r"(tcp|tls)/(.+):(\d{1,5})")
 
 
-def _checked_address(text: str) -> str:
+def _check_address(text: str) -> str:
     match = _ADDRESS.fullmatch(text)
     if match is None:
         raise ValueError(
@@ -27,17 +27,17 @@ def _checked_address(text: str) -> str:
     return text
 
 
-def _checked_listen(text: str) -> str:
-    return text and _checked_address(text)
+def _check_listen(text: str) -> str:
+    return text and _check_address(text)
 
 
-def _checked_pattern(text: str) -> str:
+def _check_pattern(text: str) -> str:
     if not re.fullmatch(r"(/[\w*]+)+", text):
         raise ValueError(f"{text[:100]!r} is no name of topics or services such as /map, /rosie/* or /rosie/**")
     return text
 
 
-_Patterns: TypeAlias = tuple[Annotated[str, AfterValidator(_checked_pattern)], ...]
+_Patterns: TypeAlias = tuple[Annotated[str, AfterValidator(_check_pattern)], ...]
 
 
 class RosSettings(BaseModel):
@@ -65,8 +65,8 @@ class RosSettings(BaseModel):
 
     interfaces: tuple[FilePath, ...] = ()
     distro: Literal["humble", "jazzy", "kilted"] = "jazzy"
-    connect: tuple[Annotated[str, AfterValidator(_checked_address)], ...] = ()
-    listen: Annotated[str, AfterValidator(_checked_listen)] = ""
+    connect: tuple[Annotated[str, AfterValidator(_check_address)], ...] = ()
+    listen: Annotated[str, AfterValidator(_check_listen)] = ""
     ca: FilePath | None = None
     cert_file: FilePath | None = None
     key_file: FilePath | None = None

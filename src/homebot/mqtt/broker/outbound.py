@@ -81,7 +81,7 @@ class Outbound:
         message, qos, retain, identifiers, _ = queued
         alias = self._alias_for(message.topic) if self._alias_maximum else 0
         if alias:
-            head, tail = self._aliased(queued, alias)
+            head, tail = self._use_alias(queued, alias)
         elif identifiers or message.expires_at is not None:
             head, tail = message.parts(self.version, qos, retain, identifiers, self._clock.monotonic())
         elif message.kind == self._is_v5 << 3 | qos << 1 | retain:  # as parts(), which costs a call for each receiver
@@ -111,7 +111,7 @@ class Outbound:
         used = len(self._aliases)
         return used + 1 if used < self._alias_maximum else 0
 
-    def _aliased(self, queued: QueuedMessage, alias: int) -> tuple[bytes, bytes]:
+    def _use_alias(self, queued: QueuedMessage, alias: int) -> tuple[bytes, bytes]:
         message = queued.message
         known = message.topic in self._aliases
         properties = message.properties_for(queued.identifiers, self._clock.monotonic())

@@ -104,7 +104,7 @@ class ClientProtocol(ClientLink):
 
     async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
         """Publish; see `ClientLink.publish`."""
-        encoded = _encoded(properties) if self._is_v5 else b""
+        encoded = _encode(properties) if self._is_v5 else b""
         head, tail = encode_publish_parts(topic, payload, qos, retain, encoded)
         self._check_granted(topic, len(tail), qos, retain=retain)
         if not qos:
@@ -250,6 +250,6 @@ def _connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
 
 
 @lru_cache(maxsize=32)
-def _encoded(properties: Properties) -> bytes:
+def _encode(properties: Properties) -> bytes:
     """Return the properties of a PUBLISH as they are sent; the last ones are remembered: most say none, or how long."""
     return encode_properties(properties, PacketType.PUBLISH)

@@ -144,11 +144,11 @@ def _habits(rooms: tuple[str, ...]) -> SearchStrategy[list[Table]]:
 
 @lru_cache(MADE)
 def _errands(things: tuple[tuple[str, str], ...], at_most: int) -> SearchStrategy[list[Table]]:
-    return st.lists(_scheduled_command(things), max_size=at_most)
+    return st.lists(_schedule_command(things), max_size=at_most)
 
 
 @st.composite
-def _scheduled_command(draw: DrawFn, things: tuple[tuple[str, str], ...]) -> Table:
+def _schedule_command(draw: DrawFn, things: tuple[tuple[str, str], ...]) -> Table:
     at = draw(_times)
     device, kind = draw(target(things))
     return {"at": at, "device": device, "command": draw(commands(kind))}

@@ -258,9 +258,9 @@ def _sensor(part: Part, capability: Capability, base: str) -> PublishedEntity:
     if known.kind == "bool":
         classes = CONDITION_CLASSES.get(name, ())
         device_class = part.tag if part.tag in classes else _USUAL_CLASSES.get(name, "".join(classes[:1]))
-        entity = PublishedEntity(base, "binary_sensor", name, _filled(device_class=device_class))
+        entity = PublishedEntity(base, "binary_sensor", name, _fill(device_class=device_class))
     elif known.kind == "number":
-        fields = _filled(
+        fields = _fill(
             device_class=QUANTITY_CLASSES.get(name, ""),
             unit_of_measurement=capability.unit or known.unit,
             state_class="total_increasing" if name == "energy" else "measurement",
@@ -276,5 +276,5 @@ def _event_text(values: Values) -> str:
     return json.dumps({"event_type": values.get("press")}, ensure_ascii=False)
 
 
-def _filled(**fields: str) -> dict[str, object]:
+def _fill(**fields: str) -> dict[str, object]:
     return {key: value for key, value in fields.items() if value}

@@ -214,24 +214,24 @@ def _with_base(fields: dict[str, object]) -> dict[str, object]:
         return fields
     if not isinstance(base, str):
         raise WireError(f"~ is {shown(base)}, not a topic")
-    based = {key: _based(base, value) if key.endswith("topic") else value for key, value in fields.items()}
+    based = {key: _expand(base, value) if key.endswith("topic") else value for key, value in fields.items()}
     availability = based.get("availability")
     if isinstance(availability, list):
-        based["availability"] = [_based_entry(base, entry) for entry in availability]
+        based["availability"] = [_expand_base_of_entry(base, entry) for entry in availability]
     elif availability is not None:
-        based["availability"] = _based_entry(base, availability)
+        based["availability"] = _expand_base_of_entry(base, availability)
     return based
 
 
-def _based_entry(base: str, entry: object) -> object:
+def _expand_base_of_entry(base: str, entry: object) -> object:
     if not isinstance(entry, dict):
         return entry
     return {
-        key: _based(base, value) if key == "topic" else value for key, value in full_keys(entry, ABBREVIATIONS).items()
+        key: _expand(base, value) if key == "topic" else value for key, value in full_keys(entry, ABBREVIATIONS).items()
     }
 
 
-def _based(base: str, topic: object) -> object:
+def _expand(base: str, topic: object) -> object:
     if not isinstance(topic, str) or not topic:
         return topic
     if topic[0] == _BASE:
@@ -316,7 +316,7 @@ class HomeAssistantReader:
         parts = self._parts(config_topic, announced, problems)
         if not parts:
             return (DeviceWithdrawn(config_topic.key, "it has no components left"),)
-        return (_described(topic, config_topic, announced, parts), *problems)
+        return (_describe(topic, config_topic, announced, parts), *problems)
 
     def _parts(self, config_topic: ConfigTopic, announced: Announced, problems: list[WireError]) -> _Parts:
         """Build the parts, without codes and passwords, and without a whole device's components with *problems*."""
@@ -385,7 +385,7 @@ def _share_availability(
     return tuple(own), whole
 
 
-def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
+def _describe(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
     common = announced.common
     device = cached_device(common.get("device"), common.get("origin"))
     if config_topic.component == DEVICE:

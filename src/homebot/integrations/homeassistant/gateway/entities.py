@@ -200,7 +200,7 @@ class HomeAssistantEntities:
         shown_as = {text_of(entity.info.get("friendly_name")) for entity in sole if len(sole) == 1} - {"", name}
         aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
         facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
-        facts |= {**device.facts, "floor": floor, "entities": ", ".join(map(self._listed, ids))[:_MAX_FACT]}
+        facts |= {**device.facts, "floor": floor, "entities": ", ".join(map(self._list, ids))[:_MAX_FACT]}
         self._devices[key] = described = GatewayDevice(
             key,
             name,
@@ -230,7 +230,7 @@ class HomeAssistantEntities:
         members = tuple([f"#{self.registries.entity(member).part_id}" for member in entity.members])
         return entity.part().model_copy(update={"members": members})
 
-    def _listed(self, entity_id: str) -> str:
+    def _list(self, entity_id: str) -> str:
         """Return the id of an entity, with its unit if homebot converts that: limits of automations are in it."""
         info = self._entities[entity_id].info
         unit = text_of(info.get("unit_of_measurement"))

@@ -85,7 +85,7 @@ class HomeAssistantLink:
             while invalid < MAX_INVALID_MESSAGES:
                 payload = await self._receive()
                 try:
-                    frame = await self._parsed(payload)
+                    frame = await self._parse(payload)
                     await self._handle(frame)
                     invalid = 0
                 except WireError as exc:
@@ -143,7 +143,7 @@ class HomeAssistantLink:
         return message.encode() if isinstance(message, str) else message
 
     async def _expect(self, kind: str) -> None:
-        frame = await self._parsed(await self._receive())
+        frame = await self._parse(await self._receive())
         if frame.get("type") == "auth_invalid":
             raise RefusedError("the login to Home Assistant", "the token was revoked, has expired or is another's")
         if frame.get("type") != kind:
@@ -153,7 +153,7 @@ class HomeAssistantLink:
         if tuple(numbers) < OLDEST:
             raise WireError(f"it is Home Assistant {version}; homebot needs {OLDEST[0]}.{OLDEST[1]} or later")
 
-    async def _parsed(self, payload: bytes) -> _Frame:
+    async def _parse(self, payload: bytes) -> _Frame:
         frame = await parse_long_json(payload, MAX_FRAME_BYTES)
         if not isinstance(frame, dict):
             raise WireError(f"{shown(frame)} is not an object")
@@ -192,7 +192,7 @@ async def connected(
         WireError: It is not Home Assistant, or the version is too old.
     """
     token = await anyio.to_thread.run_sync(settings.read_token)
-    connection = await _opened(settings.websocket)
+    connection = await _open(settings.websocket)
     try:
         link = HomeAssistantLink(connection, on_invalid)
         try:
@@ -206,7 +206,7 @@ async def connected(
             await anyio.lowlevel.cancel_shielded_checkpoint()  # its tasks end after it
 
 
-async def _opened(url: str) -> ClientConnection:
+async def _open(url: str) -> ClientConnection:
     try:
         return await connect(
             url,

@@ -91,7 +91,7 @@ class SimulatedHomeAssistant(WebDevice):
         if is_new:
             for registry in ("area", "device", "entity"):
                 self.change_registry(registry)
-            self.send_states({"a": {entity.entity_id: _compressed(entity)}})
+            self.send_states({"a": {entity.entity_id: _compress(entity)}})
         else:
             self.show(entity, entity.shown, entity.attributes)
 
@@ -151,7 +151,7 @@ class SimulatedHomeAssistant(WebDevice):
         peer.send(as_json({"id": number, "type": "result", **answer}))
         if frame.get("type") == "subscribe_entities":
             self._states[peer] = number
-            peer.send(_event(number, {"a": {key: _compressed(entity) for key, entity in self.entities.items()}}))
+            peer.send(_event(number, {"a": {key: _compress(entity) for key, entity in self.entities.items()}}))
 
     def _run(self, peer: WebPeer, number: int, frame: Fields) -> tuple[bool, object]:
         match frame.get("type"):
@@ -216,7 +216,7 @@ class SimulatedHomeAssistant(WebDevice):
                 peer.send(_event(number, event))
 
 
-def _compressed(entity: ListedEntity) -> Fields:
+def _compress(entity: ListedEntity) -> Fields:
     return {"s": entity.shown, "a": entity.attributes, "c": "1", "lc": time.time()}
 
 

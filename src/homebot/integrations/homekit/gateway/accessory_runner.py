@@ -203,7 +203,7 @@ class AccessoryRunner(DeviceRunner):
 
     async def perform(self, command: Command) -> Collection[str]:
         """Carry out *command*; without a connection, wait for one (for one attempt unless it is sleepy)."""
-        link = await self._connected()
+        link = await self._wait_until_connected()
         accessory, part = self._find(command)
         known = part.service.characteristics
 
@@ -245,7 +245,7 @@ class AccessoryRunner(DeviceRunner):
                 return accessory, part
         raise self.not_connected()
 
-    async def _connected(self) -> HomekitLink:
+    async def _wait_until_connected(self) -> HomekitLink:
         """Wait for the connection and return it; raise LinkError if there is none in time."""
         if self.link is None:
             self.wake()

@@ -96,7 +96,7 @@ class _PairedLink(HomekitLink):
         if self.lost.is_set():  # the library would open a new one
             raise LinkError(f"{self._name} cannot be reached: the connection was lost")
         try:
-            with awaiting_answer(), _translated(self._name), anyio.fail_after(self.answers_within):
+            with awaiting_answer(), _translate(self._name), anyio.fail_after(self.answers_within):
                 yield
         except (LinkError, anyio.get_cancelled_exc_class()):
             with anyio.CancelScope(shield=True):
@@ -208,11 +208,11 @@ class AiohomekitPort(HomekitPort):
         """Connect to a paired accessory."""
         address = {"AccessoryIP": sighted.address, "AccessoryIPs": [sighted.address], "AccessoryPort": sighted.port}
         name = "CoAP" if sighted.is_on_thread else "IP"
-        with _translated(sighted.name):
+        with _translate(sighted.name):
             loaded = _controller_of(sighted).load_pairing(sighted.id, {**pairing, **address, "Connection": name})
             link = (_ThreadLink if sighted.is_on_thread else _IpLink)(sighted.name, loaded, on_event)
         try:
-            with _translated(sighted.name):
+            with _translate(sighted.name):
                 await link.open(self._connects_within)
             yield link
         finally:
@@ -224,7 +224,7 @@ class AiohomekitPort(HomekitPort):
         kind: Any = CoAPDiscovery if sighted.is_on_thread else IpDiscovery
         discovery = kind(_controller_of(sighted), _service_of(sighted))
         try:
-            with _translated(sighted.name, is_pairing=True), anyio.fail_after(PAIRS_WITHIN):
+            with _translate(sighted.name, is_pairing=True), anyio.fail_after(PAIRS_WITHIN):
                 if not sighted.is_on_thread:
                     await _connect(discovery.connection, self._connects_within)
                 finish = await discovery.async_start_pairing(sighted.id)
@@ -293,7 +293,7 @@ _LOST: Final = (exceptions.AccessoryDisconnectedError, exceptions.EncryptionErro
 
 
 @contextmanager
-def _translated(name: str, *, is_pairing: bool = False) -> Iterator[None]:
+def _translate(name: str, *, is_pairing: bool = False) -> Iterator[None]:
     """Turn the library's errors into ours; no error shows a code or a key."""
     try:
         yield

@@ -122,7 +122,7 @@ _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
     """Return the nodes of a device as documents of version 5 have them; None while an attribute is missing."""
     nodes: dict[str, object] = {}
-    listed = _listed(attributes.get("$nodes"))
+    listed = _list(attributes.get("$nodes"))
     for name in listed or ():
         node_id = name.removesuffix("[]")
         elements = _elements(attributes, node_id) if name.endswith("[]") else (node_id,)
@@ -142,7 +142,7 @@ def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
 
 def _properties(attributes: Mapping[str, str], node_id: str) -> dict[str, object] | None:
     """Return the properties of a node; None while an attribute is missing. Version 3 needs no datatypes."""
-    listed = _listed(attributes.get(f"{node_id}/$properties"))
+    listed = _list(attributes.get(f"{node_id}/$properties"))
     has_default = attributes.get("$homie", "").startswith("3.")
     if listed is None or not (
         has_default or all(f"{node_id}/{property_id}/$datatype" in attributes for property_id in listed)
@@ -171,7 +171,7 @@ _TEXTS = (("name", ""), ("datatype", "string"), ("format", ""), ("unit", ""))
 """Attributes that are texts, with their defaults."""
 
 
-def _listed(text: str | None) -> tuple[str, ...] | None:
+def _list(text: str | None) -> tuple[str, ...] | None:
     """Return the valid ids of a list; None if it is missing."""
     if text is None:
         return None

@@ -304,7 +304,7 @@ class NodeRoles:
 def find_roles(node: HomieNode) -> NodeRoles:
     """Return the roles of the properties of *node*."""
     if declared := declared_kind(node.type):
-        roles = _singled(node, (_declared_role(node, prop, declared) for prop in node.properties))
+        roles = _single_out(node, (_declared_role(node, prop, declared) for prop in node.properties))
         return NodeRoles(node, declared, is_guess=False, roles=roles)
     kind = node.type.strip().casefold()
     if kind not in KINDS:
@@ -340,7 +340,7 @@ def _roles_by_form(node: HomieNode, kind: str) -> tuple[Role, ...]:
     roles = (
         Role(names[prop.id], prop) if prop.id in names else _read_only_role(node, prop) for prop in node.properties
     )
-    return _singled(node, roles)
+    return _single_out(node, roles)
 
 
 def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:
@@ -351,7 +351,7 @@ def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRole
     return replace(node, kind="" if node.is_guess else node.kind, roles=tuple(roles))
 
 
-def _singled(node: HomieNode, suggested: Iterable[Role]) -> tuple[Role, ...]:
+def _single_out(node: HomieNode, suggested: Iterable[Role]) -> tuple[Role, ...]:
     """Return the roles; of several properties with one control the first has it."""
     used: set[str] = set()
     roles: list[Role] = []

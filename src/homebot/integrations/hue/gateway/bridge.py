@@ -229,7 +229,7 @@ class BridgeRunner(DeviceRunner):
         try:
             await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
         except RefusedError as exc:
-            raise self._explained(exc) from None
+            raise self._explain(exc) from None
         return along
 
     async def refresh(self, key: str, part: str) -> None:
@@ -266,7 +266,7 @@ class BridgeRunner(DeviceRunner):
     def _remedy(self) -> str:
         return f"press its button, then run `homebot pair '{self.name}'`"
 
-    def _explained(self, exc: RefusedError) -> PeerError:
+    def _explain(self, exc: RefusedError) -> PeerError:
         return PeerError(f"the bridge has forgotten homebot: {self._remedy}") if exc.code in _NO_ACCESS else exc
 
     async def _follow(self, origin: str, key: SecretStr, certificate: str) -> None:
@@ -286,7 +286,7 @@ class BridgeRunner(DeviceRunner):
                             async for event in events:
                                 await self._on_event(event)
         except RefusedError as exc:
-            raise self._explained(exc) from None
+            raise self._explain(exc) from None
         finally:
             self._link = None
 

@@ -95,7 +95,7 @@ class HueGateway(Gateway):
                 bridge.pairing = self._pairings.get(key, {})
                 self._run(bridge.run)
             for key, kept in self._pairings.items():
-                self._found(key, text_of(kept.get("name")), text_of(kept.get("origin")))
+                self._on_found(key, text_of(kept.get("name")), text_of(kept.get("origin")))
             for address in self._settings.bridges:
                 self._run(partial(self._identify, f"https://{address}"))
             if not self._bridges and not self._settings.bridges:
@@ -159,9 +159,9 @@ class HueGateway(Gateway):
         except WireError as exc:
             self.devices.reject(address, b"", str(exc))
         else:
-            self._found(facts.get("txt_bridgeid", ""), sighting.name, origin)
+            self._on_found(facts.get("txt_bridgeid", ""), sighting.name, origin)
 
-    def _found(self, bridge_id: str, name: str, origin: str) -> None:
+    def _on_found(self, bridge_id: str, name: str, origin: str) -> None:
         """Start working with a bridge, or remember another of its addresses."""
         key = bridge_id.casefold()
         if key in self._bridges:
@@ -192,7 +192,7 @@ class HueGateway(Gateway):
                 self._publish_state(str(exc))
                 await anyio.sleep(retries.fail(DEVICE_BACKOFF))
             else:
-                self._found(text_of(about.get("bridgeid")), text_of(about.get("name")), origin)
+                self._on_found(text_of(about.get("bridgeid")), text_of(about.get("name")), origin)
                 break
 
     def _publish_state(self, problem: str = "") -> None:

@@ -154,12 +154,12 @@ class SimulatedHueBridge(WebDevice):
         if request.path == "/api" and request.method == "POST":
             return self._make_key(request.body)
         if request.headers.get(KEY_HEADER) not in self.keys:
-            return _answered(403, error="unauthorized user")
+            return _answer(403, error="unauthorized user")
         if not request.path.startswith(_RESOURCES):
-            return _answered(404, error="Not Found")
+            return _answer(404, error="Not Found")
         if self.busy:
             self.busy -= 1
-            return _answered(429, error="too many requests")
+            return _answer(429, error="too many requests")
         kind, _, rid = request.path.removeprefix(_RESOURCES).strip("/").partition("/")
         match request.method:
             case "GET":
@@ -169,16 +169,16 @@ class SimulatedHueBridge(WebDevice):
                     if kind in {"", resource["type"]} and rid in {"", own}
                 ]
                 if rid and not resources:
-                    return _answered(404, error="resource not found")
-                return _answered(200, resources)
+                    return _answer(404, error="resource not found")
+                return _answer(200, resources)
             case "PUT":
                 return self._obey(kind, rid, request.body)
             case "POST" if kind == "geofence_client":
                 made = {"id": resource_uuid(kind, str(len(self.resources))), "type": kind, **as_object(request.body)}
                 self.add([made])
-                return _answered(201, [{"rid": made["id"], "rtype": kind}])
+                return _answer(201, [{"rid": made["id"], "rtype": kind}])
             case _:
-                return _answered(405, error="Method Not Allowed")
+                return _answer(405, error="Method Not Allowed")
 
     def _make_key(self, body: bytes) -> WebReply:
         name = as_object(body).get("devicetype")
@@ -195,11 +195,11 @@ class SimulatedHueBridge(WebDevice):
     def _obey(self, kind: str, rid: str, payload: bytes) -> WebReply:
         resource, body = self.resources.get(rid), as_object(payload)
         if resource is None or resource["type"] != kind:
-            return _answered(404, error="resource not found")
+            return _answer(404, error="resource not found")
         if unknown := body.keys() - _CHANGEABLE.get(kind, frozenset()):
-            return _answered(400, error=f"invalid value for parameter {min(unknown)}")
+            return _answer(400, error=f"invalid value for parameter {min(unknown)}")
         if self.refusal:
-            return _answered(207, error=self.refusal)
+            return _answer(207, error=self.refusal)
         self.commands = [*self.commands[-99:], (kind, rid, body)]
         done: list[Resource] = [{"rid": rid, "rtype": kind}]
         match kind:
@@ -216,7 +216,7 @@ class SimulatedHueBridge(WebDevice):
                 self._group(resource, body)
             case "geofence_client":
                 self.change(rid, body)
-        return _answered(200, done)
+        return _answer(200, done)
 
     def _light(self, rid: str, body: Mapping[str, object], done: list[Resource]) -> WebReply:
         device = self._devices.get(rid)
@@ -228,10 +228,10 @@ class SimulatedHueBridge(WebDevice):
         ]
         if device is None or any(service["status"] != "connected" for service in radio):
             problem = "device (light) has communication issues, command (.on) may not have effect"
-            return _answered(207, done, problem)
+            return _answer(207, done, problem)
         device.obey(body)
         self._end_scenes()
-        return _answered(200, done)
+        return _answer(200, done)
 
     def _group(self, grouped: Resource, body: Mapping[str, object]) -> None:
         children = self.resources[str(at(grouped, "owner", "rid"))]["children"]
@@ -269,7 +269,7 @@ class SimulatedHueBridge(WebDevice):
         self.send_text(f"id: {self._events}:0\ndata: {as_json(events).decode()}")
 
 
-def _answered(status: int, data: list[Resource] | None = None, error: str = "") -> WebReply:
+def _answer(status: int, data: list[Resource] | None = None, error: str = "") -> WebReply:
     errors = [{"description": error}] if error else []
     return WebReply(as_json({"data": data or [], "errors": errors}), status)
 

@@ -67,13 +67,13 @@ def _open_percent(endpoint: MatterEndpoint, hundredths: int, percent: int) -> fl
     return None if closed is None else 100 - closed
 
 
-def _closed(percent: float) -> int:
+def _to_closed_share(percent: float) -> int:
     """Return the hundredths of a percent by which a covering is closed that is open by *percent*."""
     return 10_000 - round(percent * 100)
 
 
 def _write_share(name: str, field_name: str, _at: MatterEndpoint, command: Command) -> MatterOrders:
-    return (ClusterInvocation(COVERING, name, {field_name: _closed(command.value.number)}),)
+    return (ClusterInvocation(COVERING, name, {field_name: _to_closed_share(command.value.number)}),)
 
 
 def _read_covering_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -165,7 +165,7 @@ def _read_panel(_at: MatterEndpoint, state: object) -> PlainValue:
 
 def _write_panel(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     latch = _latch(endpoint, DIMENSION, latches=False)  # a latched panel does not move
-    payload = {"position": _closed(command.value.number), **latch}
+    payload = {"position": _to_closed_share(command.value.number), **latch}
     return (ClusterInvocation(DIMENSION, "SetTarget", payload, is_timed=True),)
 
 

@@ -375,7 +375,7 @@ class MatterGateway(LinkedGateway):
         return key, name
 
     async def _perform(self, command: Command) -> Collection[str]:
-        node, device = self._reached(command.key)
+        node, device = self._find_reachable(command.key)
         endpoint, rows = device.rows[command.part]
         what = f"{command.capability} for {device.device.name}"
         orders, along = joint_orders(rows, endpoint, command)
@@ -386,7 +386,7 @@ class MatterGateway(LinkedGateway):
 
     async def _refresh(self, key: str, part: str) -> None:
         """Read the attributes behind the values of a part from its node."""
-        node, device = self._reached(key)
+        node, device = self._find_reachable(key)
         endpoint, rows = device.rows[part]
         paths = [
             f"{endpoint.id}/{cluster}/*" for cluster in sorted({watched for row in rows for watched in row.watched})
@@ -396,7 +396,7 @@ class MatterGateway(LinkedGateway):
         for path, value in as_fields(answer).items():
             await self._on_attribute([node.id, path, value], b"")
 
-    def _reached(self, key: str) -> tuple[MatterNode, NodeDevice]:
+    def _find_reachable(self, key: str) -> tuple[MatterNode, NodeDevice]:
         """Return a device that answers, and its node."""
         self.check_link()
         node = self._node_of[key]

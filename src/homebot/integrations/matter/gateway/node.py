@@ -100,11 +100,11 @@ class MatterNode:
         key = f"node-{self.id}"
         root = self.endpoints.get(0) or MatterEndpoint(0)
         place = f"matter:deviceid_{fabric}-{self.id:016X}" if fabric else ""  # as Home Assistant spells it
-        members = (endpoint for endpoint in self._sorted() if owners.get(endpoint.id, 0) == 0)
+        members = (endpoint for endpoint in self._sort() if owners.get(endpoint.id, 0) == 0)
         devices = [self._device(key, root, members, "", place and f"{place}-MatterNodeDevice")]
-        for endpoint in self._sorted():
+        for endpoint in self._sort():
             if owners.get(endpoint.id) == endpoint.id:
-                members = (member for member in self._sorted() if owners.get(member.id) == endpoint.id)
+                members = (member for member in self._sort() if owners.get(member.id) == endpoint.id)
                 own = place and f"{place}-{endpoint.id}"
                 devices.append(self._device(f"{key}-{endpoint.id}", endpoint, members, key, own))
         return tuple(devices)
@@ -115,7 +115,7 @@ class MatterNode:
 
     def _owners(self) -> dict[int, int]:
         """Return the bridged endpoint of each endpoint that belongs to one."""
-        bridged = [endpoint for endpoint in self._sorted() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
+        bridged = [endpoint for endpoint in self._sort() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
         owners = {endpoint.id: endpoint.id for endpoint in bridged}
         for endpoint in bridged:
             pending = list(endpoint.children)
@@ -126,7 +126,7 @@ class MatterNode:
                     pending += self.endpoints[child].children
         return owners
 
-    def _sorted(self) -> list[MatterEndpoint]:
+    def _sort(self) -> list[MatterEndpoint]:
         return [self.endpoints[number] for number in sorted(self.endpoints)]
 
     def _device(

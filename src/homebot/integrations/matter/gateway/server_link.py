@@ -86,7 +86,7 @@ class MatterServerLink:
         """
         try:
             with anyio.fail_after(GREETS_WITHIN):
-                greeting = await _parsed(await self._socket.receive())
+                greeting = await _parse(await self._socket.receive())
                 check_greeting(greeting)
                 fabric = greeting.get("compressed_fabric_id")
                 self.fabric = f"{fabric:016X}" if type(fabric) is int and 0 < fabric < 1 << 64 else ""
@@ -122,7 +122,7 @@ class MatterServerLink:
         await self._socket.send(compact_json({"message_id": message_id, "command": command, "args": dict(args)}))
 
     async def _on_frame(self, payload: bytes) -> None:
-        frame = await _parsed(payload)
+        frame = await _parse(payload)
         event, message_id = frame.get("event"), frame.get("message_id")
         if isinstance(event, str):
             await self._on_event(event, frame.get("data"), payload)
@@ -135,7 +135,7 @@ class MatterServerLink:
             raise WireError("a message is neither an event nor an answer")
 
 
-async def _parsed(message: str | bytes) -> _Fields:
+async def _parse(message: str | bytes) -> _Fields:
     """Return the object in a frame; other tasks run while a long one is parsed."""
     payload = message.encode(errors="replace") if isinstance(message, str) else message
     frame = await parse_long_json(payload, MAX_FRAME_BYTES)

@@ -448,16 +448,16 @@ def _build_channel(
                 counts_first=model.sleeps,
             )
         case "emeter":
-            yield build_meter(base, f"emeter:{index}", _published(topic, _OF_EMETER, suffixes))
+            yield build_meter(base, f"emeter:{index}", _find_published(topic, _OF_EMETER, suffixes))
             return
         case "adc":
             yield build_meter(base, f"adc:{index}", {"voltage": topic})
         case _:
             yield build_sensor(base, SENSORS[kind], index)
-    if meter := _published(topic, _METER, suffixes):
+    if meter := _find_published(topic, _METER, suffixes):
         yield build_meter(base, f"{kind}:{index}/meter", meter)
 
 
-def _published(topic: str, names: tuple[str, ...], suffixes: frozenset[str]) -> dict[str, str]:
+def _find_published(topic: str, names: tuple[str, ...], suffixes: frozenset[str]) -> dict[str, str]:
     """Return the topics below *topic* that the device publishes, by their last level."""
     return {name: f"{topic}/{name}" for name in names if f"{topic}/{name}" in suffixes}

@@ -61,9 +61,9 @@ class Gen2:
             WireError: An answer breaks the rules.
         """
         if topic == f"{self._client}/rpc":
-            return self._answered("", payload)
+            return self._on_answer("", payload)
         if topic.startswith(f"{self._client}/") and topic.endswith("/rpc"):
-            return self._answered(topic.removeprefix(f"{self._client}/").removesuffix("/rpc"), payload)
+            return self._on_answer(topic.removeprefix(f"{self._client}/").removesuffix("/rpc"), payload)
         if topic.endswith("/events/rpc"):
             return self._on_notification(topic, payload)
         prefix, _, component = topic.partition("/status/")
@@ -74,7 +74,7 @@ class Gen2:
             return self._add_components(device, {component: to_json(payload)}, topic, len(payload))
         prefix = topic.removesuffix("/online")
         if not payload:
-            return self._gone(prefix)
+            return self._on_gone(prefix)
         if payload != b"true":
             return ()
         device = self._device(prefix)
@@ -111,7 +111,7 @@ class Gen2:
         device.add_components(components, kept)
         return self._described(device, topic, device.prefix) + requests
 
-    def _gone(self, prefix: str) -> tuple[AnnouncementEvent, ...]:
+    def _on_gone(self, prefix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._devices.remove(prefix)
         if device is None:
             return ()
@@ -121,7 +121,7 @@ class Gen2:
     def _release(self, device: Gen2Device) -> None:
         self._kept -= sum(device.sizes.values())
 
-    def _answered(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+    def _on_answer(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
         result, source = frame.get("result"), frame.get("src")
         if not isinstance(result, dict):

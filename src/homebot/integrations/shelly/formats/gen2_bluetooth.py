@@ -91,7 +91,7 @@ class BluetoothDevice(NamedTuple):
             _index(component): component for component in self.components if component.config.get("obj_id") == BUTTON
         }
         for number in sorted({*range(count), *own}):
-            part_id = _numbered("button", number)
+            part_id = _number("button", number)
             part = JsonPart(part_id, "generic_switch", name=own[number].name if number in own else "")
             if number in own:
                 own[number].add_presses(part, _KEY_PRESSES)
@@ -116,7 +116,7 @@ def _index(component: ShellyComponent) -> int:
     return int(to_number(component.config.get("idx")) or 0)
 
 
-def _numbered(name: str, index: int) -> str:
+def _number(name: str, index: int) -> str:
     return f"{name}_{index + 1}" if index else name
 
 
@@ -127,7 +127,7 @@ def _value_parts(component: ShellyComponent, model: BluModel) -> Iterator[tuple[
     kind = CAPABILITIES[known.capability].kind if known is not None and known.capability else "text"
     if known is None or kind == "text":
         return
-    part_id = _numbered(known.name, _index(component))
+    part_id = _number(known.name, _index(component))
     if (own := model.objects.get(part_id)) is not None:
         known, part_id = own, own.name
     capability, is_number, is_inverted = known.capability, kind == "number", known.is_inverted

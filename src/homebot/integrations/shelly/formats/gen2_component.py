@@ -136,7 +136,7 @@ class ShellyComponent:
         prefix = self.topics.prefix
         part.read_from(f"{prefix}/events/rpc", lambda frame: _read(as_fields(frame.get("params")), key, decode))
         part.read_from(f"{prefix}/status/{key}", decode)
-        answered = _unrepeated(decode) if self.kind in BLUETOOTH else decode
+        answered = _skip_repeated(decode) if self.kind in BLUETOOTH else decode
         part.read_from(self.topics.answers, lambda frame: _read_answer(as_fields(frame.get("result")), key, answered))
 
     def add_value(
@@ -211,7 +211,7 @@ def _writer(
     return write_text
 
 
-def _unrepeated(decode: StatusDecoder) -> StatusDecoder:
+def _skip_repeated(decode: StatusDecoder) -> StatusDecoder:
     """Return *decode* without a status that comes again: nothing was received since."""
     last: Fields = NO_FIELDS
 

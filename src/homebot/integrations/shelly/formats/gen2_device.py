@@ -131,7 +131,7 @@ def _build_parts(components: Sequence[ShellyComponent]) -> list[JsonPart]:
     return parts
 
 
-def _built(parts: Sequence[JsonPart], requests: Iterable[Publication]) -> tuple[DescribedPart, ...]:
+def _finish_parts(parts: Sequence[JsonPart], requests: Iterable[Publication]) -> tuple[DescribedPart, ...]:
     """Return the finished *parts*, of which the first requests the state of all."""
     for part in parts[:1]:
         part.add_state_request(*requests)
@@ -321,7 +321,7 @@ class Gen2Device:
             whole_device=True,
             identifiers=identifiers((in_pairs(self.mac), own_id, *self._channels())),
             name=text_of(self.info.get("name")) or text_of(configured) or clean_text(self.prefix),
-            parts=_built(parts, [call(self.prefix, source, ANSWERS["status"]), *pages]),
+            parts=_finish_parts(parts, [call(self.prefix, source, ANSWERS["status"]), *pages]),
             topic=self.described[self.prefix].topic if self.prefix in self.described else topic,
             facts=self._facts(),
             availability=None
@@ -337,7 +337,7 @@ class Gen2Device:
                 whole_device=False,  # several Shellys may receive it
                 identifiers=identifiers((device.address,)),
                 name=device.name,
-                parts=_built(device.parts(), pages),
+                parts=_finish_parts(device.parts(), pages),
                 facts={**device.facts, "via_device": device_id or self.prefix},
                 implies_alive=False,
             )

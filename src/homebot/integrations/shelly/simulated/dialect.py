@@ -49,7 +49,7 @@ class ShellyDialect(Dialect):
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return that it is online, kept, and its announcement."""
-        return (OutgoingMessage(f"{_base(device)}/online", b"true", retain=True), *_announced(device))
+        return (OutgoingMessage(f"{_base(device)}/online", b"true", retain=True), *_announce(device))
 
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is offline, kept."""
@@ -84,7 +84,7 @@ class ShellyDialect(Dialect):
         """Return its announcement or its state, where ``announce`` or ``update`` asked for it."""
         if topic not in {ALL, f"{_base(device)}/command"}:
             return ()
-        return {"announce": _announced(device), "update": self.state_messages(device, state)}.get(as_text(payload), ())
+        return {"announce": _announce(device), "update": self.state_messages(device, state)}.get(as_text(payload), ())
 
 
 def _base(device: SimulatedDeviceInfo) -> str:
@@ -95,7 +95,7 @@ def _id(device: SimulatedDeviceInfo) -> str:
     return f"{_MODELS[device.kind].name}-{hardware_address(device).upper()}"
 
 
-def _announced(device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+def _announce(device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
     model = _MODELS[device.kind]
     payload = {
         "id": _id(device),

@@ -68,7 +68,7 @@ class ServedShelly(ServedWebDevice):
             call = as_object(request.body)
             return self._answer_http({"src": "user", **call}, whole=True)
         if request.path.startswith("/rpc/"):
-            params = dict(as_object(request.body)) or {name: _parsed(text) for name, text in request.query.items()}
+            params = dict(as_object(request.body)) or {name: _parse(text) for name, text in request.query.items()}
             call = {"id": 1, "src": "user", "method": request.path.removeprefix("/rpc/"), "params": params}
             return self._answer_http(call, whole=False)
         return WebReply(b"Not Found", 404, "text/plain")
@@ -145,6 +145,6 @@ def _hash(*texts: str) -> str:
     return hashlib.sha256(":".join(texts).encode()).hexdigest()
 
 
-def _parsed(text: str) -> object:
+def _parse(text: str) -> object:
     value = json_value(text.encode(errors="replace"))
     return text if value is None and text != "null" else value

@@ -74,13 +74,13 @@ class DirectoryReader:
                 yield DirectoryPage(keys=set(before.keys))
                 following = before.following
                 if "link" in answer.headers:  # the list may have grown or shrunk
-                    following = self._resolved(where, next_page(None, answer.headers))
+                    following = self._resolve(where, next_page(None, answer.headers))
                 where = following
                 continue
             document = await parse_long_json(answer.body, MAX_PAGE_BYTES)
             page = DirectoryPage(members_of(document))
             yield page
-            following = self._resolved(where, next_page(document, answer.headers))
+            following = self._resolve(where, next_page(document, answer.headers))
             if etag := etag_of(answer.headers):
                 self._read[where] = ReadPage(etag, frozenset(page.keys), following)
             where = following
@@ -127,7 +127,7 @@ class DirectoryReader:
         async with self._client.events(f"{self._url}/events", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:
             yield stream
 
-    def _resolved(self, page: str, following: str) -> str:
+    def _resolve(self, page: str, following: str) -> str:
         if not following:
             return ""
         try:

@@ -10,7 +10,7 @@ from homebot.gateways.password_settings import HttpLoginSettings
 from homebot.units import Seconds
 
 
-def _checked_url(url: str) -> str:
+def _check_url(url: str) -> str:
     problem = ValueError("is not an address such as http://192.168.1.2:8081")
     try:
         parts = urlsplit(url)
@@ -35,7 +35,7 @@ class ThingDirectorySettings(GatewaySettings):
         max_devices: Most known things.
     """
 
-    url: Annotated[str, AfterValidator(_checked_url)]
+    url: Annotated[str, AfterValidator(_check_url)]
     credentials: tuple[HttpLoginSettings, ...] = ()
     list_every: Annotated[Seconds, Field(ge=1.0)] = 60.0
     poll_every: Annotated[Seconds, Field(ge=1.0)] = 30.0

@@ -326,7 +326,7 @@ def _group(candidate: _Candidate, owned: Mapping[str, _Candidate], groups: dict[
 
 
 def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, main_is_guess: bool) -> ClassifiedPart:
-    first, affordances = members[0], tuple(_classified(member) for member in members)
+    first, affordances = members[0], tuple(_classify(member) for member in members)
     declared = first.affordance.extension
     if first.service_type:
         service_type, guessed = first.service_type, declared.get("guessed") == "true"
@@ -382,7 +382,7 @@ def _lone(candidate: _Candidate) -> str:
     return own or ("x_setting" if candidate.is_settable else "x_sensor")
 
 
-def _classified(candidate: _Candidate) -> ClassifiedAffordance:
+def _classify(candidate: _Candidate) -> ClassifiedAffordance:
     known, schema = CAPABILITIES[candidate.capability], candidate.affordance.schema
     is_number = known.kind == "number"
     bounds = bounds_of(candidate.capability, candidate.affordance) if is_number else ()
@@ -399,5 +399,5 @@ def _classified(candidate: _Candidate) -> ClassifiedAffordance:
     )
     observed = candidate.observed[0] if candidate.is_readable else None
     written = candidate.written[0] if candidate.is_written else None
-    actions = {value: _classified(action) for value, action in candidate.actions.items()}
+    actions = {value: _classify(action) for value, action in candidate.actions.items()}
     return ClassifiedAffordance(capability, candidate.affordance, observed, written, actions)

@@ -122,10 +122,10 @@ class Fields:
     def _wrong(self, name: str, expected: str, value: object) -> WireError:
         if value is None:
             return self.problem(name, f"is missing; expected {expected}")
-        return self.problem(name, f"expected {expected}, got {_shown(value)}")
+        return self.problem(name, f"expected {expected}, got {_show(value)}")
 
 
-def _shown(value: object) -> str:
+def _show(value: object) -> str:
     match value:
         case dict():
             return "an object"

@@ -120,7 +120,7 @@ def _instance(link: WebLink, number: str = "") -> str:
     return link.target.strip("/").rpartition("/")[0] if is_it else ""
 
 
-def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, str]:
+def _place(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, str]:
     """Return the part of a resource beside *lamps*: each lamp is one, and no relay is the switch of a lamp."""
     instance, capability = _instance(link), _OF_INSTANCE.get(known.name, "")
     if not instance or not capability or not lamps:
@@ -154,7 +154,7 @@ def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | 
         read_only=not is_settable,
         write_only=False,
         forms=_forms(link, href, content_type),
-        extension=_placed(link, known, lamps),
+        extension=_place(link, known, lamps),
     )
 
 

@@ -204,16 +204,16 @@ class ThingDevice:
                     observed.append((pushed[0], part.part.id, affordance))
                 elif read:
                     asked.append((read[0], part.part.id, affordance))
-        self._asked = self._combined(_grouped(asked))
-        sources = _grouped(observed)
+        self._asked = self._combine(_group(asked))
+        sources = _group(observed)
         for source in sources:
             forms = [
                 (binding.read_forms(affordance.affordance), part, affordance) for part, affordance in source.affordances
             ]
-            source.instead = _grouped([(read[0], part, affordance) for read, part, affordance in forms if read])
+            source.instead = _group([(read[0], part, affordance) for read, part, affordance in forms if read])
         return sources
 
-    def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
+    def _combine(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
         """Return the source of all properties in place of several, if the thing has one."""
         forms = self._port.binding.read_all_forms(self._thing.forms)
         if len(sources) < 2 or not forms:
@@ -308,7 +308,7 @@ class ThingDevice:
             await self._host.report({source.capability.name: value[0]}, part, self._key)
 
 
-def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
+def _group(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
     sources: dict[tuple[str, str, str], _ThingSource] = {}
     for form, part, affordance in read:
         sources.setdefault((form.href, form.method, form.subprotocol), _ThingSource(form)).affordances.append(

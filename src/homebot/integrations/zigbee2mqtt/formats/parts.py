@@ -133,7 +133,7 @@ class _PartsBuilder:
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
         digest = ""
-        for part in self._valve(topics, expose) or self._built(topics, expose):
+        for part in self._valve(topics, expose) or self._build_parts(topics, expose):
             if not part.part.writes:
                 yield part
                 continue
@@ -151,7 +151,7 @@ class _PartsBuilder:
         part = Zigbee2MqttPart(topics, clean_text(state.key), "water_valve", name=name, advertised=expose.type)
         return (build_valve(part, state),)
 
-    def _built(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
+    def _build_parts(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         if expose.type not in SPECIFIC_TYPES:
             part: DescribedPart | None = None
             if expose.type == "composite" and expose.name == "warning" and expose.is_settable:

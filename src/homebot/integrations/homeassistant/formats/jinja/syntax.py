@@ -121,7 +121,7 @@ class _Compiler:
     def _compile(self, node: nodes.Node) -> Evaluate:
         visit: Callable[[nodes.Node], Evaluate] | None = getattr(self, f"visit_{type(node).__name__.lower()}", None)
         if visit is None:
-            raise TemplateError(f"uses {_described(node)}, which is not supported")
+            raise TemplateError(f"uses {_describe(node)}, which is not supported")
         self.weight += 1
         self._depth += 1
         if self._depth > MAX_DEPTH:
@@ -182,7 +182,7 @@ class _Compiler:
 
     def _jump(self, node: nodes.Node, jump: type[Exception]) -> Evaluate:
         if not self._in_loop:
-            raise TemplateError(f"uses {_described(node)} outside a loop")
+            raise TemplateError(f"uses {_describe(node)} outside a loop")
 
         def execute(_: Run) -> None:
             raise jump
@@ -223,7 +223,7 @@ class _Compiler:
             return _attribute_target(node.name, node.attr)
         if isinstance(node, nodes.Tuple):
             return _tuple_target([self._target(item) for item in node.items])
-        raise TemplateError(f"assigns to {_described(node)}, which is not supported")
+        raise TemplateError(f"assigns to {_describe(node)}, which is not supported")
 
     # Expressions
 
@@ -299,7 +299,7 @@ class _Compiler:
                 right = value(run)
                 if is_search:
                     run.spend_on_search((left, right))
-                result = compare(_counted(run, left), _counted(run, right))
+                result = compare(_count(run, left), _count(run, right))
                 if not result:
                     break
                 left = right
@@ -425,9 +425,9 @@ def _tuple_target(targets: Sequence[Assign]) -> Assign:
     return assign
 
 
-def _counted(run: Run, value: object) -> object:
+def _count(run: Run, value: object) -> object:
     return run.handle(value) if isinstance(value, (list, tuple, dict)) else value
 
 
-def _described(node: nodes.Node) -> str:
+def _describe(node: nodes.Node) -> str:
     return f"`{type(node).__name__.lower()}`"

@@ -76,7 +76,7 @@ class Template:
             TemplateError: The template is unsupported, these values do not fit it, or it would do too much work or
                 make too long a text.
         """
-        return _checked_text(self._checked().render(variables))
+        return _check_text(self._check().render(variables))
 
     def render_value(self, payload: str | PayloadContext, variables: Mapping[str, object] | None = None) -> str:
         """Return the text of the template for a message: ``value`` is its text, ``value_json`` its JSON.
@@ -89,13 +89,13 @@ class Template:
             TemplateError: See :meth:`render`.
         """
         context = PayloadContext(payload) if isinstance(payload, str) else payload
-        program = self._checked()
+        program = self._check()
         names = {**(variables or {}), "value": context.value}
         if "value_json" in program.names:
             names["value_json"] = context.value_json
-        return _checked_text(program.render(names, reads_message=True))
+        return _check_text(program.render(names, reads_message=True))
 
-    def _checked(self) -> Program:
+    def _check(self) -> Program:
         if self._program is None:
             raise TemplateError(f"the template {self.problem}")
         return self._program
@@ -114,7 +114,7 @@ def compile_template(source: str) -> Template:
     return _compiled(source) if len(source) <= _MAX_CACHED_CHARACTERS else Template(source)
 
 
-def _checked_text(rendered: str) -> str:
+def _check_text(rendered: str) -> str:
     if not rendered.isascii():
         try:
             rendered.encode()

@@ -230,7 +230,7 @@ class HomeAssistantEntity:
             return {}
         shown = {**self.info, "state": None} if self.info.get("state") == _UNKNOWN else self.info
         readings = {name: row.read(self.info, shown) for name, row in self._rows.items() if row.read is not None}
-        if not EVENTS.isdisjoint(readings) and not (is_change and self._happened_now()):
+        if not EVENTS.isdisjoint(readings) and not (is_change and self._is_of_now()):
             return {}
         return {name: value for name, value in readings.items() if value is not None or name not in EVENTS}
 
@@ -263,7 +263,7 @@ class HomeAssistantEntity:
             attributes = {"state" if key == "hvac_mode" else key: value for key, value in call.data.items()}
             self._taken = {**self._taken, **attributes}
 
-    def _happened_now(self) -> bool:
+    def _is_of_now(self) -> bool:
         """Return whether the moment of its event, which is its state, is that of the change."""
         try:
             happened_at = datetime.fromisoformat(str(self.info.get("state"))[:40]).timestamp()

@@ -108,17 +108,17 @@ def _parts(thing: Thing) -> Iterator[DescribedPart]:
         writes: dict[str, None] = {}
         for affordance in classified.affordances:
             if affordance.observed is not None:
-                reads[_checked(affordance.affordance.name, affordance.observed.filter, validate_filter)] = None
+                reads[_check(affordance.affordance.name, affordance.observed.filter, validate_filter)] = None
             for source in (affordance, *affordance.actions.values()):
                 if source.written is not None:
-                    writes[_checked(source.affordance.name, source.written.topic, validate_topic)] = None
+                    writes[_check(source.affordance.name, source.written.topic, validate_topic)] = None
         name = clean_text(classified.part.name)
         part = classified.part.model_copy(update={"name": name, "reads": tuple(reads), "writes": tuple(writes)})
         usable = ClassifiedPart(part, classified.affordances)
         yield DescribedPart(usable.part, _thing_codec(usable))
 
 
-def _checked(name: str, topic: str, check: Callable[[str], None]) -> str:
+def _check(name: str, topic: str, check: Callable[[str], None]) -> str:
     try:
         check(topic)
     except InvalidNameError as exc:
