@@ -18,7 +18,7 @@ from homebot.features.history.history_file import HistoryFile
 from homebot.features.history.settings import KeepSettings
 from homebot.journal.journal_file import JournalFile
 from homebot.recording.recording import load_recording
-from homebot.runtime.saved_files import KEPT_FILES
+from homebot.runtime.saved_files import SAVED_FILES
 from homebot.support.sqlite_file import SqliteFile
 
 VERSIONS = sorted((Path(__file__).parents[1] / "data").iterdir())
@@ -47,7 +47,7 @@ def test_all_files_are_read(data: Path) -> None:
     index, journal = IndexFile(data / "index.sqlite"), JournalFile(data / "journal.sqlite")
     history, store = HistoryFile(data / "history.sqlite", KeepSettings()), StoreFile(data / "apps.sqlite")
     files: tuple[SqliteFile, ...] = (index, journal, history, store)
-    assert {one.path.name for one in files} == set(KEPT_FILES)
+    assert {one.path.name for one in files} == set(SAVED_FILES)
     assert [one.open(0.0) for one in files] == [None] * 4  # none is set aside as damaged
     known = _understood(index.read())
     assert (sorted(one.id for one in known.entries), known.rejected) == (["desk_lamp", "front_door_sensor"], 0)

@@ -28,7 +28,7 @@ from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue, SetBy
 from homebot.features.habits.recorded import is_persons
 from homebot.features.identify.candidates import CandidatePart
-from homebot.features.identify.kept_values import KeptValues
+from homebot.features.identify.saved_values import SavedValues
 
 pytestmark = pytest.mark.virtual_time
 
@@ -385,7 +385,7 @@ async def _leaves_as_it_is(home: Home, lamp: Device, capability: str, before: Pl
     candidate = CandidatePart(lamp, part, capability, dark=0.0, bright=1.0, before=None)
     values = {lamp.id: [capability, None, before, 0.0]}
     store = {"run": {"by": "it", "issuer": "/app", "scope": [], "at": 0.0, "values": values}}
-    kept = KeptValues(home.app, DeviceLookup(home.app), store, flush, 0.0)
+    kept = SavedValues(home.app, DeviceLookup(home.app), store, flush, 0.0)
     return await kept.leave_changed("run", candidate)
 
 

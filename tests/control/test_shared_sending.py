@@ -44,7 +44,7 @@ async def carried(shared: SharedSending, *given: CommandProgress) -> list[bool]:
     found: list[bool] = []
 
     async def carry(one: CommandProgress) -> None:
-        found.append(await shared.carry(ORDERS, one, lambda: None))
+        found.append(await shared.send_with_group(ORDERS, one, lambda: None))
 
     async with anyio.create_task_group() as tasks:
         for one in given:

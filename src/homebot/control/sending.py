@@ -316,7 +316,7 @@ class Sending:
         command, sendings = sent.command, sent.progress.transmission
         sendings.group = shared.message
         on_sent = partial(self._journal.record, "sent", command, shared.name)
-        if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
+        if await sent.acknowledged(shared.send_with_group(orders, sent.progress, on_sent)) is not False:
             sent.progress.fellows = shared.progress
             return True
         sendings.group = NO_GROUP

@@ -64,7 +64,9 @@ class SharedSending:
         self._decided, self._ended = anyio.Event(), anyio.Event()
         self._problem: HomebotError | None = LinkError("it was not sent")
 
-    async def carry(self, orders: Sequence[Command], progress: CommandProgress, on_sent: Callable[[], object]) -> bool:
+    async def send_with_group(
+        self, orders: Sequence[Command], progress: CommandProgress, on_sent: Callable[[], object]
+    ) -> bool:
         """Wait for the other commands, have one message sent for all of them, and return whether it was.
 
         Args:

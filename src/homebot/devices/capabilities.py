@@ -52,7 +52,7 @@ def _opening(name: str, meaning: str, cluster: int) -> CapabilityType:
         options=options,
         is_told_once=True,
         only_reported=passing,
-        obedience=OPENING,
+        comparison=OPENING,
         is_set=True,
         words={"open": "open", "close": "closed", "stop": "stopped"},
     )
@@ -66,7 +66,7 @@ _CONTROLS = (
         "level",
         meaning="brightness or strength; 0 only when off",
         cluster=0x0008,
-        obedience=DIMMER,
+        comparison=DIMMER,
         lights_up=True,
         spoken="brightness",
     ),
@@ -77,7 +77,7 @@ _CONTROLS = (
         0x0300,
         "K",
         (1000.0, 40_000.0),
-        obedience=WHITE,
+        comparison=WHITE,
         lights_up=True,
         spoken="kelvin",
     ),
@@ -89,7 +89,7 @@ _CONTROLS = (
         "position",
         meaning="how far open it is; 0 is closed",
         cluster=0x0102,
-        obedience=MOTOR,
+        comparison=MOTOR,
         is_told_once=True,
         words=_ENDS,
     ),
@@ -97,7 +97,7 @@ _CONTROLS = (
         "tilt",
         meaning="angle of the slats; 0 is closed",
         cluster=0x0102,
-        obedience=MOTOR,
+        comparison=MOTOR,
         is_told_once=True,
         words=_ENDS,
     ),
@@ -109,19 +109,19 @@ _CONTROLS = (
         options=("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"),
         is_told_once=True,
         only_reported=frozenset({"locking", "unlocking", "opening", "jammed"}),
-        obedience=LOCK,
+        comparison=LOCK,
         is_set=True,
         words={"open": "open", "lock": "locked", "unlock": "unlocked"},
         by_state=True,
     ),
-    _share("fan_speed", meaning="speed; 0 is off", cluster=0x0202, obedience=SPEED, spoken="speed"),
+    _share("fan_speed", meaning="speed; 0 is off", cluster=0x0202, comparison=SPEED, spoken="speed"),
     CapabilityType(
         "heating_setpoint",
         "number",
         "temperature to heat to",
         0x0201,
         "°C",
-        obedience=SETPOINT,
+        comparison=SETPOINT,
         is_set=True,
         bare="number",
     ),
@@ -131,7 +131,7 @@ _CONTROLS = (
         "temperature to cool to",
         0x0201,
         "°C",
-        obedience=SETPOINT,
+        comparison=SETPOINT,
         is_set=True,
         bare="number",
     ),
@@ -153,7 +153,7 @@ _CONTROLS = (
     CapabilityType("oscillation", "bool", "whether it oscillates", 0x0202),
     CapabilityType("direction", "text", "direction of rotation", 0x0202, options=("forward", "reverse")),
     CapabilityType(
-        "humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, obedience=HUMIDITY, bare="number"
+        "humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, comparison=HUMIDITY, bare="number"
     ),
     CapabilityType("humidifier_mode", "text", "preset of the device", spoken="mode"),
     CapabilityType("water_heater_mode", "text", "operating mode: off, eco, …", 0x0094, spoken="mode"),
@@ -164,7 +164,7 @@ _CONTROLS = (
         0x0061,
         options=("cleaning", "docked", "returning", "paused", "idle", "error", "spot"),
         is_told_once=True,
-        obedience=VACUUM,
+        comparison=VACUUM,
         is_set=True,
         by_state=True,
     ),
@@ -174,7 +174,7 @@ _CONTROLS = (
         "activity; can be set to mowing, paused, docked",
         options=("mowing", "paused", "docked", "returning", "error"),
         is_told_once=True,
-        obedience=MOWER,
+        comparison=MOWER,
         is_set=True,
         by_state=True,
     ),
@@ -184,7 +184,7 @@ _CONTROLS = (
         "state of the alarm; can be set to disarmed, armed_home, armed_away, …",
         is_told_once=True,
         only_reported=frozenset({"pending", "arming", "disarming"}),
-        obedience=ALARM,
+        comparison=ALARM,
         is_set=True,
         by_state=True,
     ),
@@ -196,7 +196,7 @@ _CONTROLS = (
         0x0506,
         options=("playing", "paused", "stopped", "buffering"),
         only_reported=frozenset({"buffering"}),
-        obedience=PLAYER,
+        comparison=PLAYER,
         words={"stop": "stopped", "play": "playing", "pause": "paused"},
     ),
     CapabilityType("media_title", "text", "title of what a player plays"),
@@ -208,7 +208,7 @@ _CONTROLS = (
         flags=("not muted", "muted"),
         words={"mute": True, "unmute": False},
     ),
-    _share("volume", meaning="volume", cluster=0x0008, obedience=VOLUME),
+    _share("volume", meaning="volume", cluster=0x0008, comparison=VOLUME),
 )
 
 _BUTTON = "which button was pressed and how; an event, never a state"
@@ -379,7 +379,7 @@ LIGHTS_UP: frozenset[str] = frozenset(capability.name for capability in CAPABILI
 """Names of capabilities that turn a light on."""
 
 SPEED_WORDS: frozenset[str] = frozenset(
-    capability.name for capability in CAPABILITIES.values() if capability.obedience.zero_is_off
+    capability.name for capability in CAPABILITIES.values() if capability.comparison.zero_is_off
 )
 """Names of capabilities that are 0 only when off."""
 
@@ -392,7 +392,7 @@ def is_told_once(service_type: str, capabilities: Iterable[str]) -> bool:
 def acts_each_time(settings: Mapping[str, PlainValue]) -> bool:
     """Return whether *settings* have a stop, a press, or the latch of an unlocked door, which act whenever sent."""
     return any(
-        name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
+        name in MOMENTARY or value in CAPABILITIES.get(name, OWN).comparison.always_sent
         for name, value in settings.items()
     )
 

@@ -16,7 +16,7 @@ _Words: TypeAlias = Mapping[str, frozenset[str]]
 _NO_WORDS: Final[_Words] = MappingProxyType({})
 
 
-class Obedience(NamedTuple):
+class ValueComparison(NamedTuple):
     """The reports that prove that a command for a capability was obeyed.
 
     Attributes:
@@ -59,32 +59,32 @@ _HALF_STEP = 0.8
 _HALF_DEGREE = 0.29
 """°C; half a degree Celsius, or one degree Fahrenheit."""
 
-DIMMER: Final = Obedience(tolerance=1.5, fineness=_HALF_STEP, zero_is_off=True, rounds=True)
-VOLUME: Final = Obedience(tolerance=1.5, fineness=_HALF_STEP, rounds=True)
-WHITE: Final = Obedience(relative_tolerance=_MIREDS, fineness=math.inf)
-MOTOR: Final = Obedience(tolerance=3.0, fineness=math.inf, moves=True)
-SPEED: Final = Obedience(tolerance=5.0, fineness=5.0, zero_is_off=True, rounds_up=True)
-SETPOINT: Final = Obedience(fineness=_HALF_DEGREE)
-HUMIDITY: Final = Obedience(tolerance=1.0, fineness=0.51)
-OPENING: Final = Obedience(
+DIMMER: Final = ValueComparison(tolerance=1.5, fineness=_HALF_STEP, zero_is_off=True, rounds=True)
+VOLUME: Final = ValueComparison(tolerance=1.5, fineness=_HALF_STEP, rounds=True)
+WHITE: Final = ValueComparison(relative_tolerance=_MIREDS, fineness=math.inf)
+MOTOR: Final = ValueComparison(tolerance=3.0, fineness=math.inf, moves=True)
+SPEED: Final = ValueComparison(tolerance=5.0, fineness=5.0, zero_is_off=True, rounds_up=True)
+SETPOINT: Final = ValueComparison(fineness=_HALF_DEGREE)
+HUMIDITY: Final = ValueComparison(tolerance=1.0, fineness=0.51)
+OPENING: Final = ValueComparison(
     accepts=_words({"stopped": "open closed"}),
     on_the_way=_words({"open": "opening", "closed": "closing"}),
     always_sent=frozenset({"stopped"}),
 )
-LOCK: Final = Obedience(
+LOCK: Final = ValueComparison(
     accepts=_words({"open": "unlocked opening"}),
     on_the_way=_words({"locked": "locking", "unlocked": "unlocking", "open": "unlocking"}),
     always_sent=frozenset({"open"}),
 )
-VACUUM: Final = Obedience(
+VACUUM: Final = ValueComparison(
     accepts=_words({"returning": "docked", "spot": "cleaning", "idle": "paused docked"}),
     always_sent=frozenset({"spot", "idle"}),
 )
-MOWER: Final = Obedience(accepts=_words({"docked": "returning"}))
-PLAYER: Final = Obedience(accepts=_words({"paused": "stopped"}), on_the_way=_words({"playing": "buffering"}))
+MOWER: Final = ValueComparison(accepts=_words({"docked": "returning"}))
+PLAYER: Final = ValueComparison(accepts=_words({"paused": "stopped"}), on_the_way=_words({"playing": "buffering"}))
 _ARMED = tuple(f"armed_{mode}" for mode in ("home", "away", "night", "vacation", "custom_bypass"))
 _ARMING = dict.fromkeys(_ARMED, "arming pending")
-ALARM: Final = Obedience(on_the_way=_words({"disarmed": "disarming pending", **_ARMING}))
+ALARM: Final = ValueComparison(on_the_way=_words({"disarmed": "disarming pending", **_ARMING}))
 
 
 class CapabilityType(NamedTuple):
@@ -102,7 +102,7 @@ class CapabilityType(NamedTuple):
         is_told_once: Whether a command is sent once and by one route: the usual pulse relay of a garage door stops, and
             then opens, at a second "close" (Shelly knowledge base, "Garage door opener"); a siren starts anew.
         only_reported: Texts that no command sets.
-        obedience: How reports show that a command was obeyed.
+        comparison: How reports show that a command was obeyed.
         sensor: The device type of a sensor for it; empty if there is none.
         is_set: Whether people and programs set it; measurements change all the time and need no reason.
         is_alerting: Whether alerts are about it, although nobody sets it.
@@ -128,7 +128,7 @@ class CapabilityType(NamedTuple):
     is_momentary: bool = False
     is_told_once: bool = False
     only_reported: frozenset[str] = frozenset()
-    obedience: Obedience = Obedience()
+    comparison: ValueComparison = ValueComparison()
     sensor: str = ""
     is_set: bool = False
     is_alerting: bool = False

@@ -64,17 +64,17 @@ class Capability(Message):
         """
         known = CAPABILITIES.get(self.name, OWN)
         low, high = self.bounds or known.bounds or _ANY
-        obedience = known.obedience
-        if not self.grid or not low <= value <= high or (obedience.zero_is_off and not value):
+        comparison = known.comparison
+        if not self.grid or not low <= value <= high or (comparison.zero_is_off and not value):
             return value
         origin, step = self.grid
         least, most = math.ceil((low - origin) / step - _TINY), math.floor((high - origin) / step + _TINY)
         if most <= least:
             return value  # the step is larger than the range
-        if obedience.zero_is_off:
+        if comparison.zero_is_off:
             least = max(least, math.floor(-origin / step + _TINY) + 1)
         steps = (value - origin) / step
-        near = math.ceil(steps - _HALF / step) if obedience.rounds_up else math.floor(steps + _HALF + _TINY)
+        near = math.ceil(steps - _HALF / step) if comparison.rounds_up else math.floor(steps + _HALF + _TINY)
         return round(origin + min(max(near, least), most) * step, _DIGITS)
 
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP, OWN, SPEED_WORDS
-from homebot.devices.capability_type import Obedience
+from homebot.devices.capability_type import ValueComparison
 from homebot.devices.value import PlainValue
 
 STOPPED: Final = "stopped"
@@ -66,13 +66,13 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
             return wanted is seen
         case str(), str():
             same = wanted.casefold() == seen.casefold() or (capability == "text" and _is_same_moment(wanted, seen))
-            return same or seen.casefold() in _obedience(capability).accepts.get(wanted.casefold(), ())
+            return same or seen.casefold() in _comparison_of(capability).accepts.get(wanted.casefold(), ())
         case tuple(), tuple():
             return _fits_numbers(capability, wanted, seen)
         case float(), float():
             if capability == "fan_speed" and _is_next_speed(wanted, seen):
                 return True
-            known = _obedience(capability)
+            known = _comparison_of(capability)
             slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
             return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
         case _:
@@ -86,7 +86,7 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     white of a lamp, and for a motor, which stops a little off its goal, both are the same.
     """
     if isinstance(wanted, float) and isinstance(seen, float):
-        fineness = _obedience(capability).fineness
+        fineness = _comparison_of(capability).fineness
         is_close = abs(wanted - seen) <= (_ROUNDING * abs(wanted) if fineness is None else fineness)
         return is_close and fits(capability, wanted, seen)
     if not fits(capability, wanted, seen):
@@ -99,8 +99,8 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
 def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     """Return whether *seen* shows that the device is on its way to *wanted*."""
     if isinstance(wanted, str) and isinstance(seen, str):
-        return seen.casefold() in _obedience(capability).on_the_way.get(wanted.casefold(), ())
-    return isinstance(seen, float) and _obedience(capability).moves
+        return seen.casefold() in _comparison_of(capability).on_the_way.get(wanted.casefold(), ())
+    return isinstance(seen, float) and _comparison_of(capability).moves
 
 
 def _is_same_moment(wanted: str, seen: str) -> bool:
@@ -144,11 +144,11 @@ def _is_next_speed(wanted: float, seen: float) -> bool:
 
 def is_other_end(capability: str, wanted: float, seen: float) -> bool:
     """Return whether only one of two close levels is 0, which means off, or closed."""
-    return _obedience(capability).zero_is_off and (wanted == 0) != (seen == 0)
+    return _comparison_of(capability).zero_is_off and (wanted == 0) != (seen == 0)
 
 
-def _obedience(capability: str) -> Obedience:
-    return CAPABILITIES.get(capability, OWN).obedience
+def _comparison_of(capability: str) -> ValueComparison:
+    return CAPABILITIES.get(capability, OWN).comparison
 
 
 def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -> bool:

@@ -88,7 +88,7 @@ class IndexPersistence:
         self._limit = LogLimit(self._clock)
         self._rejected = 0
         self.file = str(path or "")
-        self._kept = None if path is None else self._kept_file(path)
+        self._kept = None if path is None else self._saved_file(path)
         self._owner: dict[str, MergeDecisions | OwnerFacts | OwnerText] = {
             DECISIONS: index.decisions,
             PLACES: index.owner,
@@ -259,7 +259,7 @@ class IndexPersistence:
                 self._node.log.warning(BAD_RECORD, message=f"a device is not remembered: {exc}")
             return None
 
-    def _kept_file(self, path: Path) -> ManagedFile[IndexFile]:
+    def _saved_file(self, path: Path) -> ManagedFile[IndexFile]:
         from homebot.discovery.store import IndexFile  # noqa: PLC0415 - SQLite is loaded where something is kept
 
         return ManagedFile(

@@ -233,9 +233,9 @@ def _make_or_move(old: Path | None, new: Path) -> Path:
     if old in {None, new}:
         new.mkdir(exist_ok=True, mode=0o700)
         return new
-    from homebot.runtime.saved_files import copy_kept_files  # noqa: PLC0415 - once in the life of a home
+    from homebot.runtime.saved_files import copy_saved_files  # noqa: PLC0415 - once in the life of a home
 
-    copy = copy_kept_files(old)
+    copy = copy_saved_files(old)
     kept = copy.rename(old.with_name(f"{old.name}.before-move-{time.time():.3f}"))
     old.rename(new)
     _log.info(MOVED, message=f"moved the data of the home from {old} to {new}; a copy is in {kept}")

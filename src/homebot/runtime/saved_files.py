@@ -23,7 +23,7 @@ from homebot.runtime.plan import JOURNAL_FILE
 from homebot.support.installation import INSTALLATION_FILE
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database
 
-KEPT_FILES: Final[Mapping[str, SqliteSchema]] = {
+SAVED_FILES: Final[Mapping[str, SqliteSchema]] = {
     INDEX_FILE: INDEX_SCHEMA,
     JOURNAL_FILE: JOURNAL_SCHEMA,
     STORE_FILE: STORE_SCHEMA,
@@ -34,7 +34,7 @@ _COPIES: Final = "copies-"
 _LEFT_BEHIND: Final = 3600.0
 
 
-def copy_kept_files(folder: Path) -> Path:
+def copy_saved_files(folder: Path) -> Path:
     """Copy the files in *folder* into a new folder in it, and return the latter, which the caller has to remove.
 
     Raises:
@@ -50,7 +50,7 @@ def copy_kept_files(folder: Path) -> Path:
     except OSError as exc:
         raise LinkError(f"no copies can be made in {folder}: {exc.strerror}") from exc
     try:
-        for name in KEPT_FILES:
+        for name in SAVED_FILES:
             if name in opened:
                 opened[name].copy_into(copies / name)
             elif (folder / name).exists():
@@ -71,7 +71,7 @@ def check_unused(folder: Path) -> None:
     Raises:
         UsageError: One does.
     """
-    for path in (folder / name for name in KEPT_FILES):
+    for path in (folder / name for name in SAVED_FILES):
         if not path.exists():
             continue
         connection = sqlite3.connect(path, timeout=0.1, isolation_level=None)
@@ -96,7 +96,7 @@ def serve_copies(node: Node, folder: Path | None) -> None:
             if file.write_rest is not None:
                 await file.write_rest()
         try:
-            return SuccessResponse(success=True, message=str(await to_thread.run_sync(copy_kept_files, folder)))
+            return SuccessResponse(success=True, message=str(await to_thread.run_sync(copy_saved_files, folder)))
         except LinkError as exc:
             return SuccessResponse(success=False, message=str(exc))
 

@@ -21,13 +21,13 @@ from homebot.devices.names import PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome
 from homebot.features.identify import IDENTIFY_DEVICE
 from homebot.features.identify.identify_server import IdentifyServer
-from homebot.features.identify.kept_values import KeptValues
 from homebot.features.identify.messages import (
     IdentifyDevice,
     IdentifyDeviceFeedback,
     IdentifyDeviceGoal,
     IdentifyDeviceResult,
 )
+from homebot.features.identify.saved_values import SavedValues
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ClientGoal
 from homebot.messages.json import message_from_json
@@ -140,11 +140,11 @@ class Room:
 
 
 @asynccontextmanager
-async def served(room: Room) -> AsyncIterator[KeptValues]:
+async def served(room: Room) -> AsyncIterator[SavedValues]:
     """Serve the action until a restart."""
     home = room.home
     async with Node(home.graph, "identify") as node:
-        kept = KeptValues(node, DeviceLookup(node), room.store, room.flush, home.graph.clock.now())
+        kept = SavedValues(node, DeviceLookup(node), room.store, room.flush, home.graph.clock.now())
         node.create_task(kept.run)
         IdentifyServer(node, kept, home.control.preview, room.tell, lambda: room.quiet, room.random)
         yield kept

@@ -22,7 +22,7 @@ from homebot.devices.names import COPY_FILES
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.log import configure_logging
 from homebot.runtime.home_folder import claim_folder, index_place
-from homebot.runtime.saved_files import KEPT_FILES, check_unused, copy_kept_files
+from homebot.runtime.saved_files import SAVED_FILES, check_unused, copy_saved_files
 from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import why_not_readable
 from homebot.version import __version__
@@ -98,7 +98,7 @@ def write_backup(path: Path, copies: Path, target: Path, *, with_secrets: bool =
 def _copies(folder: Path, options: argparse.Namespace) -> Path:
     """Return the folder of the copies, made by the running homebot or, without one, by this process."""
     try:
-        return copy_kept_files(folder)
+        return copy_saved_files(folder)
     except LinkError as exc:
         if "in use" not in str(exc):
             raise
@@ -127,7 +127,7 @@ def copies_in(folder: Path, answer: str) -> Path:
 
 
 def _version(name: str) -> int | None:
-    schema = KEPT_FILES.get(name.removeprefix("data/"))
+    schema = SAVED_FILES.get(name.removeprefix("data/"))
     return None if schema is None else schema.version
 
 
@@ -180,7 +180,7 @@ def _restore(options: argparse.Namespace) -> int:
     try:
         manifest = extract_archive(Path(options.file), staged)
         for path in sorted((staged / "data").glob("*.sqlite")):
-            schema = KEPT_FILES.get(path.name)
+            schema = SAVED_FILES.get(path.name)
             problem = "is not a file of homebot" if schema is None else why_not_readable(path, schema) or _damage(path)
             if problem:
                 raise UsageError(f"{path.name} {problem}; nothing was restored")

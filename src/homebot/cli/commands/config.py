@@ -19,7 +19,7 @@ from homebot.log import configure_logging
 from homebot.plugins import INSTALL_EXTRA
 from homebot.runtime.home_folder import index_place, unused_folders
 from homebot.runtime.plan import Plan, PlannedComponent, make_plan
-from homebot.runtime.saved_files import KEPT_FILES
+from homebot.runtime.saved_files import SAVED_FILES
 from homebot.support.file_access import readable_by_others, why_not_trusted
 from homebot.support.sqlite_file import why_not_readable
 
@@ -136,7 +136,7 @@ def _folder_problem(folder: Path) -> Iterator[Row]:
 
 
 def _unreadable_files(folder: Path) -> Iterator[Row]:
-    for name, schema in KEPT_FILES.items():
+    for name, schema in SAVED_FILES.items():
         path = folder / name
         try:
             problem = why_not_readable(path, schema) or why_not_trusted(path)

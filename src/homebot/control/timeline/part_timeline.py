@@ -513,7 +513,7 @@ class PartTimeline:
 def _is_on_its_way(sent: CommandProgress, capability: str, now: float) -> bool:
     since, wanted = now - sent.transmission.sent_at, sent.wanted.get(capability)
     if not sent.is_open and (sent.is_confirmed or not sent.is_raw):
-        if not CAPABILITIES.get(capability, OWN).obedience.moves:
+        if not CAPABILITIES.get(capability, OWN).comparison.moves:
             return since < sent.order.transition
         if wanted is not None and wanted.met_at is not None and sent.has_held:
             return False  # it has arrived

@@ -69,7 +69,7 @@ class DeviceProfile:
         echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
         stays: How long commanded values lasted until another followed.
-        kept: How many commanded values lasted, at most three, by :func:`_kept_name`.
+        kept: How many commanded values lasted, at most three, by :func:`_value_name`.
         gaps: The seconds between changes that nothing explains: between those of a level or colour, and to one value.
         creeps: How many times in a row another program changed the level or colour a little, at most three.
         pairs: How often in a row it changed along with commands to each part near it, at most three times.
@@ -162,7 +162,7 @@ class DeviceProfile:
 
     def learn_kept(self, capability: str, value: PlainValue) -> None:
         """Record that a commanded *value* lasted."""
-        name = _kept_name(capability, value)
+        name = _value_name(capability, value)
         before = self.kept.pop(name, 0)
         self.kept[name] = min(before + 1, ENOUGH)
         if len(self.kept) > KEPT:
@@ -171,7 +171,7 @@ class DeviceProfile:
 
     def keeps(self, capability: str, value: PlainValue) -> bool:
         """Return whether commanded values such as *value* usually last."""
-        return self.kept.get(_kept_name(capability, value), 0) >= ENOUGH
+        return self.kept.get(_value_name(capability, value), 0) >= ENOUGH
 
     def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
         """Record that *value* lasted for *seconds*; return how often it did so the last times, at least five.
@@ -245,7 +245,7 @@ class DeviceProfile:
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
         """Record that the device reported *seen* for *wanted*; always reporting wanted values leaves no record."""
         if capability not in self.answers:
-            rounds = CAPABILITIES.get(capability, OWN).obedience.rounds
+            rounds = CAPABILITIES.get(capability, OWN).comparison.rounds
             is_usual = wanted == seen or not (rounds or fits(capability, wanted, seen))
             if is_usual or is_same(capability, wanted, seen):
                 return
@@ -272,7 +272,7 @@ class DeviceProfile:
 
         It is the largest error of at least three answers with two different values.
         """
-        if capability not in self.answers or not CAPABILITIES.get(capability, OWN).obedience.rounds:
+        if capability not in self.answers or not CAPABILITIES.get(capability, OWN).comparison.rounds:
             return 0.0
         known = [
             (wanted, seen)
@@ -384,7 +384,7 @@ def may_be_timer(seconds: float) -> bool:
     return abs(seconds - round(seconds / 60.0) * 60.0) <= durations.REGULAR < seconds
 
 
-def _kept_name(capability: str, value: PlainValue) -> str:
+def _value_name(capability: str, value: PlainValue) -> str:
     """Return the name under which it counts whether a value lasts: all numbers of a capability have one."""
     return f"{capability} {value}" if isinstance(value, bool | str) else capability
 

@@ -30,7 +30,7 @@ from homebot.features.identify.messages import CandidateState, IdentifyDeviceFee
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup
     from homebot.features.identify.candidates import CandidatePart
-    from homebot.features.identify.kept_values import KeptValues
+    from homebot.features.identify.saved_values import SavedValues
     from homebot.features.identify.sight import Sight
     from homebot.graph import Node
 
@@ -69,7 +69,7 @@ class Identification:
         candidates: Sequence[CandidatePart],
         lookup: DeviceLookup,
         sight: Sight,
-        kept: KeptValues,
+        kept: SavedValues,
         random: Random,
         check: Callable[[], Awaitable[None]],
         on_look: Callable[[IdentifyDeviceFeedback], None],

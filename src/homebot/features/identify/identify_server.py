@@ -18,13 +18,13 @@ from homebot.errors import HomebotError
 from homebot.features.identify import IDENTIFY_DEVICE, VALUES
 from homebot.features.identify.candidates import CandidatePart, Preview, check_beds, check_time, find_candidates
 from homebot.features.identify.identification import Identification
-from homebot.features.identify.kept_values import KeptValues
 from homebot.features.identify.messages import (
     IdentifyDevice,
     IdentifyDeviceFeedback,
     IdentifyDeviceGoal,
     IdentifyDeviceResult,
 )
+from homebot.features.identify.saved_values import SavedValues
 from homebot.features.identify.seen_places import check_robot, save_seen_place
 from homebot.features.identify.sight import open_sight
 from homebot.graph.actions import ActionServer, Preemption, ServerGoal
@@ -63,7 +63,7 @@ class IdentifyServer:
     def __init__(
         self,
         node: Node,
-        kept: KeptValues,
+        kept: SavedValues,
         preview: Preview,
         notify: Callable[[str, str], Awaitable[object]],
         quiet: Callable[[], Iterable[tuple[time, time]]],
@@ -193,7 +193,7 @@ class IdentifyStarter:
 
     def __init__(self, node: Node, house: FeatureContext) -> None:
         self._node, self._house = node, house
-        self._kept = KeptValues(node, DeviceLookup(node), house.store(VALUES), house.write_stores, house.began_at)
+        self._kept = SavedValues(node, DeviceLookup(node), house.store(VALUES), house.write_stores, house.began_at)
         node.create_task(self._kept.run)
 
     def serve(self, _: str) -> None:

@@ -274,8 +274,8 @@ def is_about(capability: str, now: PlainValue, wanted: PlainValue) -> bool:
     if isinstance(now, tuple) and isinstance(wanted, tuple):
         return all(abs(one - other) < 0.6 for one, other in zip(now, wanted, strict=True))
     if isinstance(now, float) and isinstance(wanted, (int, float)):
-        return abs(now - wanted) <= max(0.6, CAPABILITIES[capability].obedience.relative_tolerance * wanted)
-    return now == wanted or now in CAPABILITIES[capability].obedience.accepts.get(str(wanted), ())
+        return abs(now - wanted) <= max(0.6, CAPABILITIES[capability].comparison.relative_tolerance * wanted)
+    return now == wanted or now in CAPABILITIES[capability].comparison.accepts.get(str(wanted), ())
 
 
 async def turn_on(seen: House, entity: str, *, on: bool) -> SendCommandResponse:

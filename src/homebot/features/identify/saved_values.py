@@ -41,7 +41,7 @@ _CAPABILITY, _BEFORE, _WANTED, _SET_AT = range(4)
 
 
 @final
-class KeptValues:
+class SavedValues:
     """Puts values back that nothing else has changed since.
 
     Args:
