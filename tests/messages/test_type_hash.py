@@ -38,6 +38,8 @@ OF_ROSIDL = {
     "action_msgs/srv/CancelGoal": "573d8b0a534451d7bc2ac8c5ffde8ac14b8593b7001175d0cd6516dcbeb8689a",
     "rmf_door_msgs/msg/DoorRequest": "3145b5d97064f89b0a0db953b8167ddeeefbc2914c24a603c3bdc51f122f143e",
     "rmf_door_msgs/msg/DoorState": "1cb9d98f19c66cbc1f9acb16faaa90c63a7b65021bd26c69958d96f0a0388bb2",
+    "rmf_lift_msgs/msg/LiftRequest": "e8f1e0aa4d172703d0d7840c1876448c6c5d75ab58955faf7de7dddc17c096ac",
+    "rmf_lift_msgs/msg/LiftState": "ce0553cd08eeeb321bdae554efdb6d2ebb2be9755df2e34895cbef55b51f4c06",
     "tf2_msgs/srv/FrameGraph": "0d1fbc6222c018ba5f33822904a2fdd4063705289956d3fdde07cd8c50fe8067",
     "vision_msgs/msg/Classification": "f74db28d0eaef3afb78f48bf2161cd709a1383a0309d3454383b25be11345143",
     "vision_msgs/msg/Detection2DArray": "214274120007f4a683866481336b70310268cfa107aebe9d594a6acf75bda968",
@@ -106,6 +108,7 @@ def test_every_shipped_message_is_compared_but_those_of_packages_that_others_do_
         "geographic_msgs",  # as nav2_msgs in neither package: their bytes alone
         "nav2_msgs",
         "rmf_door_msgs",
+        "rmf_lift_msgs",
         "tf2_msgs",  # a service and an action
         "vision_msgs",
     }

@@ -264,17 +264,21 @@ async def test_a_client_that_may_act_on_something_speaks_with_apps(open_house: A
             assert (await heard.receive()).data == "x"
 
 
-@pytest.mark.parametrize("topic", ["/adapter_door_requests", "/door_requests"])
-async def test_only_a_robot_asks_for_doors_which_an_app_may_unlock(open_house: Any, topic: str) -> None:
-    request: dict[str, Any] = {"topic": topic, "type": "rmf_door_msgs/msg/DoorRequest"}
+@pytest.mark.parametrize("kind", ["door", "lift"])
+@pytest.mark.parametrize("way", ["/adapter_", "/"])
+async def test_only_a_robot_asks_for_doors_and_lifts_which_an_app_may_open(
+    open_house: Any, way: str, kind: str
+) -> None:
+    ros_type = f"rmf_{kind}_msgs/msg/{kind.title()}Request"
+    request: dict[str, Any] = {"topic": f"{way}{kind}_requests", "type": ros_type}
     async with robot(open_house, "read", "act: harmless") as (_, peer):
         assert (await refusal(peer, "advertise", **request)).startswith("the right robot is missing; ")
         assert (await refusal(peer, "publish", **request, msg={})).startswith("the right robot is missing; ")
     async with robot(open_house, "read", "robot: rosie") as (house, peer):
-        heard = house.node("doors").create_subscription(find_message("rmf_door_msgs/msg/DoorRequest"), request["topic"])
-        await peer.send("publish", **request, msg={"door_name": "front_door"})
+        heard = house.node("doors").create_subscription(find_message(ros_type), request["topic"])
+        await peer.send("publish", **request, msg={f"{kind}_name": "front"})
         with anyio.fail_after(PATIENCE):
-            assert (await heard.receive()).door_name == "front_door"
+            assert getattr(await heard.receive(), f"{kind}_name") == "front"
 
 
 async def test_only_a_robot_says_where_it_is_and_says_nothing_of_another(open_house: Any) -> None:

@@ -31,8 +31,8 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 _PUBLISHING: Final = frozenset({"advertise", "advertise_action", "advertise_service", "publish"})
 _CALLING: Final = frozenset({"call_service", "send_action_goal"})
-_DOOR_REQUESTS: Final = frozenset({"/adapter_door_requests", "/door_requests"})
-"""Actions that need a robot's right, because the app that serves them may be allowed to unlock."""
+_REQUESTS: Final = frozenset(f"/{way}{kind}_requests" for way in ("", "adapter_") for kind in ("door", "lift"))
+"""Topics that need a robot's right, because the app that serves them may be allowed to unlock."""
 
 _SEVERAL: Final = "?"
 _MAX_NAME: Final = 247
@@ -165,7 +165,7 @@ class ClientAccess:
     def _right_to_publish(self, name: str) -> Right:
         """Return the right that the client needs to publish, after checking its right to be the robot of *name*."""
         right = right_to_publish(name)
-        robot = "" if name in _DOOR_REQUESTS else self.owners.of_topic(name)
+        robot = "" if name in _REQUESTS else self.owners.of_topic(name)
         if right is Right.RAW or robot is None:
             return right
         if robot == _SEVERAL:
