@@ -46,6 +46,20 @@ async def test_a_screen_knows_which_settings_may_let_in_flood_or_burn(
     assert list((await listed(*parts, name=name)).asks_first) == asks
 
 
+async def test_a_vacuum_with_a_picture_of_its_map_is_a_vacuum() -> None:
+    """It was a camera, the first of its types by the alphabet."""
+    assert (await listed(part_of("camera", "image", id="map"), part_of("robotic_vacuum_cleaner", "vacuum"))).type == (
+        "robotic_vacuum_cleaner"
+    )
+
+
+async def test_a_screen_knows_the_unit_of_a_value_without_a_standard_meaning() -> None:
+    wind = Capability(name="measurement", unit="m/s")
+    warmth = Capability(name="temperature", unit="°C")
+    device = await listed(Part(id="p", service_type="x_sensor", capabilities=(wind, warmth)))
+    assert device.units == (KeyValue(key="p measurement", value="m/s"),)
+
+
 async def test_a_screen_shows_a_keypad_only_where_a_code_is_needed() -> None:
     panel = Capability(name="alarm", settable=True, code="digits")
     device = await listed(Part(id="p", service_type="x_alarm_panel", capabilities=(panel,), writes=("p/set",)))

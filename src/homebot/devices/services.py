@@ -185,6 +185,7 @@ class ListedDevice(Message):
         codes: The characters of the codes that settings need, by the names of these: ``digits`` or ``text``.
         kind: Its kind of opening: ``door``, ``window``, ``garage_door``, ``gate``, or a cover such as ``blind``.
         may_act: Whether the client that asks may set all that can be set of one of its parts, perhaps with a question.
+        units: The units of values whose capability has no unit of its own, by part and capability: ``p measurement``.
     """
 
     id: str
@@ -202,6 +203,7 @@ class ListedDevice(Message):
     codes: tuple[KeyValue, ...] = ()
     kind: str = ""
     may_act: bool = False
+    units: tuple[KeyValue, ...] = ()
 
 
 class ListDevicesResponse(ServiceAnswer):

@@ -1,11 +1,13 @@
 """Devices in short form, as screens and agents list them: without the values of settings and diagnostics. Pure."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from homebot.devices.always_ask import waits_for_approval, why_it_asks
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.client_rights import ALL_RIGHTS, ClientRights
 from homebot.devices.device import Device, DevicePart, State
+from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.harmless import why_not_covered
 from homebot.devices.services import ListDevicesRequest, ListedDevice, ListedReading
 from homebot.discovery.description import position_of
@@ -43,7 +45,9 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
     return ListedDevice(
         id=device.id,
         name=device.name,
-        type=(device.service_types or (device.service_type,))[0],
+        type=device.service_type
+        if device.service_type in DEVICE_TYPES
+        else (*device.service_types, device.service_type)[0],
         room=device.area,
         freshness=device.freshness,
         is_reachable=device.reachable.state != "no",
@@ -56,12 +60,21 @@ def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -
         codes=_list_codes(used.values()),
         kind=opening_kind(device),
         may_act=any(_may_act(rights, device, used[part], why) for part, why in asks.items()),
+        units=tuple(_own_units(used.values())),
     )
 
 
 def _list_state(state: State) -> ListedReading:
     since = _UNKNOWN if state.is_first else state.since
     return ListedReading(part=state.part, capability=state.capability, value=state.value, since=since)
+
+
+def _own_units(parts: Iterable[DevicePart]) -> Iterator[KeyValue]:
+    """Yield the unit of each capability of *parts* that has none in the vocabulary."""
+    for part in parts:
+        for capability in part.part.capabilities:
+            if capability.unit and not CAPABILITIES[capability.name].unit:
+                yield KeyValue(key=f"{part.id} {capability.name}", value=capability.unit)
 
 
 def _list_codes(parts: Iterable[DevicePart]) -> tuple[KeyValue, ...]:
