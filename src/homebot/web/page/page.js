@@ -1,1 +1,1 @@
-import"./chunk-AWNBYNRN.js";
+import"./chunk-7CFHNP4B.js";

@@ -14,6 +14,7 @@ const WORDS = {
   valve: ["open", "close"],
   push: ["press"],
   scene: ["press"],
+  locate: ["press"],
 };
 
 /** Words that may let in, flood or burn, where the capability asks first. */
@@ -104,7 +105,7 @@ function Field({ short, name, now, unit, least, most, capability, send }) {
       </select>`
     : typeof now === "number" || most !== undefined
       ? html`<input name="value" type="number" required step="any" min=${least} max=${most} defaultValue=${typeof now === "number" ? roundedTo(now, unit, capability.grid[1]) : ""} />`
-      : html`<input name="value" required />`;
+      : html`<input name="value" required defaultValue=${now ?? ""} />`;
   return html`<form onSubmit=${submit}>
     <label><span>${name}</span> ${field}</label>
     ${isCoded(short, capability.name) && html`<${Code} value=${code} onInput=${setCode} />`}

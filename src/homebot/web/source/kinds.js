@@ -1,6 +1,6 @@
 // The kinds of devices, by their type: each has a module, with its tone, state, level, main act and main control.
 import { alarm } from "./kinds/alarm.js";
-import { climate } from "./kinds/climate.js";
+import { climate, humidifier } from "./kinds/climate.js";
 import { closure, cover, valve } from "./kinds/cover.js";
 import { contact, lock } from "./kinds/door.js";
 import { light } from "./kinds/light.js";
@@ -14,10 +14,10 @@ import { say } from "./language.js";
 import { iconOf } from "./layout.js";
 import { capital, sinceText } from "./words.js";
 
-const KINDS = new Map([alarm, climate, closure, contact, cover, hazard, light, lock, media, motion, mower, switched, vacuum, valve].flatMap((kind) => kind.types.map((type) => [type, kind])));
+const KINDS = new Map([alarm, climate, closure, contact, cover, hazard, humidifier, light, lock, media, motion, mower, switched, vacuum, valve].flatMap((kind) => kind.types.map((type) => [type, kind])));
 
 /** Types that a room shows only when asked for, and those that are no tiles. */
-const ASIDE = new Set(["x_setting", "x_battery", "x_update", "generic_switch", "x_tag", "x_tag_reader", "x_unknown"]);
+const ASIDE = new Set(["x_scene", "x_setting", "x_battery", "x_update", "generic_switch", "x_tag", "x_tag_reader", "x_unknown"]);
 const PEOPLE = new Set(["x_person", "x_tracker", "x_household"]);
 
 /** Values since when an open or occupied device is so. */

@@ -5,7 +5,7 @@ import { ActButton } from "./buttons.js";
 import { takes } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
-import { kindOf, stateOf } from "./kinds.js";
+import { kindOf, stateOf, toneOf } from "./kinds.js";
 import { say } from "./language.js";
 import { capital } from "./words.js";
 
@@ -19,10 +19,10 @@ export function Pillar({ device, level, isOn }) {
   const power = own && (isGuarded(device, own)
     ? html`<${ActButton} device=${device} act=${own} />`
     : html`<button type="button" class="chief" role="switch" aria-checked=${String(isOn)} aria-label=${device.name} onClick=${() => perform(device, own)}><${Sign} path=${SIGNS.power} size=${26} /> ${capital(say(isOn ? "on" : "off"))}</button>`);
-  if (level === null) return own && html`<div class="solo">${power}</div>`;
+  if (level === null) return own && html`<div class=${`solo ${toneOf(device)}`}>${power}</div>`;
   const set = (value) => perform(device, kind.slide(value));
   const value = moved ?? level;
-  return html`<div class="dimmer">
+  return html`<div class=${`dimmer ${toneOf(device)}`}>
     <label class="pillar">
       <span class="fill" style=${{ blockSize: `${value}%` }}></span>
       <output>${moved === null ? (pending.value.has(device.id) ? "…" : stateOf(device)) : `${moved}\u00a0%`}</output>

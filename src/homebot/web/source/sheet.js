@@ -59,7 +59,7 @@ function Opened({ id }) {
         ${device.settable.length > 0 && html`<${Lacking} right="act" lacks=${!device.may_act} />`}
         ${kind.group === "climate" && html`<${Added} at="next" device=${device} />`}
         <${Why} device=${device} isShort />
-        <${Rest} device=${device} main=${kind.main} />
+        <${Rest} device=${device} main=${[...kind.main, kind.act?.(device)?.capability]} isOnly=${kind.main.length === 0} />
         <details class="part"><summary>${say("Name, room and tags")}</summary><${Managing}><${Owner} device=${device} /><//></details>
         <p class="links"><a href=${`#/device/${encodeURIComponent(id)}`}>${say("Values, history, facts")} <${Sign} path=${SIGNS.right} /></a></p>
         <${Added} at="day" device=${device} />
@@ -68,7 +68,7 @@ function Opened({ id }) {
 }
 
 /** The controls that the main control has not. */
-function Rest({ device, main }) {
+function Rest({ device, main, isOnly }) {
   const [full, setFull] = useState(null);
   const isOpen = connection.value.state === "open";
   const left = device.settable.filter((one) => !main.includes(one));
@@ -76,5 +76,5 @@ function Rest({ device, main }) {
     if (isOpen && left.length) call("/discovery/find_devices", { ids: [device.id] }).then((answer) => setFull(answer.devices[0]), () => {});
   }, [device.id, isOpen]);
   if (!left.length || !device.may_act) return null;
-  return html`<details class="part" open=${main.length === 0}><summary>${say("More controls")}</summary>${full && html`<${Controls} short=${device} device=${full} without=${main} />`}</details>`;
+  return html`<details class="part" open=${isOnly}><summary>${say("More controls")}</summary>${full && html`<${Controls} short=${device} device=${full} without=${main} />`}</details>`;
 }

@@ -67,6 +67,7 @@ function Face({ id, room }) {
   const waits = pending.value.get(id);
   const reading = device.may_act && !waits ? stepped(device) : undefined;
   const hasSteps = reading && kind.group === "climate";
+  const notes = [reading && say("set to {value}", { value: valueText(reading.capability, reading.value, unitOf({ name: reading.capability })) }), device.waits && say("not approved"), !device.may_act && kind.act?.(device) && say("only to look at")].filter(Boolean);
   const name = room ? `${titled(room)}: ${device.name}` : device.name;
   const verb = act && say(`${act.text}|do`);
   const isSwitch = act && kind.isSwitch;
@@ -75,7 +76,7 @@ function Face({ id, room }) {
     <button type="button" class="main" role=${isSwitch ? "switch" : undefined} aria-checked=${isSwitch ? String(kind.isActive(device)) : undefined} aria-label=${`${name}, ${state}${verb && !isSwitch ? `, ${verb}` : ""}`} ...${touch}></button>
     <span class="icon"><${Sign} path=${signOf(device)} size=${26} /></span>
     <span class="name"><bdi>${device.name}</bdi></span>
-    <span class="state">${waits ? `… ${waits}` : html`${state}${reading && html`<small> · ${say("set to {value}", { value: valueText(reading.capability, reading.value, unitOf({ name: reading.capability })) })}</small>`}${device.waits && html`<small> · ${say("not approved")}</small>`}${!device.may_act && kind.act?.(device) && html`<small> · ${say("only to look at")}</small>`}`}${room && html`<small class="where"> · ${titled(room)}</small>`}</span>
+    <span class="state">${waits ? `… ${waits}` : html`${state}${notes.map((text, at) => html`<small>${at || state ? " · " : ""}${text}</small>`)}`}${room && html`<small class="where"> · ${titled(room)}</small>`}</span>
     ${hasSteps ? html`<${Stepper} device=${device} reading=${reading} />` : html`<button type="button" class="more" aria-label=${say("more of {name}", { name: device.name })} onClick=${open}><${Sign} path=${SIGNS.right} /></button>`}
     ${level !== null && html`<input class="range" type="range" min="0" max="100" value=${level} aria-label=${`${name}: ${label("level")}`} aria-valuetext=${state} onChange=${(event) => set(event.target.valueAsNumber)} />`}
     ${asks && act && html`<span class="asks"><${HoldButton} isAsked=${asks === "key"} text=${verb} onHeld=${() => { setAsks(""); perform(device, act, { isHeld: true }); }} /><button type="button" class="no" aria-label=${say("not now")} onClick=${() => setAsks("")}><${Sign} path=${SIGNS.close} /></button></span>`}

@@ -26,6 +26,8 @@ const SPOKEN = new Set(["alarm", "direction", "lock", "mower", "movement", "plac
 const PLAIN = new Set(["alarm", "movement", "lock", "valve", "vacuum", "mower", "thermostat_action", "place", "value", "state", "scan", "press"]);
 /** Those of the summary too, as the unit tells the capability. */
 const BY_UNIT = new Set(["level", "position", "temperature", "local_temperature", "illuminance", "power", "energy", "voltage", "current"]);
+/** Capabilities that only the name of their part tells. */
+export const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
 /** Values of a device that its summary leaves out, if it has the other one. */
 const TOLD_BY = { thermostat_mode: "thermostat_action", temperature: "local_temperature" };
 const SHORT = { heating_setpoint: "set to {value}", cooling_setpoint: "cooled to {value}", humidity_setpoint: "set to {value}" };
@@ -51,7 +53,7 @@ export function valueText(capability, value, unit = "", step = 0) {
 }
 
 /** The name of a capability, a type or a count, as text. */
-export const label = (name) => say(name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
+export const label = (name) => say(name === "on_off" ? "on/off" : name === "pm25" ? "PM2.5" : name.replace(/^x_/, "").replaceAll("_", " "));
 
 /** A text of a capability, as people write it; a device's own texts are left as they are. */
 export const textOf = (capability, text) => (SPOKEN.has(capability) ? say(text.replaceAll("_", " ") + (capability === "thermostat_mode" ? "|mode" : "")) : text);
@@ -78,7 +80,11 @@ export function summary(device, shown) {
     .filter((one) => !isTold(one))
     .sort((a, b) => isFirst(a) - isFirst(b))
     .slice(0, 4)
-    .map((one) => (BY_UNIT.has(one.capability) || SHORT[one.capability] ? say(SHORT[one.capability] ?? "{value}", { value: valueText(one.capability, one.value) }) : readingText(one)))
+    .map((one) => {
+      const unit = device.units?.find(({ key }) => key === `${one.part} ${one.capability}`)?.value;
+      const isAlone = found.length === 1 && UNNAMED.has(one.capability);
+      return isAlone || BY_UNIT.has(one.capability) || SHORT[one.capability] ? say(SHORT[one.capability] ?? "{value}", { value: valueText(one.capability, one.value, unit) }) : readingText(one, unit);
+    })
     .join(" · ");
 }
 
@@ -142,10 +148,10 @@ export function durationText(length) {
     .join(" ");
 }
 
-export const settingsText = (settings) => settings.map(readingText).join(", ");
+export const settingsText = (settings) => settings.map((one) => readingText(one)).join(", ");
 
-const readingText = (one) =>
-  (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
+const readingText = (one, unit = "") =>
+  (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value, unit);
 
 /** What became of a command. */
 const OUTCOMES = {

@@ -5,13 +5,14 @@ import { html } from "../html.js";
 import { say } from "../language.js";
 import { Stepper, stepped } from "../stepper.js";
 import { capital, label, textOf, valueText } from "../words.js";
+import { switched } from "./switch.js";
 
 const WARM = new Set(["heating", "preheating"]);
 const COLD = new Set(["cooling"]);
 const MODES = [["thermostat_mode", "off", "heat", "cool", "auto", "dry", "fan_only"]];
 
 const action = (device) => read(device, "thermostat_action");
-const measured = (device) => readingOf(device, "local_temperature") ?? readingOf(device, "temperature");
+const measured = (device) => ["local_temperature", "temperature", "humidity"].map((one) => readingOf(device, one)).find(Boolean);
 
 function tone(device) {
   if (WARM.has(action(device))) return "heat";
@@ -35,15 +36,18 @@ function Main({ device }) {
       <p>${[measured(device) && say("now {value}", { value: state(device) }), action(device) && textOf("thermostat_action", action(device))].filter(Boolean).join(" · ")}</p>
     </div>
     ${known.length > 1 && html`<div class="modes" role="group" aria-label=${label(capability)}>${known.map((one) => html`<button key=${one} type="button" aria-pressed=${String(one === mode)} onClick=${() => one !== mode && perform(device, setting("", capability, one))}>${capital(textOf(capability, one))}</button>`)}</div>`}
-    ${takes(device, "on_off") && html`<button type="button" class="wide" role="switch" aria-checked=${String(Boolean(read(device, "on_off")))} onClick=${() => perform(device, act("", read(device, "on_off") ? "off" : "on", "on_off", true))}>${say(read(device, "on_off") ? "on" : "off")}</button>`}`;
+    ${takes(device, "on_off") && known.length < 2 && html`<div class="solo"><button type="button" class="chief" role="switch" aria-checked=${String(Boolean(read(device, "on_off")))} onClick=${() => perform(device, act("", read(device, "on_off") ? "off" : "on", "on_off", true))}>${capital(say(read(device, "on_off") ? "on" : "off"))}</button></div>`}`;
 }
 
 export const climate = {
   types: ["thermostat", "room_air_conditioner", "water_heater"],
   group: "climate",
-  isActive: (device) => tone(device) !== "rest",
+  isActive: (device) => tone(device) !== "rest" || (read(device, "thermostat_mode") ?? read(device, "water_heater_mode") ?? "off") !== "off",
   tone,
   state,
   Main,
-  main: ["heating_setpoint", "cooling_setpoint", "humidity_setpoint", "thermostat_mode", "on_off"],
+  main: ["heating_setpoint", "cooling_setpoint", "humidity_setpoint", "on_off"],
 };
+
+/** What makes the air wetter or drier: it is switched too. */
+export const humidifier = { ...climate, types: ["x_humidifier"], isActive: switched.isActive, isSwitch: true, tone: switched.tone, state: (device) => (switched.isActive(device) ? state(device) : say("off")), act: switched.act };

@@ -44,6 +44,8 @@ function Main({ device }) {
     ${SLATS.filter(([one]) => takes(device, one)).map(([one, text]) => html`<${Amount} key=${one} device=${device} capability=${one} text=${say(text)} />`)}`;
 }
 
+const Turned = ({ device }) => html`<div class="solo">${[opening(device), closing(device)].map((own) => html`<${ActButton} key=${own.text} device=${device} act=${own} />`)}</div>`;
+
 export const cover = {
   types: ["window_covering"],
   group: "covers",
@@ -59,4 +61,4 @@ export const cover = {
 
 export const closure = { ...cover, types: ["closure"], group: "doors", tone: (device) => (isClosed(device) ? "rest" : "open"), level: () => null };
 
-export const valve = { ...cover, types: ["water_valve"], group: "others", tone: (device) => (isClosed(device) ? "rest" : "on"), level: () => null, main: ["valve", "position"] };
+export const valve = { ...cover, types: ["water_valve"], group: "others", tone: (device) => (isClosed(device) ? "rest" : "on"), level: () => null, Main: Turned, main: ["valve", "position"] };

@@ -11,7 +11,7 @@ const IDLE = 5; // watts of what is on and rests
 const isOn = (device) => read(device, "on_off") ?? (read(device, "fan_speed") ?? 0) > 0;
 const speed = (device) => (takes(device, "fan_speed") ? (isOn(device) ? Math.round(read(device, "fan_speed") ?? 100) : 0) : null);
 /** What the value of a device that is on is told by. */
-const TOLD = ["power", "fan_speed", "humidity_setpoint", "level"];
+const TOLD = ["power", "fan_speed", "level"];
 
 function state(device) {
   const told = TOLD.find((capability) => read(device, capability) !== undefined);
@@ -19,7 +19,7 @@ function state(device) {
 }
 
 export const switched = {
-  types: ["plug", "switch", "fan", "pump", "siren", "x_humidifier"],
+  types: ["plug", "switch", "fan", "pump", "siren"],
   group: "others",
   isActive: isOn,
   isSwitch: true,

@@ -14,10 +14,7 @@ import { LastKnown, Marks } from "../marks.js";
 import { Owner } from "../owner.js";
 import { openSheet } from "../tile.js";
 import { Why } from "../why.js";
-import { durationText, label, seconds, timeText, titled, valueText } from "../words.js";
-
-/** Capabilities that only the name of their part tells. */
-const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
+import { UNNAMED, durationText, label, seconds, timeText, titled, valueText } from "../words.js";
 
 export function Device({ id }) {
   const short = deviceOf(id)?.value;
