@@ -33,8 +33,11 @@ COUNTERS = re.compile(
 FIELD = re.compile(r"\{\w+\}")
 
 
+WRITTEN = {"on_off": "on/off", "pm1": "PM1", "pm10": "PM10", "pm25": "PM2.5"}
+
+
 def spoken(name: str) -> str:
-    return "on/off" if name == "on_off" else name.removeprefix("x_").replace("_", " ")
+    return WRITTEN[name] if name in WRITTEN else name.removeprefix("x_").replace("_", " ")
 
 
 def test_a_text_has_five_translations_with_the_same_fields() -> None:

@@ -3,6 +3,7 @@
 import gzip
 import hashlib
 import json
+import re
 from collections.abc import Mapping
 from functools import cache
 from http import HTTPStatus
@@ -92,8 +93,10 @@ def _names() -> tuple[str, ...]:
 @cache
 def _file(name: str, *, is_packed: bool) -> tuple[str, bytes]:
     body = _shipped(name)
-    if name == _INDEX:
-        body = body.replace(b"{build}", build().encode())
+    if name == _INDEX:  # what the page's first line imports is asked for with it
+        early = re.findall(rb"\./([\w-]+\.js)", _shipped("page.js"))
+        links = b"".join(b'<link rel="modulepreload" href="%s" />' % file for file in early)
+        body = body.replace(b"{build}", build().encode()).replace(b"</head>", links + b"</head>")
     if name == _WORKER:  # a browser takes a worker for a new one if its text differs
         shell = [file for file in _names() if file != _WORKER]
         body = f"const BUILD = {json.dumps(build())}, FILES = {json.dumps(shell)};\n".encode() + body

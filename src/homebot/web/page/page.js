@@ -1,1 +1,1 @@
-import"./chunk-7CFHNP4B.js";
+import"./chunk-53DDHIS6.js";

@@ -26,6 +26,7 @@ const reach = (name) => {
   for (const [, path] of textOf(name).matchAll(/(?:from|import) "(\..+?)"/g)) reach(join(dirname(name), path));
 };
 reach("page.js");
+reach("soon.js");
 const saidIn = (names) => names.map(textOf).join("\n");
 const [early, lately] = [saidIn([...first]), saidIn(sources.filter((name) => !first.has(name)))];
 const isLate = (text) => text in told || text in reasons || (!early.includes(JSON.stringify(text)) && lately.includes(JSON.stringify(text)));
@@ -44,14 +45,16 @@ mkdirSync("languages", { recursive: true });
   }
 });
 
+/** What is loaded later names what is loaded before it: the page, or these files. */
+const BEFORE = { "soon.js": "page", "rare_icons.js": "page", "second.js": "page" };
 for (const name of sources) {
   const signs = [...new Set([...textOf(name).matchAll(/\bmdi\.(\w+)/g)].map(([, sign]) => sign))];
   const own = textOf(name)
     .replace(/(?<=>)\s*\n\s*|\s*\n\s*(?=<|\$\{)/g, "") // between tags, where it says nothing
     .replace('import * as mdi from "@mdi/js";', signs.map((sign) => `const ${sign} = "${mdi[sign]}";`).join("\n"))
     .replaceAll("mdi.mdi", "mdi");
-  // What is loaded later names the page or the second file, so that what these have themselves is in no file of its own.
-  writeFileSync(name, later.has(name) ? `${own}\nimport "${"../".repeat(name.split("/").length - 1) || "./"}${["soon.js", "rare_icons.js"].includes(name) ? "page" : "soon"}.js";\n` : own);
+  // So what these have themselves is in no file of its own.
+  writeFileSync(name, later.has(name) ? `${own}\nimport "${"../".repeat(name.split("/").length - 1) || "./"}${BEFORE[name] ?? "second"}.js";\n` : own);
 }
 
 // Sizes that nothing changes are written where they are used, and colors have short names: that packs better.

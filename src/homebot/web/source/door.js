@@ -25,6 +25,9 @@ export const missing = signal("");
 const rights = signal([]);
 export const may = (right) => rights.value.includes(right);
 
+/** What a new connection asks, all at once. */
+const FIRST = [["/rosapi/rights", "page-rights"], ["/rosapi/get_time", "page-time"], ["/apps/list", "page-zone"], ["/homebot/health", "page-open"]];
+
 const calls = new Map(); // by id: resolve, reject, timer
 const topics = new Map(); // by topic: handlers
 const openers = new Set(); // called with each new connection
@@ -162,7 +165,7 @@ function open() {
   own.onopen = () => {
     own.send(JSON.stringify({ op: "auth", token: code || token.value }));
     for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
-    own.send(dated({ op: "call_service", service: "/rosapi/rights", id: "page-rights" }));
+    for (const [service, id] of FIRST) own.send(dated({ op: "call_service", service, id }));
   };
   own.onmessage = (event) => receive(own, JSON.parse(event.data));
   own.onclose = (event) => lose(own, event);
@@ -210,9 +213,6 @@ function receive(own, frame) {
   } else if (frame.op === "service_response" && frame.id === "page-rights") {
     // Only an answer proves that the token was accepted.
     rights.value = frame.values?.rights ?? [];
-    askTime();
-    send({ op: "call_service", service: "/apps/list", id: "page-zone" });
-    send({ op: "call_service", service: "/homebot/health", id: "page-open" });
   } else if (frame.id === "page-time") {
     if (frame.result) setTime(frame.values.time);
   } else if (frame.id === "page-zone") {

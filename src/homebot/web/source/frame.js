@@ -7,15 +7,15 @@ import { count, isLoaded, shown } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
 import { say } from "./language.js";
-import { later, soon } from "./later.js";
+import { later, second } from "./later.js";
 import { Agreement, Questions } from "./questions.js";
 import { wall } from "./screen.js";
 import { openOf } from "./summaries.js";
 import { sheet } from "./tile.js";
 import { timeText } from "./words.js";
 
-const LogIn = soon("LogIn");
-const Sheet = soon("Sheet");
+const LogIn = second("LogIn");
+const Sheet = second("Sheet");
 const Wall = later(async () => (await import("./wall.js")).Wall);
 
 /** Whether the form for a token is open. */

@@ -13,18 +13,23 @@ effect(() => {
   if (isOutdated.value && connection.value.state === "open" && performance.now() > YOUNG) location.reload();
 });
 
-/** A view that is loaded when it is first shown. */
-export function later(load) {
+/** A view that is loaded when it is first shown, or once it is `begun`, with its texts. */
+export function later(load, loadTexts = loadRest) {
   let View = null;
-  return function Later(props) {
+  let loading = null;
+  function Later(props) {
     const [, setLoaded] = useState(View !== null);
     useEffect(() => {
-      if (!View) Promise.all([load(), loadRest()]).then(([loaded]) => setLoaded((View = loaded) !== null), () => (isOutdated.value = true));
+      if (!View) Later.begin().then(() => setLoaded(true), () => (isOutdated.value = true));
     }, []);
     return View && html`<${View} ...${props} />`;
-  };
+  }
+  Later.begin = () => (loading ??= Promise.all([load(), loadTexts()]).then(([loaded]) => (View = loaded)).finally(() => (loading = null)));
+  return Later;
 }
 
-/** What the second file has. */
-export const soon = (name) => later(async () => (await import("./soon.js"))[name]);
-setTimeout(() => import("./soon.js").catch(() => {}), SOON);
+/** What a link may lead to at once: its texts are among those of the first view. */
+export const soon = (name) => later(async () => (await import("./soon.js"))[name], () => null);
+/** What a second touch shows. */
+export const second = (name) => later(async () => (await import("./second.js"))[name]);
+setTimeout(() => Promise.all([import("./soon.js"), import("./second.js")]).catch(() => {}), SOON);

@@ -8,7 +8,7 @@ import { Frame } from "./frame.js";
 import { follow, isLoaded, nameOf } from "./house.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
-import { later, soon } from "./later.js";
+import { later, second, soon } from "./later.js";
 import "./offline.js";
 import { startOf, wall } from "./screen.js";
 import { sheet } from "./tile.js";
@@ -24,7 +24,7 @@ const VIEWS = {
   plan: { title: "Plan", View: later(async () => (await import("./views/plan.js")).Plan) },
   journal: { title: "Journal", View: later(async () => (await import("./views/journal.js")).Journal) },
   system: { title: "System", View: later(async () => (await import("./views/system.js")).System) },
-  more: { title: "More", View: soon("More"), hasHead: true },
+  more: { title: "More", View: second("More"), hasHead: true },
   setup: { title: "Set up", View: later(async () => (await import("./views/setup.js")).Setup), above: "system" },
   device: { title: "", View: later(async () => (await import("./views/device.js")).Device), above: "home", hasHead: true },
   room: { title: "", View: soon("Room"), above: "home", hasHead: true },
@@ -76,6 +76,7 @@ effect(() => {
   document.title = [text, connection.value.home || "homebot"].filter(Boolean).join(" · ");
 });
 loadVocabulary();
+VIEWS[place.value.view]?.View.begin?.().catch(() => {}); // it is asked for again as it is shown
 follow();
 connect();
 render(html`<${Page} />`, document.getElementById("page"));

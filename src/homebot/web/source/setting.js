@@ -42,7 +42,7 @@ export function useTable(name) {
 export function Told({ canRestart = false }) {
   const { message, lines = [], success, isPending, isUndone } = told.value ?? {};
   const isDone = success && !isPending;
-  return html`<div role="status" class=${told.value ? "box" : "hidden"}>
+  return html`<div role="status" class=${message || lines.length || isUndone ? "box" : "hidden"}>
     ${isDone && (isUndone || lines.length > 0) && html`<p>${say(isUndone ? "undone" : "This is in homebot.toml now:")}</p>`}
     ${lines.length > 0 && html`<pre>${lines.join("\n")}</pre>`}
     ${message && html`<p class=${success ? "quiet" : "bad"}>${sayReason(message)}</p>`}

@@ -1,6 +1,3 @@
-// What a second touch shows, in one file, which is loaded after the first view.
-export { Sheet } from "./sheet.js";
+// Views of tiles beside Home, in one file: a link may lead to them at once.
 export { Lights } from "./views/lights.js";
-export { More } from "./views/more.js";
 export { Room } from "./views/room.js";
-export { LogIn } from "./views/screen.js";

@@ -52,8 +52,11 @@ export function valueText(capability, value, unit = "", step = 0) {
   return Array.isArray(value) ? value.map((one) => Math.round(one)).join(", ") : textOf(capability, String(value));
 }
 
+/** Names that are written otherwise. */
+const WRITTEN = { on_off: "on/off", pm1: "PM1", pm10: "PM10", pm25: "PM2.5" };
+
 /** The name of a capability, a type or a count, as text. */
-export const label = (name) => say(name === "on_off" ? "on/off" : name === "pm25" ? "PM2.5" : name.replace(/^x_/, "").replaceAll("_", " "));
+export const label = (name) => say(WRITTEN[name] ?? name.replace(/^x_/, "").replaceAll("_", " "));
 
 /** A text of a capability, as people write it; a device's own texts are left as they are. */
 export const textOf = (capability, text) => (SPOKEN.has(capability) ? say(text.replaceAll("_", " ") + (capability === "thermostat_mode" ? "|mode" : "")) : text);

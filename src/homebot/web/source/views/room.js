@@ -1,13 +1,13 @@
 // A room: its lights, then climate, covers, media and doors as cards, sensors, and what happened there lately.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { Added } from "../added.js";
-import { call, connection, may } from "../door.js";
-import { Entry } from "../entry.js";
+import { may } from "../door.js";
 import { isLoaded } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign } from "../icons.js";
 import { isAside, kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
+import { second } from "../later.js";
 import { LastKnown } from "../marks.js";
 import { airOf, allRooms, isLightOn, roomList, temperatureText } from "../summaries.js";
 import { Tile, openSheet } from "../tile.js";
@@ -15,7 +15,7 @@ import { titled, valueText } from "../words.js";
 import { toggleLights } from "./home.js";
 
 const CARDS = ["climate", "covers", "media"];
-const LATELY = 6; // entries
+const Lately = second("Lately");
 
 export function Room({ id }) {
   const [showsAll, setShowsAll] = useState(false);
@@ -62,16 +62,4 @@ function Card({ device }) {
       <button type="button" class="round more" aria-label=${say("more of {name}", { name: device.name })} onClick=${() => openSheet(device.id)}><${Sign} path=${SIGNS.right} /></button></h2>
     ${device.may_act && html`<${Main} device=${device} />`}
   </section>`;
-}
-
-/** What happened in a room, newest first. */
-function Lately({ ids, isWide }) {
-  const [entries, setEntries] = useState([]);
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (!isOpen) return;
-    call("/control/journal", { limit: 400 }).then((answer) => setEntries(answer.entries.filter((one) => ["requested", "changed"].includes(one.kind) && ids.includes(one.device)).reverse().slice(0, LATELY)), () => {});
-  }, [isOpen, ids.join()]);
-  if (!entries.length) return null;
-  return html`<section class=${isWide ? "card lately two" : "card lately"} aria-labelledby="lately"><h2 id="lately">${say("Lately here")}</h2><ol class="log">${entries.map((one, at) => html`<${Entry} key=${at} entry=${one} />`)}</ol></section>`;
 }
