@@ -1,1 +1,1 @@
-import"./chunk-53DDHIS6.js";
+import"./chunk-ULDFPZEM.js";

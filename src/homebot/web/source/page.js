@@ -15,21 +15,24 @@ import { sheet } from "./tile.js";
 import { Home } from "./views/home.js";
 import { loadVocabulary, titled } from "./words.js";
 
+const rail = (name) => later(async () => (await import("./rail.js"))[name]);
+const care = (name) => later(async () => (await import("./care.js"))[name]);
+
 /** Each view: its title, its component, the view of the rail that is `above` it, and whether it has a heading of its own; without a title, it is of one thing that the address names. */
 const VIEWS = {
   home: { title: "Home", View: Home, hasHead: true },
-  security: { title: "Security", View: later(async () => (await import("./views/security.js")).Security), hasHead: true },
-  climate: { title: "Climate", View: later(async () => (await import("./views/climate.js")).Climate), hasHead: true },
+  security: { title: "Security", View: rail("Security"), hasHead: true },
+  climate: { title: "Climate", View: rail("Climate"), hasHead: true },
   lights: { title: "Lights", View: soon("Lights"), above: "home", hasHead: true },
-  plan: { title: "Plan", View: later(async () => (await import("./views/plan.js")).Plan) },
-  journal: { title: "Journal", View: later(async () => (await import("./views/journal.js")).Journal) },
-  system: { title: "System", View: later(async () => (await import("./views/system.js")).System) },
+  plan: { title: "Plan", View: rail("Plan") },
+  journal: { title: "Journal", View: rail("Journal") },
+  system: { title: "System", View: care("System") },
   more: { title: "More", View: second("More"), hasHead: true },
-  setup: { title: "Set up", View: later(async () => (await import("./views/setup.js")).Setup), above: "system" },
-  device: { title: "", View: later(async () => (await import("./views/device.js")).Device), above: "home", hasHead: true },
+  setup: { title: "Set up", View: care("Setup"), above: "system" },
+  device: { title: "", View: rail("Device"), above: "home", hasHead: true },
   room: { title: "", View: soon("Room"), above: "home", hasHead: true },
-  graph: { title: "Graph", View: later(async () => (await import("./views/graph.js")).Graph), above: "system" },
-  rates: { title: "Rates", View: later(async () => (await import("./views/rates.js")).Rates), above: "system" },
+  graph: { title: "Graph", View: care("Graph"), above: "system" },
+  rates: { title: "Rates", View: care("Rates"), above: "system" },
   ...ADDED,
 };
 /** Addresses of before. */

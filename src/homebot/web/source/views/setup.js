@@ -4,7 +4,7 @@ import { Added } from "../added.js";
 import { ask, call, connection, makeToken, onOpen } from "../door.js";
 import { count, rooms, shown } from "../house.js";
 import { html } from "../html.js";
-import { LANGUAGES, choose, language, say, sayReason } from "../language.js";
+import { LANGUAGES, choose, language, say } from "../language.js";
 import { Managing } from "../managing.js";
 import { Unpaired } from "../pairing.js";
 import { Restart, Told, change, textOf, told } from "../setting.js";
@@ -23,6 +23,8 @@ const GATEWAYS = {
   homeassistant: { url: "192.168.1.20:8123", token: "" },
   hue: {}, homekit: {}, matter: {}, mdns: {}, ble: {}, coap: {},
 };
+/** What a gateway needs of its owner, beside its address. */
+const NEEDS = { homeassistant: "Token", homekit: "The code on the device", matter: "The code on the device", hue: "A press of its button" };
 const SCHEMES = { homeassistant: "http" }; // of addresses that are typed without one; else the name of the gateway
 const LABELS = { url: "Address", user: "User", password: "Password", token: "Token" };
 const SECRET = ["password", "token"];
@@ -79,7 +81,7 @@ function Devices() {
     <p>${say(count.value === 1 ? "{count} device" : "{count} devices", { count: count.value })}</p>
     ${found.unused.map((one) => html`<section key=${one.gateway + one.url} class="box">
       <h3>${named(one.gateway)}${one.url && ` · ${one.url}`}</h3>
-      <p>${one.names.join(", ") || say("A server on this computer")}</p>${one.next && html`<p class="quiet">${sayReason(one.next)}</p>`}
+      <p>${one.names.join(", ") || say("A server on this computer")}</p>${NEEDS[one.gateway] && html`<p class="quiet">${say("It needs: {what}", { what: say(NEEDS[one.gateway]) })}</p>`}
       ${added === one.gateway ? html`<${Gateway} name=${one.gateway} url=${one.url} onAdded=${onAdded} />` : html`<p class="choices"><button type="button" onClick=${() => setAdded(one.gateway)}>${say("use {name}", { name: named(one.gateway) })}</button></p>`}
     </section>`)}
     ${found.unpaired.map((one) => html`<${Unpaired} key=${one.gateway + one.unpaired.device} ...${one} />`)}
