@@ -666,7 +666,7 @@ async def test_a_summary_has_no_measurement_without_a_name_beside_a_known_one() 
         const states = (all) => ({{ states: new Map(all.entries()) }});
         console.log(summary(states({readings})), "|", summary(states({readings[:1]})), "|",
             valueText("level", 40.157, "%", 100 / 254), valueText("fan_speed", 33.5, "%", 0.5));"""
-    assert await printed_by(script) == "1840 | measurement 1850 | 40\u00a0% 33.5\u00a0%"
+    assert await printed_by(script) == "1840 | 1850 | 40\u00a0% 33.5\u00a0%"
 
 
 async def test_the_meter_of_the_house_counts_what_the_others_count_too(page: OpenPage) -> None:
