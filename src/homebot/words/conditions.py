@@ -11,7 +11,7 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
-from homebot.words.message_values import Comparison, MessageValue, read_comparison, read_value
+from homebot.words.message_values import Comparison, MessageValue, read_comparison, read_limit, read_value
 from homebot.words.own_language import read_in_any_language
 from homebot.words.people import check_known, read_person
 from homebot.words.phrases import (
@@ -281,7 +281,7 @@ def _of_run(text: str) -> Condition | None:
         return Chance(_count(chance["count"], text))
     if TIMED_OUT.match(plain) is not None:
         return TimedOut(not is_denied)
-    compared = read_comparison(plain)
+    compared = read_limit(plain) or read_comparison(plain)
     return None if compared is None else replace(compared, is_denied=is_denied)
 
 

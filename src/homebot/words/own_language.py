@@ -4,7 +4,8 @@ A language is a table ``languages/CODE.json``. Its forms stand by the English fo
 are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or another name, ``t`` a length of time,
 ``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``e`` and ``f`` days of the year or months, ``n`` a
 number with its unit, ``v`` a measured value, ``w`` a type after "no", ``s`` and ``i`` states, ``g`` triggers, ``m`` a
-message, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second value and device.
+message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second
+value and device.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
@@ -305,7 +306,7 @@ class _Table:
                 return self._meanings["none"].get(text.casefold())
             case "s" | "i":
                 return self.read(text, "state")
-        return with_values(_unquoted(text), lambda value: self.read(value, "value") or value)
+        return self._with_values(slot, _unquoted(text), self.read)
 
     def _out(self, slot: str, text: str) -> str | None:
         match slot:
@@ -336,7 +337,14 @@ class _Table:
             case "s" | "i":
                 shown = self.shown(text, "state") or ""
                 return " ".join(self._awaited.get(word, word) for word in shown.split(" "))
-        return f'"{with_values(_unquoted(text), lambda value: self.shown(value, "value") or value)}"'
+        message = self._with_values(slot, _unquoted(text), self.shown)
+        return message if slot == "j" else f'"{message}"'
+
+    @staticmethod
+    def _with_values(slot: str, text: str, translate: Callable[[str, str], str | None]) -> str | None:
+        """Return a message, or a single value in braces, with its values in the other language."""
+        is_possible = slot != "j" or text[:1] + text[-1:] == "{}"
+        return with_values(text, lambda value: translate(value, "value") or value) if is_possible else None
 
     def _plain(self, text: str) -> str:
         """Return *text* without the articles before it."""

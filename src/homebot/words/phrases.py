@@ -44,6 +44,8 @@ TWO_VALUES: Final = Phrase(
     "{first} [is] sign~above|below|over|under {second} change~plus|minus {offset:number}",
     "{first} [is] sign~above|below|over|under {second}",
 )
+CALCULATED: Final = Phrase("sign~above|below|over|under {limit:number}")
+SUN_VALUE: Final = Phrase("sun angle~elevation|height|azimuth")
 NAMES: Final = Phrase("names with {capability} of", "names of")
 LAST_RUN: Final = Phrase(
     "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"

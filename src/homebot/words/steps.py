@@ -7,7 +7,7 @@ from functools import lru_cache
 from itertools import chain
 from typing import Final, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES, OWN, SETTABLE
+from homebot.devices.capabilities import CAPABILITIES, SETTABLE
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.terms import Query
 from homebot.errors import UsageError
@@ -265,7 +265,7 @@ def _read_filled(plain: str) -> Step:
     """
     pieces = read_message(plain)
     for piece in pieces:
-        if not isinstance(piece, str) and CAPABILITIES.get(piece.capability, OWN).kind != "number":
+        if not isinstance(piece, str) and not piece.is_number:
             raise UsageError(f"{plain!r}: {{{piece.text}}} is no number; a step has only numbers of the house")
     step = read_step("".join(piece if isinstance(piece, str) else "1" for piece in pieces))
     match step:

@@ -256,7 +256,7 @@ class RoutineBase(App[SettingsT_co]):
             case StartedBy() | TimedOut():
                 return _is_of_run(condition, facts)
             case Comparison():
-                holds = compared(condition, await self.devices.find())
+                holds = compared(condition, await self.devices.find(), self.sun_angle)
                 return condition.is_denied if holds is None else holds
             case HouseSpan():
                 return _is_within(condition, await self.devices.find(), self.now().time())
@@ -278,11 +278,7 @@ class RoutineBase(App[SettingsT_co]):
             case SunIs():
                 return self.sun_is_up() is condition.is_up
             case SunAngle():
-                from homebot.apps.sun import sun_angle  # noqa: PLC0415 - astral is for routines that ask
-
-                home = self.context
-                now = sun_angle(self.clock.now(), home.latitude, home.longitude, is_azimuth=condition.is_azimuth)
-                return (now > condition.degrees) is condition.is_above
+                return (self.sun_angle(condition.is_azimuth) > condition.degrees) is condition.is_above
             case OnDays():
                 return condition.days.has(self.now().date())
             case TimeSpan():
@@ -293,6 +289,13 @@ class RoutineBase(App[SettingsT_co]):
             case LastRun():
                 ago = self.clock.now() - self.store.get(_RAN_AT, -math.inf)
                 return (ago > condition.seconds) is condition.is_over
+
+    def sun_angle(self, is_azimuth: bool) -> float:  # noqa: FBT001 - values of the sun call it
+        """Return the azimuth of the sun now, else its elevation, in degrees."""
+        from homebot.apps.sun import sun_angle  # noqa: PLC0415 - astral is for routines that ask
+
+        home = self.context
+        return sun_angle(self.clock.now(), home.latitude, home.longitude, is_azimuth=is_azimuth)
 
     def _sun_time(self, moment: SunMoment) -> time | None:
         """Return the time of *moment* today, or the nearest if it is on another day; None if there is none."""

@@ -357,8 +357,8 @@ def _states(
         match one:
             case (AtTimeOf() | Becomes() | Changes() | PersonMoves()) as state:
                 yield text, state, None
-                if isinstance(state, Becomes) and state.length is not None:
-                    yield text, state.length, None
+                length = state.length if isinstance(state, Becomes) else None
+                yield from ((text, value, None) for value in (length.asked if length else ()))
             case HouseSpan():
                 yield from ((text, end, None) for end in (one.begin, one.end) if isinstance(end, MessageValue))
             case Matches(state=state):
@@ -366,8 +366,8 @@ def _states(
             case Press() as press:
                 yield text, press, press
             case ValuePasses(comparison=comparison) | (Comparison() as comparison):
-                yield text, comparison.first, None
-                yield text, comparison.second, None
+                values = (*comparison.first.asked, *comparison.second.asked)
+                yield from ((text, value, None) for value in values if value.words)
 
 
 def _moves(routine: RoutineSettings) -> Iterator[tuple[str, SendRobot | RobotArrival]]:

@@ -84,6 +84,9 @@ class RoutineOwner(Protocol):
     async def wait_for(self, triggers: Sequence[Trigger]) -> None:
         """Wait for the next of *triggers*."""
 
+    def sun_angle(self, is_azimuth: bool) -> float:  # noqa: FBT001 - values of the sun call it
+        """Return the azimuth of the sun now, else its elevation, in degrees."""
+
     async def fitting(self, devices: str) -> tuple[str, ...]:
         """Return the ids of the devices that the query *devices* finds now."""
 
@@ -324,14 +327,15 @@ class RoutineRun:
             case "names":
                 return ", ".join(_names(value, devices)) or "none"
             case _:
-                return value_text(value.capability, value_of(value, devices))
+                return value_text(value.capability, value_of(value, devices, self._owner.sun_angle))
 
     async def _with_numbers(self, step: Step) -> Step:
         """Return *step* with the numbers of now, or as no wait at all while one of them is unknown."""
         if not isinstance(step, Do | Wait) or not step.pieces:
             return step
         devices = await self._owner.devices.find()
-        values = [piece if isinstance(piece, str) else value_of(piece, devices) for piece in step.pieces]
+        sun = self._owner.sun_angle
+        values = [piece if isinstance(piece, str) else value_of(piece, devices, sun) for piece in step.pieces]
         text = "".join(f"{value:.12g}" if isinstance(value, float) else str(value) for value in values)
         try:
             if None not in values:

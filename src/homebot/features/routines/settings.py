@@ -12,7 +12,8 @@ from homebot.config import value_errors
 from homebot.features.routines.program import Branch, Conditions, StepSetting, Text, conditions_of, program_of
 from homebot.support.folding import fold
 from homebot.words.conditions import Condition, LastRun, StartedBy, SunIs, TimedOut, single_conditions
-from homebot.words.steps import IT, MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Undo, WaitFor, WaitUntil
+from homebot.words.message_values import Comparison, MessageValue
+from homebot.words.steps import IT, MAX_LINES, MAX_ROUNDS, MAX_RUNS, Dim, Do, Notify, Undo, Wait, WaitFor, WaitUntil
 from homebot.words.times import SunMoment, SunSpan
 from homebot.words.triggers import Becomes, SunAngle, Trigger, read_trigger
 
@@ -27,6 +28,19 @@ def _line(text: str) -> str:
     if len(text.splitlines()) != 1:
         raise ValueError("a name is one line")
     return text
+
+
+def _values_in(asked: object) -> Iterator[MessageValue]:
+    """Yield the values of the house in a condition or step, also those in calculations."""
+    match asked:
+        case Comparison():
+            values = [asked.first, asked.second]
+        case Do() | Notify() | Wait():
+            values = [piece for piece in asked.pieces if isinstance(piece, MessageValue)]
+        case _:
+            return
+    for value in values:
+        yield from value.operands or (value,)
 
 
 class RoutineSettings(AppSettings):
@@ -71,7 +85,15 @@ class RoutineSettings(AppSettings):
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""
-        return tuple(text for text, asked in self.asked() if isinstance(asked, SunMoment | SunIs | SunSpan | SunAngle))
+        steps = [(line.text, line.step) for line in program_of(self.do)]
+        return (
+            *(text for text, asked in self.asked() if isinstance(asked, SunMoment | SunIs | SunSpan | SunAngle)),
+            *(
+                text
+                for text, asked in (*self.asked(), *steps)
+                if any(value.kind == "sun" for value in _values_in(asked))
+            ),
+        )
 
     def written(self) -> dict[str, object]:
         """Return its table as a person would write it: without default values."""

@@ -28,7 +28,9 @@ from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
+from homebot.support.numbers import finite_number
 from homebot.support.timer_queue import TimerQueue
+from homebot.words.calculations import calculated
 from homebot.words.house_queries import WordsQuery
 from homebot.words.message_values import Comparison, MessageValue
 from homebot.words.times import read_time
@@ -46,6 +48,8 @@ from homebot.words.triggers import (
 NOT_HEARD: Final = "routine.topic_not_heard"
 
 OnStart: TypeAlias = Callable[[object], None]
+SunAngleOf: TypeAlias = Callable[[bool], float]
+"""Returns the azimuth of the sun now, else its elevation, in degrees."""
 """Called with the cause."""
 
 _TEXT: Final = "text"
@@ -485,9 +489,9 @@ class ComparisonWatch(HouseWatcher):
         return holds and before is False
 
 
-def compared(comparison: Comparison, devices: Sequence[Device]) -> bool | None:
+def compared(comparison: Comparison, devices: Sequence[Device], sun: SunAngleOf | None = None) -> bool | None:
     """Return whether *comparison* holds for the values of *devices*; None while one is unknown."""
-    first, second = (value_of(value, devices) for value in (comparison.first, comparison.second))
+    first, second = (value_of(value, devices, sun) for value in (comparison.first, comparison.second))
     if not isinstance(first, float) or not isinstance(second, float):
         return None
     limit = second + comparison.offset
@@ -500,8 +504,16 @@ def fitting(words: str, devices: Sequence[Device]) -> list[Device]:
     return [device for device in devices if fits(query, facets_of(device))]
 
 
-def value_of(value: MessageValue, devices: Sequence[Device]) -> PlainValue:
+def value_of(value: MessageValue, devices: Sequence[Device], sun: SunAngleOf | None = None) -> PlainValue:
     """Return *value* of the first of *devices* that it means; None while it is unknown."""
+    match value.kind:
+        case "count":
+            return float(len(fitting(value.words, devices)))
+        case "sun":
+            return sun(value.words == "azimuth") if sun is not None else None
+        case "calculated":
+            numbers = {one.text: value_of(one, devices, sun) for one in value.operands}
+            return calculated(value.term, lambda text: finite_number(numbers[text]))
     states = [state for device in fitting(value.words, devices) for state in device.states]
     return next((state.value.plain() for state in states if state.capability == value.capability and state.live), None)
 
