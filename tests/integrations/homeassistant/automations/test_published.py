@@ -649,6 +649,7 @@ PLAYS: tuple[Play, ...] = (
             "10:05 louder push",
             "10:10 media_player.kitchen playing volume_level=0.98",
             "10:11 louder push",
+            "10:15 limited push",
             "10:20 brighter push",
             "10:30 party push",
         ],
@@ -656,6 +657,7 @@ PLAYS: tuple[Play, ...] = (
             "10:00:00 media_player.kitchen volume 35",
             "10:05:00 media_player.kitchen volume 40",
             "10:11:00 media_player.kitchen volume 100",
+            "10:15:00 media_player.kitchen volume 60",
             "10:20:00 light.hall level 20",
             "10:30:00 light.hall effect colorloop",
         ],
@@ -674,6 +676,111 @@ PLAYS: tuple[Play, ...] = (
         ["10:06:00 notify Open a window"],
     ),
     Play("steps_of_values", "", ["10:05 media_player.bath playing volume_level=0.5"]),
+    Play(
+        "calculated",
+        "adaptive_light on, light.living_room on",
+        ["05:35 light.living_room off", "05:36 light.living_room on", "06:10 adaptive_light off"],
+        [
+            f"{at}:00 light.living_room {value}"
+            for at, values in (
+                ("05:00", ("level 32", "color_temperature 2470")),
+                ("05:30", ("level 46", "color_temperature 2785")),
+                ("05:36", ("level 48", "color_temperature 2830")),
+                ("06:00", ("level 60", "color_temperature 3100")),
+            )
+            for value in values
+        ],
+        "04:50 06:20",
+        "2026-03-20",
+    ),
+    Play("calculated", "light.hall on, light.kitchen on", [], ["23:30:00 notify 2 lights are still on"], "23:20 23:40"),
+    Play("calculated", "light.hall on", [], [], "23:20 23:40"),
+    Play(
+        "calculated",
+        "sensor.hall_battery 9, sensor.bath_battery 80",
+        ["10:05 report push", "10:10 sensor.bath_battery 19.5", "10:15 report push"],
+        [
+            "10:05:00 notify 1 low battery: Hall motion battery 9 %",
+            "10:15:00 notify 2 low batteries: Bath window battery 20 %, Hall motion battery 9 %",
+        ],
+    ),
+    Play("calculated", "sensor.hall_battery 20, sensor.bath_battery 80", ["10:05 report push"]),
+    Play(
+        "calculated",
+        "fan.bedroom on",
+        [
+            "10:05 sensor.bedroom_temperature 23.44",
+            "10:10 sensor.bedroom_temperature 20.5",
+            "10:15 sensor.bedroom_temperature 35",
+        ],
+        [
+            "10:05:00 fan.bedroom fan_speed 34",
+            "10:10:00 fan.bedroom fan_speed 10",
+            "10:15:00 fan.bedroom fan_speed 100",
+        ],
+    ),
+    Play("calculated", "", ["10:05 sensor.bedroom_temperature 23.44"]),
+    Play(
+        "calculated",
+        "media_player.kitchen playing volume_level=0.3",
+        [
+            "10:05 quieter push",
+            "10:10 quieter push",
+            "10:15 quieter push",
+            "10:20 fan.bedroom on",
+            "10:25 quieter push",
+        ],
+        [
+            "10:05:00 media_player.kitchen volume 20",
+            "10:10:00 media_player.kitchen volume 10",
+            "10:15:00 media_player.kitchen volume 5",
+            "10:25:00 media_player.kitchen volume 5",
+        ],
+    ),
+    Play("calculated", "", [], [f"06:3{at}:00 light.hall level {25 * at + 25}" for at in range(4)], "06:20 06:40"),
+    Play(
+        "calculated",
+        "sensor.bedroom_temperature 20, sensor.outside_temperature 9.5",
+        [],
+        ["12:00:00 notify 10.5 degrees warmer inside"],
+        "11:50 12:10",
+    ),
+    Play(
+        "calculated",
+        "sensor.bedroom_temperature 20, sensor.outside_temperature 10",
+        [],
+        ["12:00:00 notify 10 degrees warmer inside"],
+        "11:50 12:10",
+    ),
+    Play("calculated", "sensor.bedroom_temperature 20, sensor.outside_temperature 10.1", [], [], "11:50 12:10"),
+    Play(
+        "ev_solar_charging",
+        "binary_sensor.wallbox_car_connected on, charge_mode option Solar, sensor.grid_power -2100, "
+        "sensor.wallbox_power 0",
+        [
+            "12:01 switch.wallbox_charging on",
+            "12:01:01 sensor.wallbox_power 2070",
+            "12:01:02 sensor.grid_power -30",
+            "12:06 sensor.grid_power -1900",
+            "12:11 sensor.grid_power 1500",
+        ],
+        [
+            "12:00:00 number.wallbox_current number 9",
+            "12:00:00 switch.wallbox_charging on_off True",
+            "12:05:00 number.wallbox_current number 9",
+            "12:10:00 number.wallbox_current number 16",
+            "12:15:00 switch.wallbox_charging on_off False",
+        ],
+        "11:58 12:20",
+    ),
+    Play(
+        "ev_solar_charging",
+        "binary_sensor.wallbox_car_connected on, charge_mode option Solar, sensor.grid_power -1300, "
+        "sensor.wallbox_power 0",
+        [],
+        [],
+        "14:51 15:00",
+    ),
     Play("group_of_windows", "binary_sensor.bedroom_window on", ["10:05 binary_sensor.kitchen_window on"]),
     Play("presence_simulation_random", "vacation on", [], ["18:03:20 light.living_room on_off True"], "17:45 18:25"),
     Play(
@@ -926,7 +1033,16 @@ async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None
 
 async def test_a_value_of_another_entity_and_a_limit_of_its_own_are_refused() -> None:
     found = await imported("steps_of_values")
-    assert {one.name for one in found.refused} == {"As loud as the other", "Up to a limit", "Perhaps unknown"}
+    assert {one.name for one in found.refused} == {"As loud as the other", "Perhaps unknown"}
+
+
+async def test_a_text_a_remainder_and_two_loops_are_no_number_and_no_list() -> None:
+    found = await imported("calculated")
+    assert list(dict.fromkeys(one.name for one in found.refused)) == [
+        "A text is no number",
+        "Calculated and perhaps unknown",
+        "Collected in two loops",
+    ]
 
 
 def test_each_file_is_also_played_so_that_it_does_nothing_or_less() -> None:

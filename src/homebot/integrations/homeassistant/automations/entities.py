@@ -532,7 +532,7 @@ class Automation:
         for name, node in variables.value.items():
             value = resolved(node, self.constants)
             self.constants.pop(name, None)
-            named = re.compile(rf"(?<![.\w]){re.escape(name)}\b")  # those that name it had its former value
+            named = re.compile(rf"(?<![.\w'\"]){re.escape(name)}\b")  # those that name it had its former value
             self.expressions = {
                 key: text for key, text in self.expressions.items() if not named.search(f"{key} {text}")
             }

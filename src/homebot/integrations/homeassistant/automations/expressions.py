@@ -28,6 +28,16 @@ def expression_of(text: str) -> nodes.Expr:
     raise refused_template(text)
 
 
+def constant_of_template(text: str) -> float | None:
+    """Return the number that the template *text* is by itself; None for any other."""
+    try:
+        value = folded(expression_of(text)) if "{{" in text else None
+    except NotCarriedError:
+        return None
+    number = value.value if isinstance(value, nodes.Const) else None
+    return float(number) if isinstance(number, int | float) and not isinstance(number, bool) else None
+
+
 def template_tree(text: str) -> nodes.Template:
     """Return the tree of the template *text*, with the values that it is given."""
     try:
@@ -159,25 +169,65 @@ def rebuilt(node: nodes.Node, change: Callable[[nodes.Node], nodes.Node]) -> nod
 
 
 def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
-    """Return *body* with the expressions of its ``{% set … %}`` where they are used."""
-    known: dict[str, nodes.Node] = {}
-    drawn: set[str] = set()
+    """Return *body* with the expressions of its ``{% set … %}`` where they are used.
+
+    A field of a ``namespace`` that a loop adds to is the loop itself, which writes what it adds, or its count.
+    """
+    known: dict[tuple[str, ...], nodes.Node] = {}
+    drawn: set[tuple[str, ...]] = set()
 
     def put(node: nodes.Node) -> nodes.Node:
-        if isinstance(node, nodes.Name) and node.name in known:
-            if node.name in drawn:
-                raise refused_template(node.name, "it is drawn by chance and used twice; draw it in a variable")
-            drawn.update([node.name] if is_drawn(known[node.name]) else [])
-            return known[node.name]
+        if known and (path := path_of(node)) in known:
+            if path in drawn:
+                raise refused_template(path[0], "it is drawn by chance and used twice; draw it in a variable")
+            drawn.update([path] if is_drawn(known[path]) else [])
+            return known[path]
         return rebuilt(node, put)
 
     rest: list[nodes.Node] = []
     for node in body:
-        if isinstance(node, nodes.Assign) and isinstance(node.target, nodes.Name):
-            known[node.target.name] = put(node.node)
-        else:
-            rest.append(put(node) if known else node)
+        match node:
+            case nodes.Assign(
+                target=nodes.Name(name=name), node=nodes.Call(node=nodes.Name(name="namespace"), kwargs=fields)
+            ):
+                known |= {(name, field.key): put(field.value) for field in fields}
+            case nodes.Assign(target=nodes.Name(name=name)):
+                known[name,] = put(node.node)
+            case nodes.For() if (added := _added_by(node)) is not None:
+                path, loop = added
+                is_first = known.get(path) in (nodes.List([]), nodes.Const(0))
+                if not is_first:
+                    raise refused_template(".".join(path), "it collects in several loops; write one list for each")
+                known[path] = put(loop)
+            case _:
+                rest.append(put(node) if known else node)
     return rest
+
+
+def _added_by(node: nodes.For) -> tuple[tuple[str, ...], nodes.Node] | None:
+    """Return the field of a namespace to which a loop only adds, and what it becomes; None for another loop."""
+    body, tests = [part for part in node.body if not _is_space(part)], []
+    while len(body) == 1 and isinstance(body[0], nodes.If) and not body[0].elif_ and not body[0].else_:
+        tests.append(body[0].test)
+        body = [part for part in body[0].body if not _is_space(part)]
+    match body:
+        case [nodes.Assign(target=nodes.NSRef(name=name, attr=field), node=nodes.Add(left=left, right=right))]:
+            pass
+        case _:
+            return None
+    for test in tests:
+        node = nodes.For(
+            node.target, node.iter, [], [], nodes.And(node.test, test) if node.test else test, node.recursive
+        )
+    path = name, field
+    match right:
+        case nodes.List(items=[item]) if path_of(left) == path:
+            return path, nodes.For(node.target, node.iter, [nodes.Output([item])], [], node.test, node.recursive)
+        case nodes.Const(value=1) if path_of(left) == path:
+            named = nodes.Getattr(nodes.Name(getattr(node.target, "name", ""), "load"), "name", "load")
+            loop = nodes.For(node.target, node.iter, [nodes.Output([named])], [], node.test, node.recursive)
+            return path, nodes.Filter(cast("nodes.Expr", loop), "count", [], [], None, None)
+    return None
 
 
 def is_drawn(node: nodes.Node) -> bool:
@@ -194,19 +244,35 @@ def joined_pieces(node: nodes.Expr) -> list[nodes.Node]:
     return [folded(node)]
 
 
-def filtered(chosen: nodes.Filter, value: nodes.Expr) -> nodes.Node:
-    """Return *value* with the filter of the choice that it is in."""
-    if isinstance(value, nodes.Const):
-        try:
-            number = float(str(value.value))
-        except ValueError:
-            raise refused_template(shown_tree(chosen), "it is no number") from None
-        return nodes.Const(int(number) if chosen.name == "int" else number)
-    return nodes.Filter(value, chosen.name, chosen.args, chosen.kwargs, chosen.dyn_args, chosen.dyn_kwargs)
+def with_value(node: nodes.Node, choice: nodes.Node, value: nodes.Node) -> nodes.Node:
+    """Return *node* with *value* in the place of *choice*, and what is calculated with constants alone."""
+    if node == choice:
+        return value
+    new = rebuilt(node, lambda inner: with_value(inner, choice, value))
+    is_number = isinstance(new, nodes.Filter) and isinstance(new.node, nodes.Const) and new.name in _OF_NUMBERS
+    return _number_of(cast("nodes.Filter", new)) if is_number else folded(new)
+
+
+_OF_NUMBERS: Final = frozenset({"int", "float", "round"})
+
+
+def _number_of(chosen: nodes.Filter) -> nodes.Const:
+    """Return the number of a constant, of which *chosen* is the filter."""
+    constant = cast("nodes.Const", chosen.node)
+    try:
+        number = float(str(constant.value))
+    except ValueError:
+        raise refused_template(shown_tree(chosen), "it is no number") from None
+    digits = int(constant_number(chosen.args[0])) if chosen.name == "round" and chosen.args else 0
+    return nodes.Const(
+        int(number) if chosen.name == "int" else round(number, digits) if chosen.name == "round" else number
+    )
 
 
 def folded(node: nodes.Node) -> nodes.Node:
-    """Return the value of *node* if it is a constant; not of one that may grow beyond its text."""
+    """Return the value of *node* if it is a constant; not of one that may grow beyond its text, or of a loop."""
+    if isinstance(node, nodes.For) or node.find(nodes.For) is not None:
+        return node
     if any(True for _ in node.find_all((nodes.Pow, nodes.Mul))) and any(
         isinstance(inner.value, str | list) for inner in node.find_all(nodes.Const)
     ):

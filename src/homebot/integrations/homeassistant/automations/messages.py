@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import Final
+from typing import Final, cast
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.integrations.homeassistant.automations.entities import Automation
@@ -14,7 +14,13 @@ from homebot.integrations.homeassistant.automations.expressions import (
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import value_name
-from homebot.integrations.homeassistant.automations.template_lists import entity_list, names_text
+from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, is_calculated
+from homebot.integrations.homeassistant.automations.template_lists import (
+    count_text,
+    counted_list,
+    entity_list,
+    names_text,
+)
 from homebot.integrations.homeassistant.automations.template_times import is_now
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 
@@ -53,9 +59,25 @@ def without_unit(text: str, unit: str) -> str:
 
 def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
     """Return a value for a message, and its unit, which homebot writes itself."""
+    if listed := _list_value(automation, node):
+        return listed, ""
+    if (single := _single_value(automation, node)) is not None:
+        return single
+    if is_calculated(node):
+        return f"{{{calculation_text(automation, cast('nodes.Expr', node))}}}", ""
+    raise refused_template(shown_tree(node), "a message has states, {name}, {room}, {routine} and {time}")
+
+
+def _list_value(automation: Automation, node: nodes.Node) -> str:
+    """Return the names, or the number, of the entities that *node* lists; empty for another value."""
     listed = node.node if isinstance(node, nodes.Filter) and node.name == "join" else node
     if (known := entity_list(listed)) is not None and known.is_named:
-        return names_text(automation, known), ""
+        return names_text(automation, known)
+    return "" if (known := counted_list(node)) is None else f"{{{count_text(automation, known)}}}"
+
+
+def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] | None:
+    """Return a state, name or time, and its unit; None for another value."""
     while isinstance(node, nodes.Filter) and node.name in _FORMS:
         assert node.node is not None  # noqa: S101 - only the filter of a block has none
         node = node.node
@@ -99,7 +121,7 @@ def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
                 return "{room}", ""
         case nodes.Getattr(attr="state") if entity := states_path(node.node):
             return _state_value(automation, entity, "")
-    raise refused_template(shown_tree(node), "a message has states, {name}, {room}, {routine} and {time}")
+    return None
 
 
 def note_length(automation: Automation) -> None:

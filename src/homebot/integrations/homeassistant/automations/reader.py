@@ -5,6 +5,7 @@ domains; the keys of before 2024.10 count as well.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from itertools import chain
 from typing import Final, cast
@@ -81,6 +82,7 @@ class Actions:
         self._in_scripts: list[str] = []
         self._snapshots: dict[str, set[str]] = {}
         self._commanded: set[str] = set()
+        self._forgotten: set[str] = set()
 
     def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
         """Return the conditions of the automation that its actions begin with, and its steps.
@@ -176,6 +178,15 @@ class Actions:
         return choice
 
     def _steps(self, fields: UnreadFields) -> Sequence[Step]:
+        """Return the steps of an action; what one of its branches may have changed is forgotten behind all of them."""
+        before, self._forgotten = self._forgotten, set()
+        steps = self._steps_of_kind(fields)
+        expressions = self._automation.expressions
+        self._automation.expressions = {name: text for name, text in expressions.items() if name not in self._forgotten}
+        self._forgotten = before
+        return steps
+
+    def _steps_of_kind(self, fields: UnreadFields) -> Sequence[Step]:
         if (older := fields.take("service_template")) is not None:
             fields.left["service"] = older
         kind = fields.first_of(_KINDS)
@@ -234,7 +245,8 @@ class Actions:
                 continue
             way, triggers = UnreadFields(node, "action"), self._automation.triggers
             self._automation.triggers = self._started(conditions)
-            steps = self._service(way, kind)
+            with self._beside_others():
+                steps = self._service(way, kind)
             self._automation.triggers = triggers
             way.end()
             choice = _choice(conditions, steps, choice)
@@ -282,9 +294,18 @@ class Actions:
 
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:
         known, snapshots = dict(self._automation.constants), dict(self._snapshots)
-        conditions, steps = self._read(nodes)
+        with self._beside_others():
+            conditions, steps = self._read(nodes)
         self._automation.constants, self._snapshots = known, snapshots  # those of a branch are its own
         return _choice(conditions, steps, [])
+
+    @contextmanager
+    def _beside_others(self) -> Iterator[None]:
+        """Read a branch: in those beside it, what it commands has changed no variable."""
+        expressions = self._automation.expressions
+        yield
+        self._forgotten |= expressions.keys() - self._automation.expressions.keys()
+        self._automation.expressions = expressions
 
     def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
         conditions = conditions_of(self._automation, fields.items("conditions"))
@@ -415,6 +436,7 @@ class Actions:
 
     def _repeated(self, fields: UnreadFields) -> list[Step]:
         """Read repeated actions: a loop, or each round as it is written if that differs by its number or value."""
+        self._automation.forget_values()  # a variable has its value from before the first round
         nodes, kind = fields.items("sequence"), fields.first_of(("count", "while", "until", "for_each"))
         if kind in {"while", "until"}:
             limit = round_limit(fields.left[kind], is_until=kind == "until")
@@ -502,7 +524,12 @@ def _awaited(held: Sequence[Condition], end: str) -> list[Step]:
     """Return the steps that wait until *held*: for states at one time, or for the next change to one of several."""
     texts = [text for condition in held for text in condition]
     states = [text.replace("(name=", "name=").removesuffix(")") if "(name=" in text else text for text in texts]
-    if not texts or not all("name=" in text or text.endswith((" is home", " is away")) for text in texts):
+    is_calculated = any(text.startswith(("{", "not {")) for text in texts)
+    if (
+        not texts
+        or is_calculated
+        or not all("name=" in text or text.endswith((" is home", " is away")) for text in texts)
+    ):
         raise NotCarriedError("action wait_template: a routine waits for states; write a loop with `until`")
     if all(len(condition) == 1 for condition in held):
         positive = [state.replace("not ", "no ", 1) if state.startswith("not ") else state for state in states]

@@ -10,6 +10,7 @@ from homebot.conventions.light_color import to_hue_saturation, white_rgb
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
+from homebot.integrations.homeassistant.automations.expressions import constant_of_template, expression_of
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.service_tables import (
     SERVICE_FIELDS,
@@ -18,6 +19,7 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     ServiceSetting,
 )
 from homebot.integrations.homeassistant.automations.states import number_of
+from homebot.integrations.homeassistant.automations.template_calculations import calculation_text
 from homebot.integrations.homeassistant.automations.template_numbers import changed_number, step_length, step_number
 from homebot.units import parse_duration
 from homebot.words.colors import COLORS
@@ -44,6 +46,8 @@ def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterat
 def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields) -> Iterator[ServiceSetting]:
     """Yield the value, or the values, of the field *key*."""
     row, node, is_step = SETTINGS[key], data.left[key], key.startswith("brightness_step")
+    if isinstance(node.value, str) and (constant := constant_of_template(node.value)) is not None:
+        node = data.left[key] = node._replace(value=constant)
     match CAPABILITIES[row.capabilities.split()[0]].kind:
         case "bool":
             yield row._replace(value=str(data.flag(key, default=True)).lower())
@@ -52,10 +56,7 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
             if (change := _change(automation, row, node.value)) is not None:
                 yield change
                 return
-            text, factor = step_number(automation, node.value)
-            if not math.isclose(factor * row.factor, 1.0) or key == "color_temp":
-                raise NotCarriedError(f"data: `{key}` is calculated; a step takes a number of the house as it is")
-            yield row._replace(value=text)
+            yield row._replace(value=_calculated(automation, key, row.factor, node.value))
         case "number":
             for number in data.numbers(key):
                 value = number * row.factor
@@ -65,6 +66,20 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
                     yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
         case _:
             yield row._replace(value=data.text(key))
+
+
+def _calculated(automation: Automation, key: str, factor: float, text: str) -> str:
+    """Return the number of the house that the template *text* is: as it is, or calculated."""
+    try:
+        value, own = step_number(automation, text)
+    except NotCarriedError:
+        value, own = "", math.nan
+    if key != "color_temp" and math.isclose(own * factor, 1.0):
+        return value
+    number = calculation_text(automation, expression_of(text))
+    if key == "color_temp":  # in mired
+        return f"{{1000000 / ({number})}}"
+    return f"{{{number}}}" if factor == 1.0 else f"{{({number}) * {factor:.12g}}}"
 
 
 def _change(automation: Automation, row: ServiceSetting, text: str) -> ServiceSetting | None:

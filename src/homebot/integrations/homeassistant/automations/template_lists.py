@@ -35,6 +35,7 @@ class EntityList(NamedTuple):
         states: The states that count; empty for any.
         limit: A limit of their number.
         is_named: Whether it is the list of their names.
+        with_states: Whether the states stand beside the names.
     """
 
     ids: tuple[str, ...] = ()
@@ -43,6 +44,7 @@ class EntityList(NamedTuple):
     states: tuple[str, ...] = ()
     limit: tuple[Operator, float] | None = None
     is_named: bool = False
+    with_states: bool = False
 
     def texts(self, automation: Automation) -> list[str]:
         """Return for each entity that it is so.
@@ -52,13 +54,17 @@ class EntityList(NamedTuple):
         """
         if not self.ids and (of_class := self._of_classes()):
             return of_class
-        entities = [*map(automation.entities.find, automation.entities.expanded(self.ids))]
+        entities = self.entities(automation)
         if not self.ids:
-            entities = automation.entities.of_class(self.domain, self.classes)
             automation.notes.append(f"states.{self.domain} means the devices that homebot knows now")
         if not entities or not (self.states or self.limit):
             raise NotCarriedError(f"template: no state of entities of {self.domain or 'the list'} that homebot knows")
         return [text for entity in entities for text in self._of(entity)]
+
+    def entities(self, automation: Automation) -> list[KnownEntity]:
+        """Return those that homebot knows now, in any state."""
+        ids = automation.entities.expanded(self.ids)
+        return [*map(automation.entities.find, ids)] or automation.entities.of_class(self.domain, self.classes)
 
     def _of_classes(self) -> list[str]:
         """Return the states of any device of the classes, also of later ones; none if only some of them count."""
@@ -87,6 +93,8 @@ def entity_list(node: nodes.Node | None) -> EntityList | None:
             return EntityList((entity,))
         case nodes.List() | nodes.Tuple():
             return _together([*map(entity_list, node.items)])
+        case nodes.For():
+            return list_of_loop(node)
         case nodes.Filter(node=inner) if (known := entity_list(inner)) is not None:
             return _filtered(known, node)
     return None
@@ -167,8 +175,8 @@ def counted_list(node: nodes.Node | None) -> EntityList | None:
     return entity_list(node.node)
 
 
-def list_of_loop(node: nodes.For) -> tuple[EntityList, bool]:
-    """Return the entities that a loop in a message names, and whether it tells their states too.
+def list_of_loop(node: nodes.For) -> EntityList:
+    """Return the entities that a loop names, or counts.
 
     Raises:
         NotCarriedError: It does something else.
@@ -177,14 +185,27 @@ def list_of_loop(node: nodes.For) -> tuple[EntityList, bool]:
     tests, body = _tests_of(node)
     for test in tests:
         known = None if known is None else _tested(known, test, name)
-    values = {
-        path for part in body for inner in part.find_all(nodes.Getattr) if (path := path_of(inner))[:1] == (name,)
-    }
-    names = {(name, "name"), (name, "attributes", "friendly_name"), (name, "attributes")}
+    if known is not None and known.is_named and not tests and _names_in(body) == {(name,)}:
+        return known  # each name once more
+    values = _names_in(body)
+    names = {(name, "name"), (name, "attributes", "friendly_name"), (name, "entity_id")}
     others = [part for part in body if not isinstance(part, nodes.Output | nodes.If)]
     if known is None or others or not values & names or values - names - {(name, "state")}:
         raise refused_template(shown_tree(node.iter), "a list in a message has the names of entities in a state")
-    return known, (name, "state") in values
+    return known._replace(is_named=True, with_states=(name, "state") in values)
+
+
+def _names_in(body: Sequence[nodes.Node]) -> set[tuple[str, ...]]:
+    """Return the names in *body*, with their fields, such as ``s.attributes.friendly_name``."""
+    if not body:
+        return set()
+    whole: set[tuple[str, ...]] = set()
+    for part in body:
+        if path := path_of(part):
+            whole.add(path)
+        else:
+            whole |= _names_in([*part.iter_child_nodes()])
+    return whole
 
 
 def _tests_of(node: nodes.For) -> tuple[list[nodes.Node], Sequence[nodes.Node]]:
@@ -217,7 +238,7 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
                 return known._replace(limit=(SIGNS[sign], constant_number(right)))
             chosen = _FIELDS.get(path[1:]) if path[:1] == (name,) and not is_number else None
             return None if chosen is None else chosen(known, sign, [*map(str, constants_in(right))])
-        case nodes.Test(name="defined"):
+        case nodes.Test(name="defined") | nodes.Call(node=nodes.Name(name="is_number" | "has_value"), args=[_]):
             return known
         case nodes.Call(node=nodes.Name(name="is_state"), args=[entity, nodes.Const(value=str(state))]) if path_of(
             entity
@@ -230,17 +251,30 @@ _FIELDS: Final = {("state",): _by_state, ("attributes", "device_class"): _by_cla
 """What a comparison in a loop leaves of a list, by what it compares."""
 
 
-def names_text(automation: Automation, known: EntityList, *, with_states: bool = False) -> str:
+def any_of_queries(texts: Sequence[str]) -> str:
+    """Return the query that one of *texts* fits."""
+    return texts[0] if len(texts) == 1 else f"({' or '.join(texts)})"
+
+
+def count_text(automation: Automation, known: EntityList) -> str:
+    """Return the number of the entities of *known*, of which each is a device of its own."""
+    if known == EntityList(domain="light", states=("on",)):
+        return "count of light on"
+    devices = [entity.device.id for entity in known.entities(automation)]
+    if len({*devices}) < len(devices):
+        raise NotCarriedError("template: several of the entities that it counts are one device")
+    return f"count of {any_of_queries([*dict.fromkeys(known.texts(automation))])}"
+
+
+def names_text(automation: Automation, known: EntityList) -> str:
     """Return the value of a message with the names of the entities of *known*."""
     automation.notes.append("a list of names is written with commas, and `none` without any")
     texts = [*dict.fromkeys(known.texts(automation))]
-    of_class = [*filter(None, map(capability_of_class, known.classes))]
-    query = texts[0] if len(texts) == 1 else f"({' or '.join(texts)})"
-    if not with_states:
+    query = any_of_queries(texts)
+    if not known.with_states:
         return f"{{names of {query}}}"
-    ids = automation.entities.expanded(known.ids)
-    entities = [*map(automation.entities.find, ids)] or automation.entities.of_class(known.domain, known.classes)
-    capabilities = {*of_class} or {entity.capability for entity in entities}
+    of_class = {*filter(None, map(capability_of_class, known.classes))}
+    capabilities = of_class or {entity.capability for entity in known.entities(automation)}
     if len(capabilities) != 1 or "" in capabilities:
         raise NotCarriedError("template: a list of entities with their states, which are of several kinds")
     return f"{{names with {capabilities.pop().replace('_', ' ')} of {query}}}"

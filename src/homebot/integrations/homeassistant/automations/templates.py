@@ -14,7 +14,6 @@ from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
     constants_in,
     expression_of,
-    filtered,
     folded,
     joined_pieces,
     parts_of_body,
@@ -29,6 +28,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
     texts_in,
     with_text,
     with_trigger,
+    with_value,
     without_sets,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
@@ -50,9 +50,16 @@ from homebot.integrations.homeassistant.automations.states import (
     state_texts,
     sun_angle_text,
 )
+from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, is_calculated
 from homebot.integrations.homeassistant.automations.template_elapsed import Elapsed, elapsed_limit, is_last_run
-from homebot.integrations.homeassistant.automations.template_lists import counted_list, list_of_loop, names_text
+from homebot.integrations.homeassistant.automations.template_lists import (
+    count_text,
+    counted_list,
+    list_of_loop,
+    names_text,
+)
 from homebot.integrations.homeassistant.automations.template_numbers import (
+    EQUAL,
     SIGNS,
     extreme_of,
     holds,
@@ -152,8 +159,7 @@ class Templates:
             if isinstance(node, nodes.If):
                 raise refused_template(text, "it has statements")
             if isinstance(node, nodes.For):
-                known, with_states = list_of_loop(node)
-                pieces.append(names_text(self._automation, known, with_states=with_states))
+                pieces.append(names_text(self._automation, list_of_loop(node)))
             elif isinstance(node, nodes.TemplateData | nodes.Const):
                 piece = str(node.data if isinstance(node, nodes.TemplateData) else node.value)
                 if "{" in piece or "}" in piece:
@@ -196,27 +202,63 @@ class Templates:
                 parts += joined_pieces(part) if isinstance(part, nodes.Concat) else [self._inlined(part)]
         return parts
 
-    def _ways_of(
-        self, node: nodes.Node, text: str, *, is_message: bool
-    ) -> list[tuple[list[Condition], list[nodes.Node]]]:
+    def _ways_of(self, node: nodes.Node, text: str, *, is_message: bool) -> _Ways:
         """Return the choices of *node*, each with its conditions; empty for none."""
+        if isinstance(node, nodes.TemplateData | nodes.Const):
+            return []
+        if isinstance(node, nodes.If):
+            return self._of_statement(node, text)
+        for read in (self._of_choice, self._of_names, self._of_chance, self._of_table):
+            if ways := read(node):
+                return ways
+        return self._of_trigger(node, text, is_message=is_message)
+
+    def _of_statement(self, node: nodes.If, text: str) -> _Ways:
+        """Return the two ways of ``{% if … %}``, of which the other one may be a choice again."""
+        rest: Sequence[nodes.Node] = node.else_
+        for other in node.elif_[:1]:
+            rest = [nodes.If(other.test, other.body, node.elif_[1:], node.else_)]
+        held = self._read(self._of_its_state(cast("nodes.Expr", node.test)))
+        return [(held, parts_of_body(node.body, text)), ([], parts_of_body(rest, text))]
+
+    def _of_choice(self, node: nodes.Node) -> _Ways:
+        """Return the two ways of ``a if b else c``, also of one in a calculation."""
+        choice = node if isinstance(node, nodes.CondExpr) else node.find(nodes.CondExpr)
+        if choice is None or (node is not choice and choice.expr2 is None):
+            return []
+        held = self._read(self._of_its_state(choice.test))
+        values = [choice.expr1, choice.expr2]
+        if node is choice:
+            yes, no = ([] if value is None else joined_pieces(value) for value in values)
+        else:
+            yes, no = ([with_value(node, choice, value)] for value in values if value is not None)
+        return [(held, yes), ([], no)]
+
+    def _of_names(self, node: nodes.Node) -> _Ways:
+        """Return the ways of a part of the name of the entity that started it, which each device has its own of."""
+        triggers = self._automation.triggers
         match node:
-            case nodes.CondExpr():
-                no: list[nodes.Node] = [] if node.expr2 is None else joined_pieces(node.expr2)
-                return [(self._read(self._of_its_state(node.test)), joined_pieces(node.expr1)), ([], no)]
             case nodes.Filter(
                 name="replace", node=named, args=[nodes.Const(value=str(old)), nodes.Const(value=str(new))]
-            ) if path_of(named) in NAME_PATHS and all(trigger.entity for trigger in self._automation.triggers):
+            ) if path_of(named) in NAME_PATHS and all(trigger.entity for trigger in triggers):
                 by_name: dict[str, list[StartTrigger]] = {}
-                for trigger in self._automation.triggers:
+                for trigger in triggers:
                     device = self._automation.entities.find(trigger.entity).device
                     by_name.setdefault((device.name or device.id).replace(old, new), []).append(trigger)
                 return [(self.started_by(group), [nodes.Const(name)]) for name, group in by_name.items()]
-            case nodes.Filter(name="random", node=several) if drawn := _drawn(several):
-                return [
-                    ([(f"chance 1 in {len(drawn) - place}",)] if place < len(drawn) - 1 else [], joined_pieces(value))
-                    for place, value in enumerate(drawn)
-                ]
+        return []
+
+    def _of_chance(self, node: nodes.Node) -> _Ways:
+        """Return the values of which one is drawn by chance."""
+        drawn = _drawn(node.node) if isinstance(node, nodes.Filter) and node.name == "random" else []
+        return [
+            ([(f"chance 1 in {len(drawn) - place}",)] if place < len(drawn) - 1 else [], joined_pieces(value))
+            for place, value in enumerate(drawn)
+        ]
+
+    def _of_table(self, node: nodes.Node) -> _Ways:
+        """Return the values of a table by what is looked up in it."""
+        match node:
             case (
                 nodes.Getitem(node=known, arg=asked)
                 | nodes.Call(node=nodes.Getattr(node=known, attr="get"), args=[asked, *_])
@@ -225,19 +267,10 @@ class Templates:
                 key_of = self._of_its_state(asked)
                 by_key: _Ways = [(self._compared(key_of, "eq", key), [value]) for key, value in table]
                 return [*by_key, ([], [*default])] if default else [*by_key, ([NEVER], [])]
-            case nodes.Filter(name="int" | "float" | "round", node=nodes.CondExpr() as choice) if (
-                choice.expr2 is not None
-            ):
-                yes, no_value = (filtered(node, value) for value in (choice.expr1, choice.expr2))
-                return [(self._read(self._of_its_state(choice.test)), [yes]), ([], [no_value])]
-            case nodes.If():
-                rest: Sequence[nodes.Node] = node.else_
-                for other in node.elif_[:1]:
-                    rest = [nodes.If(other.test, other.body, node.elif_[1:], node.else_)]
-                held = self._read(self._of_its_state(cast("nodes.Expr", node.test)))
-                return [(held, parts_of_body(node.body, text)), ([], parts_of_body(rest, text))]
-            case nodes.TemplateData() | nodes.Const():
-                return []
+        return []
+
+    def _of_trigger(self, node: nodes.Node, text: str, *, is_message: bool) -> _Ways:
+        """Return the values of *node* by the trigger, or by the option of the only entity in it."""
         paths = {
             path for inner in (node, *node.find_all(nodes.Getattr)) if (path := path_of(inner))[:1] == ("trigger",)
         }
@@ -261,7 +294,7 @@ class Templates:
             for group in groups.values()
         ]
 
-    def _by_option(self, node: nodes.Node) -> list[tuple[list[Condition], list[nodes.Node]]]:
+    def _by_option(self, node: nodes.Node) -> _Ways:
         """Return the texts that *node* is for each option of the only entity in it; none for another expression."""
         entities = {entity for inner in (node, *node.find_all(nodes.Call)) if (entity := state_entity(inner))}
         if len(entities) != 1 or (entity := min(entities)).partition(".")[0] not in {"input_select", "select"}:
@@ -381,7 +414,8 @@ class Templates:
                 return any_of_them
             case ("eq" | "lteq", 0) | ("lt", 1):
                 return self._denied(any_of_them)
-        raise refused_template(shown_tree(node), "routines ask whether any is so, or none, and not how many")
+        count = f"{{{count_text(self._automation, known)}}}"
+        return [tuple(f"{count} {limit}" for limit in limits) for limits in _limits_of_count(sign, int(most))]
 
     def _by_a_state(self) -> list[Condition]:
         """Return the condition that a state started it: any other trigger has none, and ends with an error."""
@@ -396,6 +430,32 @@ class Templates:
         return self._any_of([[condition] for condition in held]) if members and state == "on" else [*held]
 
     def _compared(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
+        """Return the condition that *left* is, or is not, so compared with *right*; what is calculated at last."""
+        noted = len(self._automation.notes)
+        try:
+            return self._compared_by_words(left, sign, right)
+        except NotCarriedError:
+            del self._automation.notes[noted:]
+            if sign not in _SWAPPED or not any(map(is_calculated, (left, right))):
+                raise
+            return self._calculated(left, sign, right)
+
+    def _calculated(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
+        """Return the condition that a calculated number is above or below a limit, or near it."""
+        limit = constant_number(right) if isinstance(right, nodes.Const | nodes.Neg) else None
+        number = left if limit is not None else nodes.Sub(left, right)
+        value, at = f"{{{calculation_text(self._automation, number, may_be_unknown=False)}}}", limit or 0.0
+        over, under = (f"{value} {side} {at + way * EQUAL:.12g}" for side, way in (("above", -1), ("below", 1)))
+        match sign:
+            case "eq":
+                return [(over,), (under,)]
+            case "ne":
+                return [(f"{value} above {at:.12g}", f"{value} below {at:.12g}")]
+            case "gteq" | "lteq":
+                return [(over if sign == "gteq" else under,)]
+        return [(f"{value} {'above' if sign == 'gt' else 'below'} {at:.12g}",)]
+
+    def _compared_by_words(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
         if sign in {"in", "notin"}:
             states = self._any_of([self._equal(left, value) for value in constants_in(right)])
             return states if sign == "in" else self._denied(states)
@@ -570,6 +630,21 @@ def keeps_state(text: str) -> bool:
         case nodes.Call(node=nodes.Name(name="is_state"), args=[nodes.Const(), nodes.Const()]):
             return True
     return False
+
+
+def _limits_of_count(sign: str, number: int) -> list[tuple[str, ...]]:
+    """Return the limits of a whole number, of which one of each must hold."""
+    above, below = f"above {number - 1}", f"below {number + 1}"
+    match sign:
+        case "eq":
+            return [(above,), (below,)]
+        case "ne":
+            return [(f"above {number}", f"below {number}")]
+        case "gteq":
+            return [(above,)]
+        case "lteq":
+            return [(below,)]
+    return [(f"{'above' if sign == 'gt' else 'below'} {number}",)]
 
 
 _ANY_OR_NONE: Final = {"gt": "", "ne": "", "eq": "not "}

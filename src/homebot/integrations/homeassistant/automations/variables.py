@@ -32,12 +32,13 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
     name = value.strip().removeprefix("{{").removesuffix("}}").strip()
     if (known := constants.get(name)) is not None and not isinstance(plain(known), Undefined):
         return known._replace(line=node.line) if isinstance(known, Located) else Located(known, node.line)
-    plain_values = {name: plain(value) for name, value in constants.items()}
+    given = value.values if isinstance(value, BoundTemplate) else {}
+    plain_values = {**{name: plain(value) for name, value in constants.items()}, **given}
     try:
         program = parse(value.strip())
     except TemplateError:
         return node._replace(value=BoundTemplate.of(value, plain_values))
-    if program.names - constants.keys():
+    if program.names - plain_values.keys():
         return node._replace(value=BoundTemplate.of(value, plain_values))
     try:
         return _rendered(node, program.render(plain_values).strip()) if program.names else node
