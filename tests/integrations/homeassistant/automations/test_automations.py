@@ -273,6 +273,30 @@ def test_two_devices_of_one_name_are_told_apart_by_their_ids() -> None:
     assert 'do = ["lights/1 on"]' in found
 
 
+def test_an_id_that_reads_like_a_name_of_two_is_asked_as_an_id() -> None:
+    """A lamp and a player that is on are often called after their room."""
+    rooms = [
+        device("Bedroom", part("", "light", *LAMP), entities="light.bedroom"),
+        device("Bedroom", part("", "speaker", "on_off", "volume")).model_copy(update={"id": "bedroom_2"}),
+    ]
+    (found,) = read(
+        """
+- alias: A
+  trigger: {platform: time, at: '9:00'}
+  condition: {condition: state, entity_id: light.bedroom, state: 'on'}
+  action:
+    - service: light.turn_on
+      entity_id: light.bedroom
+      data: {brightness_pct: "{{ state_attr('light.bedroom', 'brightness') | float(0) / 5 }}"}
+    - {wait_template: "{{ is_state('light.bedroom', 'off') }}", timeout: 60}
+""",
+        rooms,
+    ).texts
+    assert "if = [\"id='bedroom' on\"]" in found
+    assert "default(level of id='bedroom' / 0.392" in found
+    assert "wait until id='bedroom' off, at most 1m" in found
+
+
 def test_a_name_that_two_devices_may_have_made_is_refused() -> None:
     lamps = [device(name, part("", "light", "on_off")).model_copy(update={"id": name}) for name in ("A b", "A-b")]
     found = read(

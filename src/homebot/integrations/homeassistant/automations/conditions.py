@@ -9,7 +9,7 @@ from itertools import chain, product
 from math import prod
 from typing import Final
 
-from homebot.integrations.homeassistant.automations.entities import Automation, Condition
+from homebot.integrations.homeassistant.automations.entities import Automation, Condition, is_of_two_values
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, helper_time, sun_moment
 from homebot.integrations.homeassistant.automations.templates import Templates, bracketed
@@ -110,7 +110,10 @@ def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Con
     length = f" for {lasting}" if lasting else ""
     conditions = [any_of([[(bracketed(f"{state}{length}"),)] for state in states]) for states in states_of_entities]
     if length and any(
-        text in _OPPOSITES or " of name=" in text for condition in conditions for texts in condition for text in texts
+        text in _OPPOSITES or is_of_two_values(text)
+        for condition in conditions
+        for texts in condition
+        for text in texts
     ):
         raise NotCarriedError("condition: `for` of the sun, or of two values")
     return any_of(conditions) if of_any else [*chain.from_iterable(conditions)]

@@ -115,6 +115,20 @@ class _Meant(NamedTuple):
     capability: str
 
 
+_ASKED: Final = re.compile(r"\b(?:name|id)=")
+_COMPARED: Final = re.compile(r" of (?:name|id)=")
+
+
+def is_of_device(text: str) -> bool:
+    """Return whether the condition *text* asks for a device."""
+    return _ASKED.search(text) is not None
+
+
+def is_of_two_values(text: str) -> bool:
+    """Return whether the condition *text* compares values, and is no query."""
+    return _COMPARED.search(text) is not None
+
+
 class KnownEntity(NamedTuple):
     """An entity with the part that it is in homebot.
 
@@ -135,6 +149,12 @@ class KnownEntity(NamedTuple):
     def domain(self) -> str:
         """The domain, such as ``light``."""
         return self.id.partition(".")[0]
+
+    @property
+    def query(self) -> str:
+        """The query that means its device alone: an id that reads like a name which others have is asked as an id."""
+        is_shared = self.name != self.device.name and fold(self.name) == fold(self.device.name)
+        return f"{'id' if is_shared else 'name'}={text_value(self.name)}"
 
     @property
     def controls(self) -> list[str]:

@@ -171,7 +171,7 @@ def rebuilt(node: nodes.Node, change: Callable[[nodes.Node], nodes.Node]) -> nod
 def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
     """Return *body* with the expressions of its ``{% set … %}`` where they are used.
 
-    A field of a ``namespace`` that a loop adds to is the loop itself, which writes what it adds, or its count.
+    A field of a ``namespace`` that a loop adds to is the loop itself, which writes the added values, or its count.
     """
     known: dict[tuple[str, ...], nodes.Node] = {}
     drawn: set[tuple[str, ...]] = set()
@@ -205,7 +205,7 @@ def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
 
 
 def _added_by(node: nodes.For) -> tuple[tuple[str, ...], nodes.Node] | None:
-    """Return the field of a namespace to which a loop only adds, and what it becomes; None for another loop."""
+    """Return the field of a namespace to which a loop only adds, and its new value; None for another loop."""
     body, tests = [part for part in node.body if not _is_space(part)], []
     while len(body) == 1 and isinstance(body[0], nodes.If) and not body[0].elif_ and not body[0].else_:
         tests.append(body[0].test)
@@ -245,7 +245,7 @@ def joined_pieces(node: nodes.Expr) -> list[nodes.Node]:
 
 
 def with_value(node: nodes.Node, choice: nodes.Node, value: nodes.Node) -> nodes.Node:
-    """Return *node* with *value* in the place of *choice*, and what is calculated with constants alone."""
+    """Return *node* with *value* in the place of *choice*, and the results of calculations with constants alone."""
     if node == choice:
         return value
     new = rebuilt(node, lambda inner: with_value(inner, choice, value))

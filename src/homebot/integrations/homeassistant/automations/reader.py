@@ -4,6 +4,7 @@ Source: Home Assistant core 2026.11, ``components/automation/config.py``, ``help
 domains; the keys of before 2024.10 count as well.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -30,6 +31,7 @@ from homebot.integrations.homeassistant.automations.entities import (
     KnownEntity,
     NamesOfIds,
     StartTrigger,
+    is_of_device,
     slug_of,
 )
 from homebot.integrations.homeassistant.automations.expressions import round_limit
@@ -178,7 +180,7 @@ class Actions:
         return choice
 
     def _steps(self, fields: UnreadFields) -> Sequence[Step]:
-        """Return the steps of an action; what one of its branches may have changed is forgotten behind all of them."""
+        """Return the steps of an action; variables that a branch may have changed are forgotten behind all of them."""
         before, self._forgotten = self._forgotten, set()
         steps = self._steps_of_kind(fields)
         expressions = self._automation.expressions
@@ -301,7 +303,7 @@ class Actions:
 
     @contextmanager
     def _beside_others(self) -> Iterator[None]:
-        """Read a branch: in those beside it, what it commands has changed no variable."""
+        """Read a branch; its commands have changed no variable in those beside it."""
         expressions = self._automation.expressions
         yield
         self._forgotten |= expressions.keys() - self._automation.expressions.keys()
@@ -520,15 +522,18 @@ def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: S
     return [{**choice, "else": [*otherwise]} if otherwise else choice]
 
 
+_IN_BRACKETS: Final = re.compile(r"^(not )?\(((?:name|id)=.*)\)$")
+
+
 def _awaited(held: Sequence[Condition], end: str) -> list[Step]:
     """Return the steps that wait until *held*: for states at one time, or for the next change to one of several."""
     texts = [text for condition in held for text in condition]
-    states = [text.replace("(name=", "name=").removesuffix(")") if "(name=" in text else text for text in texts]
+    states = [_IN_BRACKETS.sub(r"\1\2", text) for text in texts]
     is_calculated = any(text.startswith(("{", "not {")) for text in texts)
     if (
         not texts
         or is_calculated
-        or not all("name=" in text or text.endswith((" is home", " is away")) for text in texts)
+        or not all(is_of_device(text) or text.endswith((" is home", " is away")) for text in texts)
     ):
         raise NotCarriedError("action wait_template: a routine waits for states; write a loop with `until`")
     if all(len(condition) == 1 for condition in held):

@@ -8,6 +8,7 @@ from homebot.integrations.homeassistant.automations.entities import (
     Automation,
     KnownEntity,
     StartTrigger,
+    is_of_device,
     text_value,
 )
 from homebot.integrations.homeassistant.automations.event_triggers import press_text
@@ -162,7 +163,7 @@ def _of_group(automation: Automation, group: str, members: Sequence[str], asked:
 def _left(automation: Automation, entity_id: str, state: str, asked: _AskedState) -> StartTrigger:
     """Return the trigger of an entity that leaves a state for any other one."""
     (text,) = state_texts(automation.entities, entity_id, [state], "to")
-    if "name=" not in text or asked.attribute:
+    if not is_of_device(text) or asked.attribute:
         raise NotCarriedError(f"trigger state: `not_to` {state}; name the states with `to`")
     return StartTrigger(f"not {text}{asked.lasting}", entity=entity_id)
 
@@ -216,7 +217,7 @@ def _change_between(entity: KnownEntity, before: str, after: str, lasting: str) 
     if not capability or capability != other or first == last:
         raise NotCarriedError(f"trigger state: `from` {before}: homebot has another word for it; leave it out")
     values = " to ".join(text_value(value) for value in (first, last))
-    text = f"name={text_value(entity.name)} {capability.replace('_', ' ')} changes from {values}{lasting}"
+    text = f"{entity.query} {capability.replace('_', ' ')} changes from {values}{lasting}"
     trigger = read_trigger(text)
     if not isinstance(trigger, Changes) or (trigger.before, trigger.after) != (fold(first), fold(last)):
         raise NotCarriedError(f"the change of {entity.id} cannot be written as a trigger")
@@ -234,7 +235,7 @@ def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> 
         capability = entity.capability if entity.domain in _SENSOR_DOMAINS else next(iter(own), "")
     if not capability:
         raise NotCarriedError(f"any change of {entity.id}; name the state with `to`")
-    text = f"name={text_value(entity.name)} {capability.replace('_', ' ')} changes"
+    text = f"{entity.query} {capability.replace('_', ' ')} changes"
     trigger = read_trigger(text)
     if not isinstance(trigger, Changes) or trigger.capability != capability:
         raise NotCarriedError(f"any change of {entity.id} cannot be written as a trigger")

@@ -95,7 +95,7 @@ def sun_moment(fields: UnreadFields, event: str, key: str) -> str:
 def helper_time(entities: Entities, entity_id: str) -> str:
     """Return the time of day that a helper tells."""
     entity = entities.find(entity_id)
-    text = f"text of name={text_value(entity.name)}"
+    text = f"text of {entity.query}"
     if not entity.has("text") or not isinstance(read_trigger(f"at {text}"), AtTimeOf):
         raise NotCarriedError(f"{entity_id} has no time of day in homebot; write the time itself")
     return text
@@ -133,7 +133,7 @@ def value_name(entities: Entities, entity_id: str, attribute: str) -> tuple[str,
     capability = capability or next((name for name in entity.controls if entity.has(name)), "")
     if not capability or entity.unit:
         raise NotCarriedError(f"{entity_id} has no value for a message, or has it in another unit")
-    return f"name={text_value(entity.name)}", capability
+    return entity.query, capability
 
 
 def values_text(
@@ -145,7 +145,7 @@ def values_text(
         entity, capability, factor = number_of(entities, entity_id, attribute)
         if CAPABILITIES.get(capability, OWN).kind != "number" or factor != 1.0 or entity.unit:
             raise NotCarriedError(f"{entity_id} has no number in the unit of homebot that can be compared with another")
-        texts.append(f"{capability} of name={text_value(entity.name)}")
+        texts.append(f"{capability} of {entity.query}")
     more = f" {'plus' if offset > 0 else 'minus'} {abs(offset):.12g}" if offset else ""
     text = f"{texts[0]} {'above' if sign == '>' else 'below'} {texts[1]}{more}"
     if read_comparison(text) is None:
@@ -387,13 +387,13 @@ def _text(entity: KnownEntity, states: Sequence[StateIs]) -> str:
         raise NotCarriedError(f"{entity.id} is one of several parts of {entity.name}, which cannot be asked alone")
     types = frozenset() if is_alone else frozenset({kind})
     words = [kind.removeprefix("x_").replace("_", " ")] if types else []
-    text = " ".join([*words, f"name={text_value(entity.name)}", *map(_word, states)])
-    if not _means(text, entity.name, [replace(state, types=types) for state in states]):
+    text = " ".join([*words, entity.query, *map(_word, states)])
+    if not _means(text, entity.query, [replace(state, types=types) for state in states]):
         raise NotCarriedError(f"{entity.id}: the state of {entity.name} cannot be written as a query")
     return text
 
 
-def _means(text: str, name: str, states: Sequence[StateIs]) -> bool:
+def _means(text: str, device: str, states: Sequence[StateIs]) -> bool:
     """Return whether routines read *text* as these *states*, also with a length of time after it."""
     try:
         query = parse_query(text)
@@ -401,7 +401,7 @@ def _means(text: str, name: str, states: Sequence[StateIs]) -> bool:
     except UsageError:
         return False
     terms = [term for term in leaves(query) if not isinstance(term, TypeIs)]
-    return isinstance(query, And) and terms == [NameIs(fold(name)), *states] and lasting.query == query
+    return isinstance(query, And) and terms == [*leaves(parse_query(device)), *states] and lasting.query == query
 
 
 def _word(state: StateIs) -> str:

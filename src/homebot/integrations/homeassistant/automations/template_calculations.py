@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.integrations.homeassistant.automations.entities import Automation, text_value
+from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
     expression_of,
@@ -134,7 +134,7 @@ class _Calculation:
         return _without_brackets(text) if _RANKS.get(type(node), 0) >= least else text
 
     def _with_default(self, node: nodes.Expr, default: nodes.Expr) -> str:
-        """Return the value *node* with the number that counts while it is unknown; what is calculated is known."""
+        """Return the value *node* with the number that counts while it is unknown; a calculated one is known."""
         value = self._measured(node, has_default=True)
         if not value:
             return self.text(node)
@@ -172,5 +172,5 @@ class _Calculation:
         if not has_default and not self._may_be_unknown:
             raise refused_template(shown_tree(node), "it may be unknown; write `float(0)`, or the value then")
         self.has_unknown |= not has_default
-        value = f"{capability} of name={text_value(entity.name)}"
+        value = f"{capability} of {entity.query}"
         return value if factor == 1.0 else f"({value} / {factor:.12g})"

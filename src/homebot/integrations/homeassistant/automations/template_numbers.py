@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import Operator
-from homebot.integrations.homeassistant.automations.entities import Automation, text_value
+from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
     expression_of,
@@ -192,7 +192,7 @@ def step_number(automation: Automation, text: str) -> tuple[str, float]:
     if number.offset or entity.unit or not capability:
         raise refused_template(text, "a step takes a number of the house as it is")
     automation.notes.append("a number of the house is taken as it is, and the step left out while it is unknown")
-    return f"{{{capability} of name={text_value(entity.name)}}}", factor / own
+    return f"{{{capability} of {entity.query}}}", factor / own
 
 
 _ENDS: Final = {("min", 1.0), ("max", 0.0)}

@@ -7,7 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Final, TypeAlias, TypeVar, cast
 
 from homebot.devices.query.terms import Operator
-from homebot.integrations.homeassistant.automations.entities import NEVER, Automation, Condition, StartTrigger
+from homebot.integrations.homeassistant.automations.entities import (
+    NEVER,
+    Automation,
+    Condition,
+    StartTrigger,
+    is_of_device,
+    is_of_two_values,
+)
 from homebot.integrations.homeassistant.automations.event_triggers import asked_press
 from homebot.integrations.homeassistant.automations.expressions import (
     LeftTemplate,
@@ -257,7 +264,7 @@ class Templates:
         ]
 
     def _of_table(self, node: nodes.Node) -> _Ways:
-        """Return the values of a table by what is looked up in it."""
+        """Return the values of a table by the key that is looked up."""
         match node:
             case (
                 nodes.Getitem(node=known, arg=asked)
@@ -430,7 +437,7 @@ class Templates:
         return self._any_of([[condition] for condition in held]) if members and state == "on" else [*held]
 
     def _compared(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
-        """Return the condition that *left* is, or is not, so compared with *right*; what is calculated at last."""
+        """Return the condition that *left* is, or is not, so compared with *right*; calculations come last."""
         noted = len(self._automation.notes)
         try:
             return self._compared_by_words(left, sign, right)
@@ -676,4 +683,4 @@ def _is_count_of_lights(node: nodes.Node | None) -> bool:
 
 def bracketed(text: str) -> str:
     """Return a state in brackets if it is a query, which others may be joined to."""
-    return f"({text})" if "name=" in text and " of name=" not in text else text
+    return f"({text})" if is_of_device(text) and not is_of_two_values(text) else text

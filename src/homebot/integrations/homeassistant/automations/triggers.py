@@ -12,6 +12,7 @@ from homebot.integrations.homeassistant.automations.entities import (
     Automation,
     Condition,
     StartTrigger,
+    is_of_device,
 )
 from homebot.integrations.homeassistant.automations.event_triggers import (
     ADVICE,
@@ -203,7 +204,7 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
 
 def _one_state(text: str) -> list[StartTrigger]:
     """Return the trigger of a state that begins."""
-    is_state = "name=" in text and not text.startswith(("not ", "{"))
+    is_state = is_of_device(text) and not text.startswith(("not ", "{"))
     is_person = text.endswith((" is home", " is away"))
     if not is_state and not is_person and not text.startswith("sun elevation ") and text not in _SUN_BEGINS:
         raise NotCarriedError("trigger template: only states start a routine; write the times as triggers")
