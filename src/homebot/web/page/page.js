@@ -1,1 +1,1 @@
-import"./chunk-ULDFPZEM.js";
+import"./chunk-2UOMKVPH.js";

@@ -28,7 +28,7 @@ export function Energy() {
   useEffect(() => {
     if (!isOpen) return;
     const since = { sec: Math.floor(now() - DAYS * DAY), nanosec: 0 };
-    call("/history/energy", { query: [{ key: "capability", value: "energy" }], since }).then((answer) => setDays(answer.days), () => setDays([]));
+    call("/history/energy", { since }).then((answer) => setDays(answer.days), () => setDays([]));
   }, [isOpen, metered.length]);
   const users = metered.filter((one) => read(one, "power") >= LEAST && !isHouseMeter(one)).sort((a, b) => read(b, "power") - read(a, "power"));
   const most = Math.max(1, ...users.map((one) => read(one, "power")));

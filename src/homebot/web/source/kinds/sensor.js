@@ -34,6 +34,8 @@ export const motion = {
   main: [],
 };
 
+/** What tells events and pictures, and has no state. */
+const EVENTFUL = new Set(["camera", "generic_switch", "x_tag", "x_tag_reader"]);
 /** What is pressed. */
 const PRESSED = ["push", "scene", "press"];
 
@@ -42,7 +44,7 @@ export const plain = {
   group: "others",
   isActive: (device) => read(device, "on_off") === true || read(device, "at_home") === true,
   tone: (device) => (isWrong(device) ? "alarm" : "rest"),
-  state: (device) => summary(device) || (device.settable.length ? "" : say("unknown")),
+  state: (device) => summary(device) || (device.settable.length || EVENTFUL.has(device.type) ? "" : say("unknown")),
   act(device) {
     const pressed = PRESSED.find((one) => takes(device, one));
     return pressed && !device.states.size ? act("press", "press", pressed, true) : null;
