@@ -45,5 +45,5 @@ def test_links_and_urls_lead_to_the_repository_where_it_is_known(tmp_path: Path)
     made = built(tmp_path, "https://git.example/homebot")
     assert "https://git.example/homebot/blob/HEAD/docs/devices.md#outcomes" in links(made)
     assert [one for one in links(made) if not one.startswith(("https://", "#"))] == []
-    assert "https://git.example/homebot/raw/HEAD/docs/images/home.png" in links(made)
+    assert "https://git.example/homebot/raw/HEAD/docs/images/home-wall-light.webp" in links(made)
     assert made["urls"]["Changelog"] == "https://git.example/homebot/blob/HEAD/CHANGELOG.md"
