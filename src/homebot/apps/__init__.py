@@ -2,13 +2,12 @@
 
 from homebot.apps.base import App, AppSettings, NoSettings
 from homebot.apps.context import AppContext
+from homebot.feature import all_features, load
 
 __all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
 
 
 def __getattr__(name: str) -> object:
-    from homebot.feature import all_features, load  # noqa: PLC0415 - few apps ask
-
     for feature in all_features():
         if name in feature.app_names:
             return load(feature.app_names[name])

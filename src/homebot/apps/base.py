@@ -28,6 +28,7 @@ from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.isolation import frames_of, isolated
+from homebot.support.production_loop import is_ours_or_the_users, place_of_frame
 
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
@@ -420,8 +421,6 @@ class App(ABC, Generic[SettingsT_co]):
 
     def end_by_force(self) -> str:
         """Close the code that goes on although the app is cancelled; return its places."""
-        from homebot.support.production_loop import is_ours_or_the_users, place_of_frame  # noqa: PLC0415 - seldom
-
         self._is_forced = True
         waiting = [(work, frames_of(work)) for work in (*self.created_tasks.work(), *self._work)]
         # a group of tasks ends with its tasks, and must not be closed before

@@ -24,7 +24,7 @@ from websockets.protocol import State
 from websockets.uri import parse_uri
 
 from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
-from homebot.cli.server_address import ServerAddress, server_of
+from homebot.cli.server_address import ServerAddress, client_context, server_of
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, UsageError, WireError
@@ -115,8 +115,6 @@ def open_door(address: ServerAddress) -> Iterator[DoorClient]:
 
 
 def _secure(connection: socket.socket, address: ServerAddress) -> socket.socket:
-    from homebot.cli.server_address import client_context  # noqa: PLC0415 - few servers have TLS
-
     try:
         return client_context().wrap_socket(connection, server_hostname=address.host)
     except OSError as exc:

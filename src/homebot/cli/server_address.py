@@ -16,6 +16,8 @@ import ssl
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from platformdirs import user_config_path
+
 from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_SERVER, ServerHost, server_address, server_of_environment
 from homebot.errors import ConfigError, UsageError
 from homebot.support.data_folder import data_directory
@@ -78,8 +80,6 @@ def _of_home(options: argparse.Namespace) -> ServerAddress:
     """Return the rosbridge server of the home that ``--home`` names; no token from the environment is sent there."""
     if options.door:
         raise UsageError("--home and --door both give the address of homebot; use one of them")
-    from platformdirs import user_config_path  # noqa: PLC0415 - only with --home
-
     path = user_config_path("homebot", appauthor=False) / "homes.toml"
     (host, port, has_tls), token_file = _named_home(options.home, path)
     file, said_by = (token_file, str(path)) if options.token_file is None else (options.token_file, "--token-file")

@@ -29,6 +29,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import IsUnapproved, Or
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.words.rights import read_scope
 
 _MAX_NAMED: Final = 5
 _MAX_CLOCK_DRIFT_S: Final = 5.0
@@ -190,8 +191,6 @@ class PolicyEngine(HouseWatcher):
         if is_client(issuer):
             return ALL_RIGHTS
         if scope := self._grants.get(issuer):
-            from homebot.words.rights import read_scope  # noqa: PLC0415 - few apps have a scope
-
             return read_scope(scope)._replace(table=self._tables.get(issuer, ""))
         if self._trusts_apps or not self._settings.always_ask:
             return ALL_RIGHTS

@@ -105,7 +105,7 @@ _NAME_OF = {"_amzn-wplay._tcp.local.": "n"}
 
 _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
 _ADDRESS_BEHIND = re.compile(r"\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
-"""Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
+"""The end of a name such as ``office [00:0e:c6:12:34:56]`` of a computer; Bosch's controller writes hyphens."""
 
 _PADDED = re.compile(r"^([0-9A-Fa-f]{12})0000$")
 """The host of a node on matter.js, such as Matterbridge: its hardware address and four zeros."""

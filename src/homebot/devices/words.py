@@ -138,7 +138,7 @@ def _signs(
 ) -> tuple[frozenset[str], tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
     """Return the rarest words of phrases, the ends, the pieces, and the pieces in ASCII, of words of *groups*.
 
-    Of the language with *number*, or of all.
+    They are those of the language with *number*, or of all.
     """
     languages = _LANGUAGES if number is None else _LANGUAGES[number : number + 1]
     words = frozenset(phrase.rarest for language in languages for phrase in language.phrases if phrase.group in groups)

@@ -17,7 +17,7 @@ _INFINITE: Final = 9_223_372_036
 
 _TOO_LARGE: Final = 2**63
 _DEEPEST: Final = 1000
-"""Of a deeper history only the newest are kept: it is in memory here too."""
+"""The messages of a history that are kept; a deeper one would be in memory here too."""
 
 _MAX_TEXT: Final = 300
 """Characters, more than numbers of 64 bits need."""

@@ -13,6 +13,7 @@ from typing import Final
 
 from homebot.cli.arguments import set_command
 from homebot.cli.commands.service import unit_text
+from homebot.cli.main import all_commands
 from homebot.devices.own_services import own_namespaces
 from homebot.errors import UsageError
 from homebot.feature import find_features
@@ -120,8 +121,6 @@ def _package_name(folder: str, kind: str) -> str:
 
 def _is_offered(name: str) -> bool:
     """Return whether a feature, a command or a part of homebot has the name."""
-    from homebot.cli.main import all_commands  # noqa: PLC0415 - it is loaded by the first command
-
     return name in find_features().features or name in all_commands() or name in own_namespaces()
 
 

@@ -20,7 +20,7 @@ _AGAINST: Final = 600.0
 
 _LAST: Final = 5
 UNDONE: Final = 3
-"""Of the last five commands of a routine; from then on its removal is proposed."""
+"""The undone commands among the last five of a routine from which on its removal is proposed."""
 
 
 class Undone(NamedTuple):

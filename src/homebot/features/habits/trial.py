@@ -13,7 +13,7 @@ from homebot.features.habits.search import find_habits, occasions_of
 
 TRIAL_DAYS: Final = 7
 _MIN_SHARE: Final = 0.65
-"""Of the occasions of the trial, and of those to expect."""
+"""The share of the occasions of the trial, and of those to expect."""
 
 
 def try_habits(days: Days) -> Iterator[TriedHabit | FoundHabit | None]:

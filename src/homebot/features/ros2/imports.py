@@ -34,7 +34,7 @@ _MAX_TOKENS = 10_000
 """Tokens of others that are kept; a robot with Nav2 has some 700."""
 
 MAX_TOKENS_OF_ONE = 2000
-"""Of these, those of one process: one that goes wrong leaves room for the others."""
+"""The tokens of one process: one that goes wrong leaves room for the others."""
 
 _MAX_OPEN = 1000
 """Topics and services that are imported: with more, Zenoh takes 20 ms and longer for each."""

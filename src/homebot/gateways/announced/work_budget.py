@@ -28,7 +28,7 @@ SHARED_BURST = 4 * BURST
 
 TOTAL_RATE = 4 * RATE
 TOTAL_BURST = 8 * BURST
-"""Of the budget that all sources with devices also draw on."""
+"""The rate and the most work of the budget that all sources with devices also draw on."""
 
 MAX_WAIT = 1.0
 """Most seconds for which a budget is used up, however long the last message was."""

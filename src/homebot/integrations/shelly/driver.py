@@ -47,7 +47,7 @@ MIN_PAUSE_S: Final = 5.0
 """Between rounds of requests, however often the device reports changes of its setup."""
 
 MAX_BLUETOOTH_SILENCE_S: Final = 24 * 3600.0
-"""Of a Bluetooth device behind it; some send every six hours."""
+"""The silence that a Bluetooth device behind it may have; some send every six hours."""
 
 MAX_ANSWER_S: Final = 15.0
 """For an answer; a Bluetooth operation of a gateway takes several seconds."""

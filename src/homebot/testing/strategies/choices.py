@@ -47,7 +47,7 @@ def several(draw: DrawFn, each: SearchStrategy[ValueT], at_least: int, at_most: 
 def one_of(values: tuple[ValueT, ...]) -> SearchStrategy[ValueT]:
     """Return a strategy for one of *values*, the simplest first; the same for the same, since making one takes long.
 
-    Of one value too it makes a choice: else all later choices would slip when the second of two rooms goes.
+    A single value makes a choice too: else all later choices would slip when the second of two rooms goes.
     """
     return st.sampled_from(values if len(values) > 1 else values * 2)
 

@@ -95,13 +95,13 @@ def _table(text: str) -> Mapping[str, str]:
 
 
 ABBREVIATIONS = _table(_ALL)
-"""Of a config, of a component in it, and of its availability."""
+"""The short keys of a config, of a component in it, and of its availability."""
 
 DEVICE_ABBREVIATIONS = _table(
     "cns=connections cu=configuration_url ids=identifiers mf=manufacturer mdl=model mdl_id=model_id hw=hw_version "
     "sw=sw_version sa=suggested_area sn=serial_number cdev=child_device"
 )
-"""Of the ``device`` in a config; ``name`` and ``via_device`` have none."""
+"""The short keys of the ``device`` in a config; ``name`` and ``via_device`` have none."""
 
 ORIGIN_ABBREVIATIONS = _table("sw=sw_version url=support_url")
-"""Of the ``origin`` in a config."""
+"""The short keys of the ``origin`` in a config."""

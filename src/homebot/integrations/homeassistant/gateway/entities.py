@@ -23,7 +23,7 @@ _TELLING = frozenset({"zha", "deconz"})
 """Integrations that tell the events of remotes."""
 
 MAX_PARTS = 200
-"""Of one device."""
+"""The parts of one device."""
 
 _MAX_FACT = 255
 

@@ -26,8 +26,8 @@ _FINEST: Final = 1e-6
 
 INFORMATION: Final = "3E"
 SLEEP_INTERVAL: Final = "23A"
-"""Of the service Accessory Runtime Information, which is younger than R2; its name and unit are those of aiohomekit 4.0
-and HAP-NodeJS 1.1."""
+"""A characteristic of Accessory Runtime Information, which is younger than R2; its name and unit are those of
+aiohomekit 4.0 and HAP-NodeJS 1.1."""
 
 
 @dataclass(eq=False, slots=True)

@@ -22,7 +22,7 @@ from homebot.support.numbers import finite_number
 
 _WHITES: Final = (2000, 6500)
 _MIREK: Final = (153.0, 500.0)
-"""Of a light that does not say its own, or says the largest numbers of its bytes."""
+"""The limits of a light that does not say its own, or says the largest numbers of its bytes."""
 
 _MAX_EFFECTS: Final = 50
 

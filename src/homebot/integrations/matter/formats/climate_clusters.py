@@ -38,7 +38,7 @@ THERMOSTAT, FAN, KEYPAD, _LOCKOUT = 513, 514, 516, 1
 _LOCAL, _OUTDOOR, _HEATING_DEMAND, _OFFSET, _COOLING, _HEATING = 0, 1, 8, 0x10, 0x11, 0x12
 _SYSTEM_MODE, _RUNNING_STATE, _ACTIVE_PRESET, _PRESETS = 0x1C, 0x29, 0x4E, 0x50
 _LIMITS: Final = {_HEATING: ((0x15, 0x16), (3, 4)), _COOLING: ((0x17, 0x18), (5, 6))}
-"""Of each setpoint: the attributes of the limits that people set, and of those of the device."""
+"""The attributes of each setpoint's limits: those that people set, and those of the device."""
 
 _USUAL_LIMITS: Final = {_HEATING: (7.0, 30.0), _COOLING: (16.0, 32.0)}
 _HEATS, _COOLS, _CHANGES_BY_ITSELF, _HAS_PRESETS = 1 << 0, 1 << 1, 1 << 5, 1 << 8

@@ -27,7 +27,7 @@ from homebot.integrations.matter.formats.scenes import scene_parts
 
 MAX_ATTRIBUTES: Final = 20_000
 MAX_PARTS: Final = 200
-"""Of one node."""
+"""The parts of one node."""
 
 BASIC, BRIDGED, DIAGNOSTICS = 40, 57, 51
 _VENDOR, _PRODUCT, _LABEL, _HARDWARE, _SOFTWARE, _SERIAL, _REACHABLE, _UNIQUE = 1, 3, 5, 8, 10, 15, 17, 18

@@ -36,7 +36,7 @@ READ_AGAIN: Final = 18.0
 half a minute."""
 
 MAX_THINGS: Final = 16
-"""Of one server of Web Things; the first ones are used."""
+"""The things of one server that are used: the first ones."""
 
 _ACCEPTED = "application/td+json, application/json;q=0.9"
 _NOT_THERE = frozenset({404, 405, 410})

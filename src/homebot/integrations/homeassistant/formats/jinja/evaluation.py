@@ -169,7 +169,7 @@ class Program:
 
 _MAX_PATH_CHARACTERS = 100
 _WEIGHT = 2
-"""Of the name and its output; each step adds 1, and 1 for its key if that is in quotes."""
+"""The weight of the name and its output; each step adds 1, and 1 for its key if that is in quotes."""
 
 _JSON = frozenset({"value_json"})
 _STEP = re.compile(r"""\.([A-Za-z_][A-Za-z_0-9]*)|\['([\w -]*)'\]|\["([\w -]*)"\]""", re.ASCII)

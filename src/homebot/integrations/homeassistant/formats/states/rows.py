@@ -70,7 +70,7 @@ def write_switch(_info: Fields, value: PlainValue, _code: str) -> Fields:
 
 
 SWITCH = EntityRow("on_off", read_state({"on": True, "off": False}), write_switch)
-"""Of a state that is on or off."""
+"""The row of a state that is on or off."""
 
 
 def switch(on: int, off: int, read: ReadField | None = SWITCH.read) -> EntityRow:
