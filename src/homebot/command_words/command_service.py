@@ -125,7 +125,7 @@ class CommandService:
     async def _scene(self, request: CommandDevicesRequest) -> CommandDevicesResponse | None:
         """Apply, or undo, the scene that *request* names as ``scene NAME``; None if it names none, or a device."""
         named, is_undo = SCENE_TARGET.match(request.target), _SCENE_WORDS.get(request.command.strip().casefold())
-        if named is None or is_undo is None or request.values or await self._lookup.called(request.target.strip()):
+        if named is None or is_undo is None or request.values or await self._lookup.find_called(request.target.strip()):
             return None
         from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest  # noqa: PLC0415 - many homes have none
 

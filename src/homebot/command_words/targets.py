@@ -148,7 +148,7 @@ class CommandTargets:
         """Find the device, its part, or the group that has the id or name."""
         request, text = phrase.request, phrase.text
         device_id, _, part_id = text.partition("#")
-        called = await self._lookup.called(text, device_id)
+        called = await self._lookup.find_called(text, device_id)
         if part_id and called and called[0].id.casefold() == device_id.casefold():
             if (part := called[0].part(part_id)) is None:
                 raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)

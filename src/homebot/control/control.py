@@ -133,7 +133,7 @@ class HouseWatch:
         if not device_id:
             return
         layer = self._layer()
-        name = layer.journal.published(device_id, command, now, is_sent=not self._is_dry_run)
+        name = layer.journal.record_sent(device_id, command, now, is_sent=not self._is_dry_run)
         if self._is_dry_run or (device := await self._lookup.known(device_id)) is None:
             return
         await layer.executor.record_raw(name, device, gateway, command)

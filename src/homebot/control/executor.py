@@ -116,7 +116,7 @@ class CommandExecutor:
         asked_at, device, part, problem, text = target
         place = request.device, request.part if part is None else part.id
         shown = without_codes(request.settings, device, part)
-        name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, device)
+        name = self._journal.record_request(request.issuer, place, shown, request.trigger, asked_at, device)
         outcome: Outcome | _T
         try:
             if problem is not None:
@@ -137,19 +137,19 @@ class CommandExecutor:
                 if isinstance(outcome, Outcome):
                     outcome = self._end(command, outcome)
         except asyncio.CancelledError:
-            self._journal.decided(request.issuer, place, self._sending.cancel(name))
+            self._journal.record_outcome(request.issuer, place, self._sending.cancel(name))
             raise
         finally:
             self._sending.open.pop(name, None)
         if isinstance(outcome, Outcome):
-            self._journal.decided(request.issuer, place, outcome)
+            self._journal.record_outcome(request.issuer, place, outcome)
         return outcome
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool) -> tuple[Outcome | None, IssuedCommand]:
         """Return why *command* ends here, as a member or a person refuses it; and the command, once a person agreed."""
         refused: IssuedCommand | Outcome | None = self._together.refusal_of_members(command)
         if refused is None and (ask_first or self.questions.must_ask(command)):
-            refused = self.check(command, is_preview=True) or await self.questions.agreed(command)
+            refused = self.check(command, is_preview=True) or await self.questions.ask_and_update(command)
         return (None, refused) if isinstance(refused, IssuedCommand) else (refused, command)
 
     def _end(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
@@ -204,7 +204,7 @@ class CommandExecutor:
             sent = await self._texts.send(text, command.issuer, command.trigger, command.id, command.part.routes)
         except LinkError as exc:
             return not_sent(exc, command_id=command.id)
-        self._journal.published(command.device.id, sent, self._clock.now(), is_code=command.has_code)
+        self._journal.record_sent(command.device.id, sent, self._clock.now(), is_code=command.has_code)
         return SendTextResponse(success=True, others=text.others, command_id=command.id)
 
     async def record_raw(self, name: str, device: Device, gateway: str, raw: RawCommand) -> None:

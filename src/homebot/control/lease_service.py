@@ -121,7 +121,7 @@ class LeaseService:
 
     async def _target(self, request: HoldRequest) -> tuple[Device, DevicePart] | NoAnswer | Gone:
         try:
-            called = await self._lookup.called(request.device)
+            called = await self._lookup.find_called(request.device)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
         if len(called) > 1:

@@ -112,7 +112,7 @@ class PolicyEngine(HouseWatcher):
         verdicts = self._policies.check(command, facts)
         for verdict in verdicts:
             if is_recorded and (verdict.reason or not verdict.allowed):
-                self._journal.judged(command, verdict)
+                self._journal.record_verdict(command, verdict)
             if is_recorded and verdict.warns:
                 command.warnings[verdict.policy] = verdict.reason
         last = verdicts[-1]

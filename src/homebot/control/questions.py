@@ -72,7 +72,7 @@ class Questions:
             return True
         return any(must_ask(replace(command, device=device, part=part)) for device, part in command.members)
 
-    async def agreed(self, command: IssuedCommand) -> IssuedCommand | Outcome:
+    async def ask_and_update(self, command: IssuedCommand) -> IssuedCommand | Outcome:
         """As :meth:`ask`, but return *command* for the device as it is by then, instead of None."""
         refused = await self.ask(command)
         if refused is not None or command.text is not None:
@@ -114,7 +114,7 @@ class Questions:
             if command.id in self._open:
                 self._close(command.id, end)
         if question.yes:
-            self._journal.judged(command, Verdict(ASK, allowed=True, reason=f"{question.by} said yes"))
+            self._journal.record_verdict(command, Verdict(ASK, allowed=True, reason=f"{question.by} said yes"))
             return None
         if question.by:
             self._denied[key] = question.by, self._clock.monotonic() + _MAX_WAIT_S

@@ -342,7 +342,7 @@ class Sending:
         order = progress.order
         outcome = Reverted(undoing.after, cause.value, command_id=order.id)
         device, part = order.place
-        self._journal.reverted(order.issuer, order.place, outcome, Setting.of(undoing.capability, value))
+        self._journal.record_revert(order.issuer, order.place, outcome, Setting.of(undoing.capability, value))
         self._events.publish(
             CommandEvent(device=device, part=part, issuer=order.issuer, result=CommandResult.of(outcome))
         )

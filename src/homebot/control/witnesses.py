@@ -126,7 +126,7 @@ class Witnesses:
 
     async def _named_sensors(self, name: str, wanted: frozenset[str]) -> list[Witness]:
         try:
-            devices = await self._lookup.called(name)
+            devices = await self._lookup.find_called(name)
         except ServiceError:
             return []
         return [sensor for device in devices for sensor in _sensors(device, wanted, is_named=True)][:_MAX_NAMED]

@@ -41,7 +41,7 @@ class DeviceLookup:
             return await self.device(device_id)
         return None
 
-    async def called(self, name: str, device_id: str = "") -> tuple[Device, ...]:
+    async def find_called(self, name: str, device_id: str = "") -> tuple[Device, ...]:
         """Return the devices that *name* calls; see :func:`homebot.devices.device_names.devices_called`."""
         from homebot.devices.device_names import devices_called, name_query  # noqa: PLC0415 - for names alone
 

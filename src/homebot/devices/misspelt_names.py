@@ -116,7 +116,7 @@ class ConfiguredNames:
 
     async def _unknown_devices(self, devices: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
         for key, name in devices:
-            if not await self._lookup.called(name):
+            if not await self._lookup.find_called(name):
                 known = [text for device in await self._lookup.devices() for text in names_of(device)][:_MAX_COMPARED]
                 yield f"{key}: {no_such('device', name, known, '`homebot devices` lists all')}"
 

@@ -266,7 +266,7 @@ class Runtime:
             self._gateway_node = MutedNode
             self.rehearsal = self.rehearsal or DryRun()
         plan = make_plan(config, self.apps)
-        return plan if self._house is None else self._house.completed(plan, config.source)
+        return plan if self._house is None else self._house.complete(plan, config.source)
 
     async def __aenter__(self) -> Self:
         """Start everything.

@@ -52,7 +52,7 @@ class HouseOfRun:
         self.home, self._has_root = _HOME, True
         self.network = HouseNetwork(world.families())
 
-    def completed(self, plan: Plan, source: str) -> Plan:
+    def complete(self, plan: Plan, source: str) -> Plan:
         """Return *plan* with the robot of the house, and with its rooms and floor plan if none are stated.
 
         Raises:

@@ -187,14 +187,14 @@ async def test_a_person_who_turns_a_lamp_off_after_a_command_to_its_group_is_nev
     """The wall switch cuts in while a part of the lamps has still to be heard."""
     async with house(0.3, seed=3) as (bridge, client):
         perform = client.create_client(PerformCommand, PERFORM_COMMAND)
-        (group,) = await DeviceLookup(client).called(GROUP)
+        (group,) = await DeviceLookup(client).find_called(GROUP)
         request = CommandRequest(device=group.id, settings=(Setting.of("on_off", True),), issuer="/app")
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(partial(perform.call, request, timeout=120))
             await anyio.sleep(delay)
             bridge.lit.discard(LAMPS[0])
             await bridge.publish(LAMPS[0], "OFF")
-        (lamp,) = await DeviceLookup(client).called(LAMPS[0])
+        (lamp,) = await DeviceLookup(client).find_called(LAMPS[0])
         causes = [one.cause for one in await changes(client) if one.device == lamp.id]
         assert LAMPS[0] not in bridge.lit
         assert causes[-1] in {"person", "unknown"}

@@ -52,7 +52,7 @@ class DeniedRequests:
             return
         self._devices[request] = ""
         self._devices[request] = device = await self._device_of(refused)
-        self._journal.denied(refused, device, count)
+        self._journal.record_denial(refused, device, count)
 
     async def _end_hour(self) -> None:
         await anyio.sleep(_HOUR)
@@ -66,7 +66,7 @@ class DeniedRequests:
     def _record_count(self, _name: str, client: LimitInterval[tuple[_Request, AccessRefused]]) -> None:
         newest, count = client.release()
         if newest is not None:
-            self._journal.denied(newest[1], self._devices.get(newest[0], ""), count)
+            self._journal.record_denial(newest[1], self._devices.get(newest[0], ""), count)
 
     async def _device_of(self, refused: AccessRefused) -> str:
         """Return the id of the device that a command is for; empty if there is none, or several."""
@@ -80,7 +80,7 @@ class DeniedRequests:
 
     async def _named(self, subject: str) -> str:
         try:
-            devices = await self._lookup.called(subject, subject.partition("#")[0])
+            devices = await self._lookup.find_called(subject, subject.partition("#")[0])
         except ServiceError:
             return ""
         return devices[0].id if len(devices) == 1 else ""

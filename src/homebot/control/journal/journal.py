@@ -114,7 +114,7 @@ class CommandJournal:
         names = tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
         return response.model_copy(update={"entries": entries, "names": names})
 
-    def requested(
+    def record_request(
         self,
         issuer: str,
         place: PartRef,
@@ -145,7 +145,7 @@ class CommandJournal:
         now, (device, part) = self._clock.now(), command.place
         self._add(JournalNote(kind, now, device, part, command.id, command.issuer, NO_TRIGGER, (), text, verdicts))
 
-    def judged(self, command: IssuedCommand, verdict: Verdict) -> None:
+    def record_verdict(self, command: IssuedCommand, verdict: Verdict) -> None:
         """Record the verdict of a policy."""
         facts = tuple(
             JournalFact(name=fact.name, value=Value.of(fact.value), since=Time.from_seconds(fact.since))
@@ -154,7 +154,7 @@ class CommandJournal:
         noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
         self.record("judged", command, verdicts=(noted,))
 
-    def reported(
+    def record_report(
         self, place: PartRef, setting: Setting, at: float, cause: str, command: str = "", issuer: str = ""
     ) -> None:
         """Record a report of the part *place* at its own time.
@@ -166,11 +166,11 @@ class CommandJournal:
         kind: EntryKind = "reported" if command else "changed"
         self._add(JournalNote(kind, at, *place, command, issuer, settings=(setting,), cause=cause))
 
-    def decided(self, issuer: str, place: PartRef, outcome: Outcome) -> None:
+    def record_outcome(self, issuer: str, place: PartRef, outcome: Outcome) -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""
         self._add(JournalNote("outcome", self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
 
-    def reverted(self, issuer: str, place: PartRef, outcome: Reverted, setting: Setting) -> None:
+    def record_revert(self, issuer: str, place: PartRef, outcome: Reverted, setting: Setting) -> None:
         """Record that another *setting* followed the one that a command of *issuer* to the part *place* brought."""
         now, name = self._clock.now(), outcome.command_id
         note = JournalNote(
@@ -178,7 +178,7 @@ class CommandJournal:
         )
         self._add(note)
 
-    def published(
+    def record_sent(
         self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False
     ) -> str:
         """Record a raw command to a device at *at*, in seconds since the Unix epoch; return its id.
@@ -199,7 +199,7 @@ class CommandJournal:
             self._add(JournalNote("would", at, device, "", name, issuer=command.issuer))
         return name
 
-    def denied(self, refused: AccessRefused, device: str, count: int) -> None:
+    def record_denial(self, refused: AccessRefused, device: str, count: int) -> None:
         """Record that the door refused *count* requests such as this one, to *device* if it is known."""
         facts: dict[str, PlainValue] = {
             "operation": refused.operation,

@@ -73,7 +73,7 @@ class ReportLog:
             return
         is_told = attribution.role is ReportRole.EFFECT or fact.is_change
         setting, text = Setting.of(fact.capability, fact.value), attribution.cause.value if is_told else ""
-        self._journal.reported(order.place, setting, fact.stamp, text, order.id, order.issuer)
+        self._journal.record_report(order.place, setting, fact.stamp, text, order.id, order.issuer)
 
     def on_change(self, change: ChangedSetting) -> None:
         """Record and log a change, unless it has a role for a command to its part: then that command recorded it."""
@@ -83,7 +83,7 @@ class ReportLog:
             return
         setting = Setting(capability=change.capability, value=change.value)
         command = "" if attribution.cause in {Cause.PERSON, Cause.UNKNOWN} else attribution.command
-        self._journal.reported(place, setting, at, attribution.cause.value, command)
+        self._journal.record_report(place, setting, at, attribution.cause.value, command)
         if not command:
             self._journal.log.log_change(change, attribution.cause.value)
 

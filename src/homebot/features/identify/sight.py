@@ -151,7 +151,7 @@ async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Regio
     seeing = [
         device for device in await lookup.devices() if any(state.capability == "illuminance" for state in device.states)
     ]
-    devices = await lookup.called(topic) if topic else [device for device in seeing if fold(device.area) in rooms]
+    devices = await lookup.find_called(topic) if topic else [device for device in seeing if fold(device.area) in rooms]
     if len(devices) == 1 and devices[0].id in {device.id for device in seeing}:
         return _DeviceSight(node, lookup, devices[0].id)
     topics = [name for name, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
