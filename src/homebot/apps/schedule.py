@@ -125,7 +125,7 @@ class Schedule:
                     "a durable timer needs a name, and a method of the app as its handler: "
                     "it is found by them after a restart"
                 )
-            if (resumed := self._take_over(name)) is not None:
+            if (resumed := self._resume_timer(name)) is not None:
                 return resumed
         elif late:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
@@ -139,7 +139,7 @@ class Schedule:
         self._add(job)
         return job
 
-    def _take_over(self, name: str) -> Job | None:
+    def _resume_timer(self, name: str) -> Job | None:
         """Return the resumed timer *name* if this is its first request by a starting app; None otherwise."""
         is_first = name in self._resumed
         self._resumed.discard(name)

@@ -58,7 +58,7 @@ class RichTerminal:
             [_text(cell, _style(cell) if name == in_colour else "") for name, cell in zip(head, row, strict=True)]
             for row in rows
         ]
-        kept = self._keep_fitting(head, _widths(head, shown), if_room, if_wide)
+        kept = self._fit_columns(head, _widths(head, shown), if_room, if_wide)
         table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="bold")
         for place in kept:
             table.add_column(head[place], overflow="fold")
@@ -70,7 +70,7 @@ class RichTerminal:
             hidden = f"columns hidden, as the terminal is too narrow: {', '.join(left_out)}"
             self._console.print(_text(hidden, "dim"))
 
-    def _keep_fitting(
+    def _fit_columns(
         self, head: Sequence[str], widths: Mapping[int, int], if_room: Sequence[str], if_wide: Sequence[str]
     ) -> list[int]:
         """Return the places of the columns that are shown."""

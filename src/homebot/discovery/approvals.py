@@ -96,7 +96,7 @@ class ApprovalRegistry:
             return approved
         return tuple((place, approval, change or _MERGED) for place, approval, change in approved)
 
-    def keep_approved(self, sources: Collection[SourceRecord]) -> tuple[SourceRecord, ...]:
+    def filter_approved(self, sources: Collection[SourceRecord]) -> tuple[SourceRecord, ...]:
         """Return those of *sources* with an approved part, also if it changed since: others only joined these."""
         known = self._by_place
         return tuple(

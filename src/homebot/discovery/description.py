@@ -133,7 +133,7 @@ _IDENTIFIERS: Final = attrgetter("sighting.identifiers")
 def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequence[SourceRecord]:
     """Return those of *sources* that say something of their device: nothing that joined an approved device does."""
     believed = tuple(filterfalse(_IS_CLAIMED, sources)) or sources
-    return believed if owner is None else owner.approvals.keep_approved(believed) or believed
+    return believed if owner is None else owner.approvals.filter_approved(believed) or believed
 
 
 def _claimed_models(sources: Iterable[SourceRecord]) -> tuple[Fact, ...]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, final
 from homebot.devices import (
     Device,
     Endpoint,
+    Fact,
     Freshness,
     Reachability,
     State,
@@ -210,7 +211,7 @@ class Entry:
             has_states, has_events = any(map(_VALUES, sources)), any(map(_EVENTS, sources))
             facts = described.facts
             if any(map(_UNREADABLE, sources)):
-                facts = (*[fact for source in sources for fact in source.unreadable.values()], *facts)[:MAX_FACTS]
+                facts = _add_unreadable(facts, sources)
             parts, reachable = described.merged.parts, self.reachability()
             conflicts = described.merged.conflicts
             _, *others = sources  # without a call, as this runs for every announcement
@@ -374,6 +375,11 @@ def silent_gateways(entries: Iterable[Entry]) -> frozenset[str]:
         silent |= entry.silent_gateways()
         heard |= entry.gateways() - entry.silent_gateways()
     return frozenset(silent - heard)
+
+
+def _add_unreadable(facts: tuple[Fact, ...], sources: Iterable[SourceRecord]) -> tuple[Fact, ...]:
+    """Return *facts* after those of *sources* that sent what could not be read."""
+    return (*[fact for source in sources for fact in source.unreadable.values()], *facts)[:MAX_FACTS]
 
 
 def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) -> tuple[State, ...]:
