@@ -33,6 +33,7 @@ BENCHMARKS = (
     "broker_fixture",
     "start_up",
     "ingest",
+    "ble_proxies",
     "zigbee_house",
     "what_asks",
     "states",
@@ -61,7 +62,7 @@ FILES = {
 
 WITH_HOME_ASSISTANT = frozenset({"graph_deliveries", "service_calls", "ingest", "states"})
 
-WITH_EXTRAS = ("goals", "outcomes_networks", "machines", "waits", "discovery")
+WITH_EXTRAS = ("ble_proxies", "goals", "outcomes_networks", "machines", "waits", "discovery")
 """Those that need extras, which are not installed where start-up and memory are measured."""
 
 UNMEASURED, FAILED = "not measured, at least in part", "failed, with the error above"

@@ -21,7 +21,7 @@ _WEAKEST, _STRONGEST = -127, 20
 
 @final
 class ProxyGate:
-    """The limits on what one proxy may tell.
+    """The limits of one proxy.
 
     Attributes:
         refused: Number of advertisements that were dropped: too many, or of impossible size or strength.

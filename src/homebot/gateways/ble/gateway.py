@@ -159,7 +159,7 @@ class BleGateway(Gateway):
         return self._hub is not None and self._hub.has_proxy
 
     def _publish_state(self) -> None:
-        """Publish whether any receiver listens, and what is wrong with the adapter."""
+        """Publish whether any receiver listens, and the problem of the adapter."""
         if self._reason and not self._has_proxy:
             self._listens_since = None
             self.publish_state("unavailable", self._reason)

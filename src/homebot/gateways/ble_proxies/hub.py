@@ -68,7 +68,7 @@ class ProxyHub(BleProxies):
 
     @contextmanager
     def running(self) -> Iterator[ProxyHub]:
-        """Keep the tables of what was heard inside the block."""
+        """Keep the tables of heard advertisements inside the block."""
         self._manager.begin()
         end = self._local.async_setup()
         leave = self._manager.async_register_scanner(self._local)
@@ -81,7 +81,7 @@ class ProxyHub(BleProxies):
 
     @contextmanager
     def listening(self, on_advertisement: OnAdvertisement, on_change: Callable[[], None]) -> Iterator[None]:
-        """Hand on what is heard inside the block.
+        """Hand on the advertisements that are heard inside the block.
 
         Args:
             on_advertisement: Called with each advertisement.

@@ -13,7 +13,7 @@ import anyio
 from homebot.errors import LinkError, PeerError, PluginError, UsageError
 from homebot.gateways.ble_proxies.settings import PROXIES, BleProxySettings
 from homebot.plugins import check_extra, load_plugin
-from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
+from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.ble_proxies import PROXY_EXTRA, BleProxies, ProxyGate
 from homebot.support.isolation import run_as
 
@@ -26,6 +26,8 @@ PROXY_FAILED = "ble.proxy_failed"
 
 LASTED = 60.0
 """Seconds after which a connection that is lost counts as a first failure."""
+
+_BACKOFF = Backoff(first=1.0, factor=2.0, cap=15.0, late_cap=60.0, late_after=300.0, jitter=0.5)
 
 
 class BleProxy(ABC):
@@ -55,7 +57,7 @@ class BleProxy(ABC):
 
     @abstractmethod
     async def run(self) -> None:
-        """Connect, and hand over what it hears, until cancelled; it is run again with growing pauses.
+        """Connect, and hand over its advertisements, until cancelled; it is run again with growing pauses.
 
         Raises:
             LinkError: It cannot be reached, or the connection was lost.
@@ -93,7 +95,7 @@ class ListedProxies:
         owner = self._devices.gateway.node.full_name
         for settings in self._listed:
             if proxies is None:
-                self.problems[settings.address] = "it is connected to after a restart of homebot"
+                self.problems[settings.place] = "it is connected to after a restart of homebot"
             else:
                 tasks.start_soon(run_as, owner, partial(self._keep, settings, proxies))
 
@@ -103,11 +105,11 @@ class ListedProxies:
         while True:
             retries.begin()
             try:
-                await _kind(settings)(settings, proxies, lambda: self.problems.pop(settings.address, None)).run()
+                await _kind(settings)(settings, proxies, lambda: self.problems.pop(settings.place, None)).run()
             except (LinkError, PeerError, UsageError) as exc:
-                self.problems[settings.address] = str(exc)
-                self._devices.engine.quarantine.log_limited(PROXY_FAILED, f"{settings.address}: {exc}", source="")
-            await anyio.sleep(retries.fail(LINK_BACKOFF))
+                self.problems[settings.place] = str(exc)
+                self._devices.engine.quarantine.log_limited(PROXY_FAILED, f"{settings.place}: {exc}", source="")
+            await anyio.sleep(retries.fail(_BACKOFF))
 
 
 def _kind(settings: BleProxySettings) -> type[BleProxy]:

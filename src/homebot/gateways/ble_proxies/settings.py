@@ -51,6 +51,11 @@ class BleProxySettings(BaseModel):
             raise ValueError("give key_file or key_env, not both")
         return self
 
+    @property
+    def place(self) -> str:
+        """The address, with the port where that is given."""
+        return self.address if self.port is None else f"{self.address}:{self.port}"
+
     def read_key(self) -> SecretStr | None:
         """Return its key, read from where it is kept; None if it has none.
 

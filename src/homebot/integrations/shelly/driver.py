@@ -16,18 +16,20 @@ from pydantic import Field, SecretStr
 from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, parse_object, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers, in_pairs
-from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, WireError
+from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, UsageError, WireError
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.password_settings import PasswordSettings
 from homebot.gateways.pending_calls import PendingCalls
+from homebot.integrations.shelly.bluetooth_proxy import BluetoothRelay
 from homebot.integrations.shelly.formats.gen2 import MAX_ANSWER_BYTES
 from homebot.integrations.shelly.formats.gen2_component import COMPONENTS, components_from
 from homebot.integrations.shelly.formats.gen2_device import ANSWERS, AnswerKind, is_prefix
 from homebot.integrations.shelly.formats.gen2_rpc import CLIENT, Gen2RpcDevice, PartKey, RpcLogin, is_setup_change
 from homebot.integrations.shelly.formats.status import Fields
+from homebot.support.ble_proxies import BleProxies
 from homebot.support.isolation import ungrouped
 
 if TYPE_CHECKING:
@@ -51,6 +53,8 @@ MAX_BLUETOOTH_SILENCE_S: Final = 24 * 3600.0
 
 MAX_ANSWER_S: Final = 15.0
 """For an answer; a Bluetooth operation of a gateway takes several seconds."""
+
+NO_PROXY: Final = "shelly.no_bluetooth_proxy"
 
 UNAUTHORIZED: Final = 401
 TRY_LATER: Final = frozenset({-104, -108, -114, 503})
@@ -101,6 +105,7 @@ class ShellyDriver(Driver):
         self._device: Gen2RpcDevice | None = None
         self._described: list[GatewayDevice] = []
         self._rpc: RpcLink | None = None
+        self._relay: BluetoothRelay | None = None
         self._setup_changed = anyio.Event()
         self._components_known = anyio.Event()
 
@@ -132,6 +137,8 @@ class ShellyDriver(Driver):
                     with ungrouped():
                         async with anyio.create_task_group() as tasks:
                             tasks.start_soon(rpc.receive)
+                            if password is not None:
+                                tasks.start_soon(self._relay_bluetooth, rpc, about)
                             await self._poll_status(device, rpc)
                 except (LinkError, PeerError) as exc:
                     raise rpc.end or exc from None
@@ -211,6 +218,20 @@ class ShellyDriver(Driver):
             with anyio.move_on_after(STATUS_INTERVAL_S):
                 await self._setup_changed.wait()
 
+    async def _relay_bluetooth(self, rpc: RpcLink, about: Fields) -> None:
+        """Hand over the advertisements that the owner's device hears, if it has the script for that."""
+        proxies = self.host.service(BleProxies)
+        if proxies is None or not proxies.takes_found:
+            return
+        relay = BluetoothRelay(about)
+        try:
+            await relay.start(rpc.call, installs=False)
+            with relay.attached(proxies.attached):
+                self._relay = relay
+                await anyio.sleep_forever()
+        except (RefusedError, UsageError) as exc:
+            self.host.log.info(NO_PROXY, message=f"{self.service.name} is no Bluetooth proxy: {exc}")
+
     async def _on_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
         device.record_answer(kind, answer, len(frame))
         if kind == "status":
@@ -218,7 +239,7 @@ class ShellyDriver(Driver):
             await self._report(device.read_status(frame))
 
     async def _on_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
-        if not self._described:
+        if (self._relay is not None and self._relay.take(frame)) or not self._described:
             return
         await self.host.deliver_raw(payload)
         await self._report(device.read_notification(payload))

@@ -196,7 +196,7 @@ async def test_a_wrong_key_is_a_problem_with_a_remedy_and_not_told(
     async with serving(kitchen), gateway_with(monkeypatch, listed(kitchen, key_file=key_file)) as (gateway, watched):
         problems = gateway._proxies.problems
         await watched.until(lambda: problems)
-        assert "as key_file" in problems[kitchen.host]
+        assert "as key_file" in problems[f"{kitchen.host}:{kitchen.port}"]
     assert KEY not in caplog.text
 
 

@@ -41,7 +41,7 @@ async def load_library() -> None:
 
 @contextmanager
 def relaying(connection: EsphomeConnection, attach: Attach) -> Iterator[None]:
-    """Hand over what a device hears, and connections by it, inside the block; :func:`load_library` was called.
+    """Hand over a device's advertisements, and connections by it, inside the block, after :func:`load_library`.
 
     Raises:
         RefusedError: It is no proxy, or not taken.
@@ -85,7 +85,7 @@ class EsphomeBleProxy(BleProxy):
     port: ClassVar[int] = 6053
 
     async def run(self) -> None:
-        """Connect, and hand over what it hears, until the connection is lost."""
+        """Connect, and hand over its advertisements, until the connection is lost."""
         await load_library()
         from homebot.integrations.esphome.driver.connection import connected  # noqa: PLC0415 - an extra
 

@@ -93,7 +93,7 @@ class EsphomeDriver(Driver):
 
     @asynccontextmanager
     async def _relaying(self, connection: EsphomeConnection, *, is_owners: bool) -> AsyncIterator[None]:
-        """Hand over what the owner's device hears as a Bluetooth proxy, inside the block."""
+        """Hand over the advertisements that the owner's device hears, inside the block."""
         proxies = self.host.service(BleProxies)
         with ExitStack() as stack:
             if proxies is not None and proxies.takes_found and is_owners and connection.is_bluetooth_proxy:
