@@ -55,6 +55,12 @@ class Ecosystem:
         return None
 
     @classmethod
+    def is_own(cls, service: FoundService) -> bool:
+        """Return whether *service* is homebot itself, which is no device of the house."""
+        del service
+        return False
+
+    @classmethod
     def next_step(cls, service: FoundService) -> str:
         """Return the next step with *service*, which no configured gateway uses; empty for none."""
         del service

@@ -11,6 +11,8 @@ from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, 
 from tests.patience import PATIENCE
 from tests.sizes import size
 
+from homebot.conventions.dns_sd import FoundService
+from homebot.conventions.ecosystem import Ecosystem
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest
@@ -145,6 +147,22 @@ async def test_a_service_without_a_driver_is_listed_with_its_facts() -> None:
         sighting = await home.seen()
         assert (sighting.key, sighting.name, sighting.parts) == (KEY, "Hall", ())
         assert "id:GW-2026-0042" in sighting.identifiers
+
+
+class Ours(Ecosystem):
+    """Services of which some are homebot's."""
+
+    @classmethod
+    def is_own(cls, service: FoundService) -> bool:
+        return service.properties.get("md") == "homebot"
+
+
+async def test_what_an_ecosystem_knows_for_homebot_itself_is_not_listed() -> None:
+    async with house(drivers={}) as home:
+        home.gateway._ecosystems[SERVICE_TYPE] = Ours
+        await home.computer.announce("Bridge", 81, {"md": "homebot"})
+        await home.computer.announce("Hall", 80, {"md": "lamp"})
+        assert (await home.seen()).key == KEY
 
 
 async def test_a_txt_record_that_breaks_the_rules_is_counted_and_read_as_far_as_it_goes() -> None:

@@ -126,6 +126,8 @@ class MdnsGateway(Gateway):
                 return
         if self._own is not None:
             self._own.on_other_service(service)
+        if self._ecosystems.get(service.service_type, Ecosystem).is_own(service):
+            return
         listed = self._listed.get(service.key)
         if listed is None:
             listed = self._listed[service.key] = _Listed(service, resolved_service.ttl + SLACK)

@@ -78,9 +78,13 @@ class Homekit(Ecosystem):
         return (f"homekit {service.properties['id'].upper()} pairing",) if "id" in service.properties else ()
 
     @classmethod
+    def is_own(cls, service: FoundService) -> bool:
+        """Return whether it is a bridge of homebot."""
+        return service.properties.get("md") == OWN_MODEL
+
+    @classmethod
     def next_step(cls, service: FoundService) -> str:
         """Return how an accessory is paired that is paired with nobody yet."""
         flags = service.properties.get("sf", "")
         is_free = flags.isdecimal() and len(flags) <= _FLAG_DIGITS and bool(int(flags) & 1)
-        is_free = is_free and service.properties.get("md") != OWN_MODEL
         return f"add [gateways.homekit], then: homebot pair '{name_of(service)}' CODE" if is_free else ""
