@@ -182,6 +182,7 @@ async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch
         pytest.param("09_button", (), id="button"),
         pytest.param("13_robot_way", (), id="robot's way"),
         pytest.param("14_manual_override", (), id="manual override"),
+        pytest.param("15_office", (), id="office"),
     ],
 )
 @WHOLE_HOUSE

@@ -107,7 +107,9 @@ class RmfDoors(App[RmfDoorsSettings]):
         find, plan = self.devices.find, await self._places.call(GetPlacesRequest(), timeout=5.0)
         planned = {fold(device): door.name for door in plan.doors for device in (door.contact, door.lock) if device}
         doors: dict[str, _Part | None] = dict.fromkeys(planned.values())
-        parts: list[_Part] = [*await find(ContactSensor), *await find(Closure), *await find(DoorLock)]
+        parts: list[_Part] = [
+            part for kind in (ContactSensor, Closure, DoorLock) for part in await find(kind, optional=True)
+        ]
         for part in parts:
             names = map(fold, (part.id, part.name, part.device.id, part.device.name))
             name = next((planned[name] for name in names if name in planned), "")
@@ -123,7 +125,8 @@ class RmfDoors(App[RmfDoorsSettings]):
         name = next((door for door in self._doors if fold(door) == fold(stated.door_name)), "")
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
         if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
-            hint = did_you_mean(stated.door_name[:100], self._doors, "/door_states lists all doors")
+            all_doors = did_you_mean(stated.door_name[:100], self._doors, "/door_states lists all doors")
+            hint = "its device is only a contact, or is not known yet" if name else all_doors
             problem = f"{stated.door_name[:100]!r} is not a door with a lock or motor; {hint}"
             self._warn(f"a request for a door was refused: {problem if key[1] else 'no requester is stated'}")
             return

@@ -9,12 +9,21 @@ from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from homebot.house.description import family_world, load_world
+    from homebot.house.description import family_world, load_world, office_world
 
-__all__ = ["SimulatedHouse", "SimulatedLamp", "WindowMotor", "World", "family_world", "load_world", "thesis_world"]
+__all__ = [
+    "SimulatedHouse",
+    "SimulatedLamp",
+    "WindowMotor",
+    "World",
+    "family_world",
+    "load_world",
+    "office_world",
+    "thesis_world",
+]
 
 if not TYPE_CHECKING:  # else a type checker would accept any name
-    __getattr__ = lazy_names(__name__, {"homebot.house.description": "family_world load_world"})
+    __getattr__ = lazy_names(__name__, {"homebot.house.description": "family_world load_world office_world"})
 
 
 def thesis_world() -> World:

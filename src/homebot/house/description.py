@@ -76,6 +76,11 @@ def family_world() -> World:
     return parse_world({**tables, "devices": devices, "errands": errands}, str(file))
 
 
+def office_world() -> World:
+    """Return an office of two floors, with doors, a lift and three robots."""
+    return load_world(Path(__file__).parent / "office" / "house.toml")
+
+
 def load_world(path: Path, *, seed: int | None = None) -> World:
     """Return the house that the TOML file *path* describes, at its first midnight.
 

@@ -154,6 +154,21 @@ async def test_others_cannot_send_the_lift_away_while_a_robot_has_it() -> None:
         assert lift.now() == ("First", "First", OPEN, STOPPED, "rosie")
 
 
+async def test_a_display_says_where_the_lift_is_if_its_choice_is_only_where_it_was_sent() -> None:
+    async with lift_of(at="Display") as lift:
+        display = {"name": "Display", "unique_id": "display", "state_topic": "lift/at"}
+        await lift.house.says("homeassistant/sensor/display/config", json.dumps(display))
+        await lift.house.run_for(5)
+        await lift.house.says("lift/at", "Ground")
+        await lift.ask("rosie", "First")
+        await lift.house.run_for(20)
+        assert lift.moves == ["First"]
+        assert lift.now() == ("Ground", "First", CLOSED, UP, "rosie")
+        await lift.house.says("lift/at", "First")
+        await lift.house.run_for(5)
+        assert lift.now() == ("First", "First", OPEN, STOPPED, "rosie")
+
+
 async def test_in_human_mode_the_door_does_what_is_asked() -> None:
     async with lift_of() as lift:
         await lift.ask("rosie", "Ground", HUMAN, CLOSED)
@@ -218,6 +233,8 @@ async def test_a_lift_of_two_ends_has_the_floors_that_are_named() -> None:
         await house.says("stairs", "open")
         await house.run_for(5)
         assert lift.now() == ("Bedroom", "Bedroom", OPEN, STOPPED, "rosie")
+        await lift.ask("rosie", "Hall", lift="Stair lift")
+        assert await house.hears("stairs/set") == "CLOSE"
 
 
 async def test_a_lift_without_its_devices_is_offline() -> None:

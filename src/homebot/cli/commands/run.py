@@ -52,10 +52,10 @@ _WRONG_CONFIGURATION = 2
 
 COMMAND_LINE = "command line"
 THESIS_ROOT = "home425"
-THESIS, FAMILY = "thesis", "family"
+THESIS, FAMILY, OFFICE = "thesis", "family", "office"
 """The names of the built-in simulated houses."""
 
-_FAMILY_FOLDER: Final = Path(__file__).parents[2] / "house" / "family"
+_HOUSES: Final = Path(__file__).parents[2] / "house"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
 """The apps of a simulated house. In a real house no app runs by default: the light service turns off every lamp."""
 
@@ -121,8 +121,8 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--house",
         metavar="NAME|FILE",
-        help="simulated house: family, thesis, or a file in TOML (default, if neither --config nor --mqtt is given: "
-        "family; with --app or --root thesis), on the embedded broker, or on that of --mqtt",
+        help="simulated house: family, office, thesis, or a file in TOML (default, if neither --config nor --mqtt is "
+        "given: family; with --app or --root thesis), on the embedded broker, or on that of --mqtt",
     )
     parser.add_argument(
         "--mqtt",
@@ -364,12 +364,13 @@ def _base(options: argparse.Namespace, *, may_be_cut: bool) -> tuple[Config, Wor
         return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
     if is_service() and not options.house:
         raise UsageError(f"{DEFAULT_CONFIG} does not exist, and a service runs no simulated house; give --config FILE")
-    config = load_config(_FAMILY_FOLDER / "home.toml") if house_name(options) == FAMILY else _thesis_config(options)
+    name = house_name(options)
+    config = load_config(_HOUSES / name / "home.toml") if name in {FAMILY, OFFICE} else _thesis_config(options)
     if options.mqtt:  # real devices may be there, which only apps that are named may command
         config = config.model_copy(
             update={"apps": {name: config.apps[name] for name in options.app if name in config.apps}}
         )
-    return config, None if options.house else _house(house_name(options))
+    return config, None if options.house else _house(name)
 
 
 def _thesis_config(options: argparse.Namespace) -> Config:
@@ -398,7 +399,8 @@ def _house(name: str) -> World:
 
     if name == THESIS:
         return homebot.house.thesis_world()
-    return homebot.house.family_world() if name == FAMILY else homebot.house.load_world(Path(name))
+    built_in = {FAMILY: homebot.house.family_world, OFFICE: homebot.house.office_world}
+    return built_in[name]() if name in built_in else homebot.house.load_world(Path(name))
 
 
 def _with_its_class(file: str) -> str:

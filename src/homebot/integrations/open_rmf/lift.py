@@ -143,7 +143,7 @@ class RmfLift(App[LiftSettings]):
             if change.kind == "removed":
                 if handle == known:
                     del self._parts[role]
-            elif not ranks or _rank(handle, ranks) < (len(ranks) if known is None else _rank(known, ranks)):
+            elif _rank(handle, ranks) < (max(1, len(ranks)) if known is None else _rank(known, ranks)):
                 self._parts[role] = handle
             self._wake()
 
@@ -175,7 +175,7 @@ class RmfLift(App[LiftSettings]):
         """Return what the device takes for *floor*."""
         index = self._floors().index(floor)
         kind = "" if self._car is None else _FLOOR_RANKS[_rank(self._car, _FLOOR_RANKS)]
-        return {"number": str(index), "movement": _ENDS[min(index, 1)]}.get(kind, floor)
+        return {"number": str(index), "movement": ("close", "open")[min(index, 1)]}.get(kind, floor)
 
     def _door(self, floor: str) -> Handle | None:
         door = self._parts.get(floor if floor in self._settings.doors else "door")
