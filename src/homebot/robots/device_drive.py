@@ -6,7 +6,7 @@ takes ``idle``, which gives up its order, and ``charging``. A further one, a set
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, Final, TypeAlias, final
 
 import anyio
@@ -54,7 +54,6 @@ class DeviceDrive:
 
     def __init__(self, node: Node, devices: Devices, robot: TrackedRobot, house: Callable[[], HousePlan]) -> None:
         self._node, self._devices, self._robot, self._house = node, devices, robot, house
-        self._base = robot.settings.topic.rpartition("/")[0]
         self._device: _RobotHandle | None = None
         self._servers: list[ActionServer[Any, Any, Any]] = []
         self._changed = anyio.Event()
@@ -68,15 +67,19 @@ class DeviceDrive:
             if change.kind == "removed":
                 if change.handle == self._device:
                     self._close()
-            elif part is not None and self._base in {read.rpartition("/")[0] for read in part.part.reads}:
-                self._device = change.handle
-                self._serve()
+            elif part is not None and change.handle.can("option") and self._is_beside(part.part.reads):
+                is_new, self._device = self._device is None, change.handle
+                if is_new:
+                    self._serve()
             self._changed.set()
             self._changed = anyio.Event()
 
+    def _is_beside(self, topics: Iterable[str]) -> bool:
+        """Return whether the topic of the robot is one of its device, which are on one level."""
+        base = self._robot.settings.topic.rpartition("/")[0]
+        return bool(base) and base in {topic.rpartition("/")[0] for topic in topics}
+
     def _serve(self) -> None:
-        if self._servers:
-            return
         try:
             for action, kind, execute in (
                 ("navigate_to_pose", "NavigateToPose", self._navigate),

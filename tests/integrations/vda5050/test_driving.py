@@ -7,10 +7,13 @@ from typing import Any
 
 import anyio
 import pytest
+from anyio.abc import TaskStatus
 from tests.integrations.vda5050.robot import FleetRobot
 
 from homebot.errors import HomebotError
-from homebot.graph import EntityKind, Node
+from homebot.graph import EntityKind, Graph, Node
+from homebot.graph.actions import ActionServer
+from homebot.messages.interfaces import find_action
 from homebot.robots.drive import drive
 from homebot.testing import VirtualHouse, virtual_house_of
 from homebot.words.steps import SendRobot
@@ -61,8 +64,20 @@ class Peer:
             self.orders = [order for order in self.orders if order != "stateRequest"]
 
 
+async def nav2_in(graph: Graph, *, task_status: TaskStatus[None]) -> None:
+    """Serve an action of the robot, as its own program does."""
+
+    async def reach(goal: Any) -> None:
+        goal.succeed()
+
+    async with Node(graph, "nav2") as node:
+        ActionServer(node, find_action("nav2_msgs/action/NavigateToPose"), "/rosie/navigate_to_pose", reach)
+        task_status.started()
+        await anyio.sleep_forever()
+
+
 @asynccontextmanager
-async def fleet(robot: FleetRobot, **table: Any) -> AsyncIterator[Peer]:
+async def fleet(robot: FleetRobot, *, is_taken: bool = False, **table: Any) -> AsyncIterator[Peer]:
     config = {
         "places": {"rooms": ROOMS},
         "robots": {"rosie": {"topic": f"{robot.base}/state", "segments": {"N17": "Kitchen"}}},
@@ -73,6 +88,8 @@ async def fleet(robot: FleetRobot, **table: Any) -> AsyncIterator[Peer]:
         Node(house.runtime.graph, "routines_of_test") as node,
         anyio.create_task_group() as tasks,
     ):
+        if is_taken:
+            await tasks.start(nav2_in, house.runtime.graph)
         peer = Peer(house, robot, node)
         tasks.start_soon(peer.live)
         await house.run_for(5)
@@ -159,9 +176,17 @@ async def test_a_robot_that_is_driven_by_hand_refuses() -> None:
         assert "takes no orders in its mode MANUAL" in ended[0]
 
 
-async def test_only_a_robot_whose_device_is_known_has_the_actions() -> None:
-    silent = {"robots": {"rosie": {"topic": "uagv/v2/KIT/0001/state"}}, "places": {"rooms": ROOMS}}
-    async with virtual_house_of(config=silent) as house:
+@pytest.mark.parametrize("topic", ["uagv/v2/KIT/0001/state", "home425/robots/rosie/pose", "state"])
+async def test_only_a_robot_whose_device_takes_such_commands_has_the_actions(topic: str) -> None:
+    config = {"robots": {"rosie": {"topic": topic}}, "places": {"rooms": ROOMS}}
+    async with virtual_house_of(config=config) as house:
+        await house.says("home425/robots/rosie/out", "Hall")  # a robot of another kind, of which little is known
         await house.run_for(5)
         servers = house.runtime.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)
         assert not [one.name for one in servers if one.name.startswith("/rosie/")]
+
+
+async def test_a_robot_that_has_such_an_action_itself_keeps_it() -> None:
+    async with fleet(FleetRobot(), is_taken=True) as peer:
+        servers = peer.node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER, name="/rosie/navigate_to_pose")
+        assert [one.node for one in servers] == ["/nav2"]
