@@ -14,7 +14,7 @@ from tests.whole_house import WHOLE_HOUSE
 from homebot.features.goals.messages import AchieveResult
 from homebot.graph.actions import GoalState
 
-pytestmark = [pytest.mark.virtual_time, WHOLE_HOUSE]
+pytestmark = [pytest.mark.virtual_time, WHOLE_HOUSE, pytest.mark.rooms("scenes")]
 
 REACHED = {
     "kitchen lit": ["turn on kitchen_lamp"],
