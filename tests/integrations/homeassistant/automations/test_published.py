@@ -704,6 +704,32 @@ PLAYS: tuple[Play, ...] = (
             "10:15:00 notify 2 low batteries: Bath window battery 20 %, Hall motion battery 9 %",
         ],
     ),
+    Play(
+        "calculated",
+        "pause number 2.5, sensor.bedroom_temperature 20.4",
+        [
+            "10:00 both push",
+            "10:10 later push",
+            "10:20 radio push",
+            "10:21 media_player.kitchen idle",
+            "10:25 media_player.kitchen standby",
+        ],
+        [
+            "10:00:00 light.hall on_off True",
+            "10:00:02 light.kitchen on_off True",
+            "10:00:05 light.hall on_off False",
+            "10:00:08 light.kitchen on_off False",
+            "10:14:00 light.hall on_off True",
+            "10:20:00 media_player.kitchen option AUX",
+            "10:25:00 notify The radio is off",
+        ],
+        "09:50 10:30",
+    ),
+    Play(
+        "calculated",
+        "pause number 2.5, sensor.bedroom_temperature 20.6, media_player.kitchen playing",
+        ["10:10 later push", "10:20 radio push", "10:25 media_player.kitchen idle"],
+    ),
     Play("calculated", "sensor.hall_battery 20, sensor.bath_battery 80", ["10:05 report push"]),
     Play(
         "calculated",
@@ -1042,6 +1068,7 @@ async def test_a_text_a_remainder_and_two_loops_are_no_number_and_no_list() -> N
         "A text is no number",
         "Calculated and perhaps unknown",
         "Collected in two loops",
+        "Two that wait for states",
     ]
 
 

@@ -40,7 +40,7 @@ from homebot.integrations.homeassistant.automations.files import from_blueprint,
 from homebot.integrations.homeassistant.automations.kept_values import with_snapshot
 from homebot.integrations.homeassistant.automations.run_marks import marked_by, run_marks
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.template_numbers import step_length
+from homebot.integrations.homeassistant.automations.template_calculations import step_length
 from homebot.integrations.homeassistant.automations.template_times import random_ends
 from homebot.integrations.homeassistant.automations.templates import keeps_state
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
@@ -49,7 +49,17 @@ from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 from homebot.support.located import Located
 from homebot.words.automations import ImportedRoutines, Load, Refusal, RoutineCheck
 from homebot.words.routine_text import routine_text
-from homebot.words.steps import MAX_ROUNDS, MAX_RUNS, Do, Stop, Wait, WaitFor, WaitUntil, read_step
+from homebot.words.steps import (
+    MAX_ROUNDS,
+    MAX_RUNS,
+    Do,
+    Stop,
+    Undo,
+    Wait,
+    WaitFor,
+    WaitUntil,
+    read_step,
+)
 from homebot.words.triggers import read_state, read_trigger
 
 Step = str | dict[str, object]
@@ -428,13 +438,13 @@ class Actions:
                 asking.append(branch)
             if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in steps):
                 waiting.append(branch)
-            if not targets.isdisjoint(reached) or len(waiting) > 1 or Stop() in steps:
-                raise NotCarriedError("action parallel: several that wait, a stop, or commands to one device")
+            if not targets.isdisjoint(reached) or Stop() in steps:
+                raise NotCarriedError("action parallel: a stop, or commands to one device")
             reached += targets
         if len(asking) > 1 or any(branch in waiting for branch in asking):
             raise NotCarriedError("action parallel: several with conditions, or one that waits too")
         plain_branches = [branch for branch in branches if branch not in asking and branch not in waiting]
-        return [*chain(*asking, *plain_branches, *waiting)]
+        return [*chain(*asking, *plain_branches), *(_at_once(waiting) if len(waiting) > 1 else chain(*waiting))]
 
     def _repeated(self, fields: UnreadFields) -> list[Step]:
         """Read repeated actions: a loop, or each round as it is written if that differs by its number or value."""
@@ -505,6 +515,28 @@ def _single(steps: Iterable[Step]) -> Iterator[object]:
         yield from _single(
             cast("list[Step]", [*cast("list[Step]", step["do"]), *cast("list[Step]", step.get("else", []))])
         )
+
+
+def _at_once(branches: Sequence[Sequence[Step]]) -> list[Step]:
+    """Return the steps of *branches* that begin together and wait for fixed lengths, in the order of their times."""
+    timed: list[tuple[float, Step]] = []
+    for branch in branches:
+        now = 0.0
+        for text in branch:
+            step = None if isinstance(text, dict) else read_step(text)
+            is_fixed = not isinstance(step, Wait) or not (step.pieces or step.most)
+            if step is None or isinstance(step, WaitFor | WaitUntil | Undo) or not is_fixed:
+                raise NotCarriedError("action parallel: several that ask or wait for states; write them in a row")
+            if isinstance(step, Wait):
+                now += step.seconds
+            else:
+                timed.append((now, text))
+    steps: list[Step] = []
+    now = 0.0
+    for at, text in sorted(timed, key=lambda row: row[0]):
+        steps += [f"wait {at - now:.12g}s", text] if at > now else [text]
+        now = at
+    return steps
 
 
 def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:

@@ -19,8 +19,8 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     ServiceSetting,
 )
 from homebot.integrations.homeassistant.automations.states import number_of
-from homebot.integrations.homeassistant.automations.template_calculations import calculation_text
-from homebot.integrations.homeassistant.automations.template_numbers import changed_number, step_length, step_number
+from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, step_length
+from homebot.integrations.homeassistant.automations.template_numbers import changed_number, step_number
 from homebot.units import parse_duration
 from homebot.words.colors import COLORS
 from homebot.words.steps import Do, read_step

@@ -20,7 +20,7 @@ from homebot.integrations.homeassistant.automations.states import (
     state_texts,
     state_value,
 )
-from homebot.integrations.homeassistant.automations.template_numbers import step_length
+from homebot.integrations.homeassistant.automations.template_calculations import step_length
 from homebot.integrations.homeassistant.automations.templates import bracketed
 from homebot.support.folding import fold
 from homebot.units import parse_duration

@@ -112,7 +112,9 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
     if entity_id.startswith("group.") and entities.knows_people and _HOUSEHOLD.keys() >= {*states}:
         entities.notes.append(f"{entity_id} is taken as all of [people]")
         return [_HOUSEHOLD[state] for state in states]
-    return [state_text(entities.find(entity_id), state, key) for state in states]
+    entity = entities.find(entity_id)
+    is_either = entity.domain == "media_player" and {"off", "standby"} <= {*states}  # one state of homebot is both
+    return [state_text(entity, "off" if is_either and state == "standby" else state, key) for state in states]
 
 
 def number_of(entities: Entities, entity_id: str, attribute: str) -> tuple[KnownEntity, str, float]:

@@ -4,7 +4,10 @@ Source: Jinja 3.1 documentation, Expressions and List of Builtin Filters; Home A
 ``helpers/template``: of ``float(0)`` the 0 counts while a state is no number.
 """
 
+import math
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
@@ -20,7 +23,9 @@ from homebot.integrations.homeassistant.automations.expressions import (
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import SUN_ANGLES, number_of
 from homebot.integrations.homeassistant.automations.template_lists import count_text, counted_list
+from homebot.integrations.homeassistant.automations.template_numbers import step_number
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
+from homebot.support.located import Located
 
 _MAX_DEPTH: Final = 20
 _RANKS: Final[Mapping[type[nodes.Expr], int]] = {nodes.Add: 1, nodes.Sub: 1, nodes.Mul: 2, nodes.Div: 2}
@@ -29,7 +34,17 @@ _RANKS: Final[Mapping[type[nodes.Expr], int]] = {nodes.Add: 1, nodes.Sub: 1, nod
 
 def is_calculated(node: nodes.Node) -> bool:
     """Return whether *node* calculates with values."""
-    return isinstance(node, nodes.BinExpr) or node.find(nodes.BinExpr) is not None
+    kinds = (nodes.BinExpr, nodes.Filter, nodes.Call)
+    return any(map(_calculates, (node, *node.find_all(kinds))))
+
+
+def _calculates(node: nodes.Node) -> bool:
+    match node:
+        case nodes.BinExpr() | nodes.Filter(name="abs" | "round" | "min" | "max"):
+            return True
+        case nodes.Call(node=nodes.Name(name="min" | "max")):
+            return True
+    return False
 
 
 def calculation_text(automation: Automation, node: nodes.Expr, *, may_be_unknown: bool = True) -> str:
@@ -48,6 +63,33 @@ def calculation_text(automation: Automation, node: nodes.Expr, *, may_be_unknown
     if calculation.has_unknown:
         automation.notes.append("what is calculated with a number of the house is left out while that is unknown")
     return _without_brackets(text)
+
+
+_SECONDS: Final = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+_CLOCK_OF_ONE: Final = re.compile(r"(?:00?:)*(\{\{[^{}]*\}\})(?P<after>(?::00)*)")
+"""A length of time such as ``00:{{ … }}:00``."""
+
+
+def step_length(automation: Automation, node: Located) -> str:
+    """Return a length of time that a number of the house tells, such as ``{number of pause}m``; empty for another."""
+    text, seconds = node.value, 1.0
+    if isinstance(text, dict):
+        given = {unit: inner for unit, inner in text.items() if str(inner.value) not in {"0", "00"}}
+        unit = next(iter(given), "")
+        if len(given) != 1 or unit not in _SECONDS:
+            return ""
+        text, seconds = given[unit].value, _SECONDS[unit]
+    elif isinstance(text, str) and (clock := _CLOCK_OF_ONE.fullmatch(text)):
+        text, seconds = clock[1], 60.0 ** clock["after"].count(":")
+    if not isinstance(text, str) or "{{" not in text:
+        return ""
+    with suppress(NotCarriedError):
+        value, factor = step_number(automation, text)
+        letter = next((name[0] for name, length in _SECONDS.items() if math.isclose(length, factor * seconds)), "")
+        if letter:
+            return f"{value}{letter}"
+    number = calculation_text(automation, expression_of(text))
+    return f"{{{number}}}s" if seconds == 1.0 else f"{{({number}) * {seconds:.12g}}}s"
 
 
 def _without_brackets(text: str) -> str:

@@ -1,7 +1,6 @@
 """Numbers in the templates of automations: those of entities, their limits and differences. Pure."""
 
 import math
-import re
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
@@ -18,7 +17,6 @@ from homebot.integrations.homeassistant.automations.expressions import (
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import number_of, values_text
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
-from homebot.support.located import Located
 
 SIGNS: Final[Mapping[str, Operator]] = {"gt": ">", "lt": "<", "gteq": ">=", "lteq": "<="}
 
@@ -165,11 +163,6 @@ def people_text(automation: Automation, sign: str, limit: float) -> str:
     raise NotCarriedError("zone.home: homebot does not count people; ask for none, any or all")
 
 
-_SECONDS: Final = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
-_CLOCK_OF_ONE: Final = re.compile(r"(?:00?:)*(\{\{[^{}]*\}\})(?P<after>(?::00)*)")
-"""A length of time such as ``00:{{ … }}:00``."""
-
-
 def step_number(automation: Automation, text: str) -> tuple[str, float]:
     """Return the number of an entity for a step, and the factor with which the template *text* takes it."""
     node, factor = expression_of(text), 1.0
@@ -218,26 +211,6 @@ def changed_number(text: str) -> EntityNumber | None:
     except NotCarriedError:
         return None
     return number._replace(offset=offset) if number.factor == 1.0 and not number.offset and offset else None
-
-
-def step_length(automation: Automation, node: Located) -> str:
-    """Return a length of time that a number of the house tells, such as ``{number of pause}m``; else empty."""
-    text, seconds = node.value, 1.0
-    if isinstance(text, dict):
-        given = {unit: inner for unit, inner in text.items() if str(inner.value) not in {"0", "00"}}
-        unit = next(iter(given), "")
-        if len(given) != 1 or unit not in _SECONDS:
-            return ""
-        text, seconds = given[unit].value, _SECONDS[unit]
-    elif isinstance(text, str) and (clock := _CLOCK_OF_ONE.fullmatch(text)):
-        text, seconds = clock[1], 60.0 ** clock["after"].count(":")
-    if not isinstance(text, str) or "{{" not in text:
-        return ""
-    value, factor = step_number(automation, text)
-    letter = next((name[0] for name, length in _SECONDS.items() if math.isclose(length, factor * seconds)), "")
-    if not letter:
-        raise refused_template(text, "a length of time is a number of seconds, minutes or hours of the house")
-    return f"{value}{letter}"
 
 
 def two_values_text(automation: Automation, left: nodes.Expr, sign: str, right: nodes.Expr) -> str:

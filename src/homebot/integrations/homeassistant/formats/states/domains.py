@@ -186,13 +186,18 @@ _PLAYBACK = {
 _PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause"), "stopped": (4096, "media_stop")}
 
 
+def _has_sources(info: Fields) -> bool:
+    """Return whether a player takes a source: only then Home Assistant lists them."""
+    return bool(has(2048)(info) or info.get("source_list"))
+
+
 _MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
     (
         switch(128, 256, read_state(_PLAYER_ON)),
         *reported(percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0), "volume_level"),
         flag("muted", "is_volume_muted", "volume_mute", has(8)),
-        choice("option", "source", "source_list", "select_source", when=has(2048)),
+        choice("option", "source", "source_list", "select_source", when=_has_sources),
         *moves("playback", _PLAYER_MOVES, read_state(_PLAYBACK)),
         EntityRow("media_title", read_text("media_title")),
         EntityRow("media_artist", read_text("media_artist")),
