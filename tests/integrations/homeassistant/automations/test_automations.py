@@ -403,6 +403,23 @@ def test_repeats_in_repeats_are_loops_with_a_limit(count: str, depth: int, probl
     assert bool(found.refused) is bool(problem)
 
 
+@pytest.mark.parametrize(("count", "is_carried"), [(3, True), (6, False)])
+def test_choices_in_one_calculation_have_a_limit(count: int, *, is_carried: bool) -> None:
+    """Each of them doubles the ways."""
+    text = " + ".join(
+        f"(1 if is_state('light.floor_lamp', 'on') and now().hour < {hour} else 2)" for hour in range(count)
+    )
+    found = read(f"""
+- alias: A
+  trigger: {{platform: time, at: '8:00'}}
+  action:
+    service: light.turn_on
+    entity_id: light.hall_lamp
+    data: {{brightness_pct: "{{{{ {text} }}}}"}}
+""")
+    assert bool(found.texts) is is_carried
+
+
 @pytest.mark.parametrize(("mode", "count", "carried"), [("queued", 2, 0), ("parallel", 2, 2), ("queued", 1, 1)])
 def test_a_script_that_waits_is_carried_over_unless_several_would_run_it_in_turn(
     mode: str, count: int, carried: int

@@ -4,6 +4,7 @@ Source: Home Assistant core 2026.11, ``helpers/template``; of a number ``float(0
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from math import prod
 from typing import Final, TypeAlias, TypeVar, cast
 
 from homebot.devices.query.terms import Operator
@@ -233,6 +234,8 @@ class Templates:
         choice = node if isinstance(node, nodes.CondExpr) else node.find(nodes.CondExpr)
         if choice is None or (node is not choice and choice.expr2 is None):
             return []
+        if _count_of_ways(node) > _MAX_WAYS:
+            raise refused_template(shown_tree(node), f"its choices have more than {_MAX_WAYS} ways together")
         held = self._read(self._of_its_state(choice.test))
         values = [choice.expr1, choice.expr2]
         if node is choice:
@@ -603,6 +606,16 @@ def _is_unit(node: nodes.Node) -> bool:
 
 
 _TRUE: Final = frozenset({"true", "yes", "on", "enable", "1"})
+
+_MAX_WAYS: Final = 50
+
+
+def _count_of_ways(node: nodes.Node) -> int:
+    """Return the number of ways that the choices in *node* have together."""
+    if isinstance(node, nodes.CondExpr):
+        return sum(_count_of_ways(value) for value in (node.expr1, node.expr2) if value is not None)
+    return prod(map(_count_of_ways, node.iter_child_nodes()))
+
 
 _MAX_DRAWN: Final = 20
 """Values of which one is drawn, each of which is written."""
