@@ -99,8 +99,18 @@ def test_a_wrong_app_is_left_out_and_named_with_its_line(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("head", "mistake", "end"),
     [
-        ("", '[[routines]]\nname = "r{}"\nwhen = ["hall motion on"]\ndo = ["lamp on"]\nwibble = 3\n', ""),
-        ('[[routines]]\nname = "r"\nwhen = ["hall motion on"]\ndo = [\n', "{},\n", "]"),
+        pytest.param(
+            "",
+            '[[routines]]\nname = "r{}"\nwhen = ["hall motion on"]\ndo = ["lamp on"]\nwibble = 3\n',
+            "",
+            marks=pytest.mark.rooms("routines"),
+        ),
+        pytest.param(
+            '[[routines]]\nname = "r"\nwhen = ["hall motion on"]\ndo = [\n',
+            "{},\n",
+            "]",
+            marks=pytest.mark.rooms("routines"),
+        ),
         ("", '[[groups]]\nname = "g{}"\nmembrs = ["lamp"]\n', ""),
         ("", '[apps.a{}]\nclass = "light_service"\nwibble = 3\n', ""),
     ],

@@ -122,7 +122,8 @@ def test_what_people_write_is_read_by_words_alone() -> None:
         path.relative_to(source).as_posix() for path in readers if "import re\n" in path.read_text("utf-8")
     }
     assert {path for path in with_expressions if not path.startswith(tuple(FORMATS))} == set()
-    assert all(any(path.startswith(place) for path in with_expressions) for place in FORMATS)
+    there = [place for place in FORMATS if source.joinpath(*place.split("/")[:2]).exists()]  # a folder may be taken out
+    assert all(any(path.startswith(place) for path in with_expressions) for place in there)
 
 
 def _modules() -> Iterator[Any]:
