@@ -22,6 +22,7 @@ from typing import Any, Final, TypeAlias, cast
 
 import anyio
 import anyio.lowlevel
+import segno
 from anyio.abc import TaskStatus
 from anyio.streams.memory import MemoryObjectSendStream
 from pyhap import tlv
@@ -128,16 +129,18 @@ class HapBridge:
         number = _BRIDGE_BY_IP << 27 | int(state.pincode.replace(b"-", b""))
         digits = [_BASE36[number // 36**place % 36] for place in reversed(range(9))]
         uri = f"X-HM://{''.join(digits)}{state.setup_id}"
-        setup = {} if state.paired else {"code": state.pincode.decode(), "uri": uri}
-        return HomekitBridgeInfo(
+        info = HomekitBridgeInfo(
             name=self._bridge.display_name,
             id=state.mac,
             address=self._address,
             port=state.port,
             accessories=tuple(sorted(one.title for one in self._accessories.values())),
             controllers=len(state.paired_clients),
-            **setup,
         )
+        if state.paired:
+            return info
+        qr = tuple("".join(map(str, row)) for row in segno.make(uri, micro=False).matrix)
+        return info.model_copy(update={"code": state.pincode.decode(), "uri": uri, "qr": qr})
 
     def put(self, aid: int, name: str, model: str, services: Iterable[PartService], on_write: OnWrite) -> None:
         """Add an accessory, or replace it; :meth:`describe` tells controllers."""

@@ -19,6 +19,7 @@ class HomekitBridgeInfo(Message):
         id: Its pairing ID, as on the network.
         code: The setup code, a secret; empty while it is paired.
         uri: The same for a QR code.
+        qr: The rows of that code: 1 for each dark module; empty while it is paired.
         accessories: The names of its accessories.
         controllers: How many controllers are paired with it, such as phones and hubs.
     """
@@ -29,6 +30,7 @@ class HomekitBridgeInfo(Message):
     port: int
     code: Annotated[str, Field(repr=False)] = ""
     uri: Annotated[str, Field(repr=False)] = ""
+    qr: Annotated[tuple[str, ...], Field(repr=False)] = ()
     accessories: tuple[str, ...] = ()
     controllers: int = 0
 

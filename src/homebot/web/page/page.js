@@ -1,1 +1,1 @@
-import"./chunk-2UOMKVPH.js";
+import"./chunk-TGJ36NZA.js";

@@ -1,5 +1,6 @@
 // Apps, gateways and what is wrong; devices that wait for approval.
 import { useEffect, useState } from "preact/hooks";
+import { Added } from "../added.js";
 import { ask, call, connection, may, subscribeFrames } from "../door.js";
 import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
@@ -59,6 +60,7 @@ export function System() {
         </tbody></table>
       </section>`)}
       <${Screen} />
+      <${Added} at="system" />
     </div>
     <${Log} />
     <${Connection} />`;

@@ -1,0 +1,3 @@
+import { later } from "../../later.js";
+
+export const page = { parts: { system: later(async () => (await import("./homekit.js")).Homekit) } };
