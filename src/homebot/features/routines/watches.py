@@ -48,9 +48,10 @@ from homebot.words.triggers import (
 NOT_HEARD: Final = "routine.topic_not_heard"
 
 OnStart: TypeAlias = Callable[[object], None]
+"""Called with the cause."""
+
 SunAngleOf: TypeAlias = Callable[[bool], float]
 """Returns the azimuth of the sun now, else its elevation, in degrees."""
-"""Called with the cause."""
 
 _TEXT: Final = "text"
 _MAX_ROBOTS: Final = 100
