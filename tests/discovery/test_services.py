@@ -110,6 +110,7 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
                 {"part": "l", "capability": "on_off", "value": True, "since": {"sec": 7, "nanosec": 0}},
                 {"part": "l", "capability": "level", "value": 40.0, "since": {"sec": 0, "nanosec": 0}},
             ],
+            "units": [],
             "position": [6.0, 1.5],
             "settable": ["on_off", "level"],
             "tags": [],

@@ -86,11 +86,13 @@ def import_all(root: Path) -> None:
                     raise
 
 
-ROUNDS = 7
-"""Projects of which each folder is left out of three: as many sets of three as there may be folders."""
+ROUNDS = 8
+"""Projects of which each folder is left out of three: at least as many sets of three as folders."""
+
+SETS = [*combinations(range(ROUNDS), 3)]
 
 ALONE = [(one,) for one in (*INTEGRATIONS, *FEATURES, "compat")]
-ROUND_TABLE = dict(zip((one for (one,) in ALONE), combinations(range(ROUNDS), 3), strict=False))
+ROUND_TABLE = {one: SETS[at * len(SETS) // len(ALONE)] for at, (one,) in enumerate(ALONE)}  # no project lacks most
 TOGETHER = [tuple(one for one, rounds in ROUND_TABLE.items() if at in rounds) for at in range(ROUNDS)]
 
 
