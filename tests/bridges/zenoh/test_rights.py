@@ -28,6 +28,7 @@ from homebot.messages.interfaces.settings import RosSettings
 IMPORT = {"rosie": ("/rosie/**",), "bob": ("/bob/**",)}
 WORDS = "0/{}/words/T/H"
 NODE = "@ros2_lv/0/{}/0/0/NN/%/{}/brain"
+READ = ("MP", "SS", "AS")
 
 
 class House:
@@ -250,6 +251,24 @@ def test_a_token_that_has_ended_or_may_not_read_has_less() -> None:
     assert list(rights.passwords) == ["rosie"]
     assert not any("/map/" in key for rule in rights.rules for key in rule.keys)
     assert "secret" not in repr(rights)
+
+
+@pytest.mark.parametrize("pattern", ["/**", "/*", "/*/pose", "/*/*/*/*", "/ros*/**", "/0/**"])
+def test_names_that_could_be_keys_of_rmw_zenoh_are_none_behind_a_bridge(pattern: str) -> None:
+    settings = RosSettings.model_validate({"import": {"rosie": (pattern,)}})
+    for rights in (house_rights(settings), WireRights.of_routers(settings, HOME, None)):
+        keys = [key for rule in rights.rules for key in rule.keys]
+        assert all(key.startswith(("0/", "@ros2_lv/")) or key == "@/*/@ros2_lv/**" for key in keys)
+
+
+def test_the_keys_of_a_bridge_are_no_others() -> None:
+    settings = RosSettings.model_validate({"import": {"rosie": ("/rosie/*", "/tf")}})
+    keys = {key for rule in house_rights(settings).rules for key in rule.keys if key[0] not in "0@"}
+    plain = ("rosie/*", "rosie/*/_action/*", "tf", "tf/_action/*")
+    assert keys == {*plain, *(f"{key}/@adv/**" for key in plain)}
+    given = {key for rule in house_rights(settings).rules for key in rule.keys if key.startswith("@/*/@ros2_lv/")}
+    names = ("rosie§$*", "tf")
+    assert given == {"@/*/@ros2_lv/**", *(f"@/*/@ros2_lv/{kind}/{name}/**" for kind in READ for name in names)}
 
 
 def test_a_machine_with_the_name_of_a_token_is_refused() -> None:

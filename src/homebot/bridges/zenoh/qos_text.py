@@ -1,13 +1,14 @@
-"""Quality of service in the tokens of rmw_zenoh, for example ``::,10:,:,:,,``. Pure.
+"""Quality of service in the tokens of rmw_zenoh, for example ``::,10:,:,:,,``, and of zenoh-bridge-ros2dds. Pure.
 
-A value that is the default of rmw_zenoh is empty. Source: rmw_zenoh, ``liveliness_utils.cpp``.
+A value that is the default of rmw_zenoh is empty, and of the bridge one that DDS does not state. Sources: rmw_zenoh,
+``liveliness_utils.cpp``; zenoh-plugin-ros2dds 1.x, ``liveliness_mgt.rs``.
 """
 
 from enum import IntEnum
 from typing import Final, TypeVar
 
 from homebot.errors import TypeMismatchError
-from homebot.graph.qos import QoSProfile
+from homebot.graph.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 PolicyT = TypeVar("PolicyT", bound=IntEnum)
 
@@ -24,6 +25,18 @@ _MAX_TEXT: Final = 300
 
 _FIELDS: Final = (1, 1, 2, 2, 2, 3)
 """How many numbers there are between the colons."""
+
+_RELIABILITY_OF_DDS: Final = {
+    "": ReliabilityPolicy.RELIABLE,
+    "0": ReliabilityPolicy.BEST_EFFORT,
+    "1": ReliabilityPolicy.RELIABLE,
+}
+_DURABILITY_OF_DDS: Final = {
+    "": DurabilityPolicy.VOLATILE,
+    "0": DurabilityPolicy.VOLATILE,
+    "1": DurabilityPolicy.TRANSIENT_LOCAL,
+}
+_HISTORY_OF_DDS: Final = {"0": HistoryPolicy.KEEP_LAST, "1": HistoryPolicy.KEEP_ALL}
 
 
 def qos_to_text(qos: QoSProfile) -> str:
@@ -62,6 +75,28 @@ def qos_from_text(text: str) -> QoSProfile:
         raise TypeMismatchError(
             f"{text[:100]!r} is no quality of service of rmw_zenoh, such as '::,10:,:,:,,'"
         ) from None
+
+
+def qos_from_bridge(text: str) -> tuple[QoSProfile, str]:
+    """Return the profile that *text* is in zenoh-bridge-ros2dds, such as ``:1:1:0,10``, and the data of users in it.
+
+    Raises:
+        TypeMismatchError: It has not the form.
+    """
+    try:
+        _keys, reliability, durability, kind_and_depth, *user_data = text.split(":", 4)
+        kind, depth = (kind_and_depth or "0,1").split(",")
+        profile = QoSProfile(
+            depth=min(max(int(depth), 1), _DEEPEST),
+            history=_HISTORY_OF_DDS[kind],
+            reliability=_RELIABILITY_OF_DDS[reliability],
+            durability=_DURABILITY_OF_DDS[durability],
+        )
+    except (KeyError, ValueError):
+        raise TypeMismatchError(
+            f"{text[:100]!r} is no quality of service of zenoh-bridge-ros2dds, such as ':1:0:0,10'"
+        ) from None
+    return profile, "".join(user_data)
 
 
 def _policy(value: IntEnum, default: IntEnum) -> str:

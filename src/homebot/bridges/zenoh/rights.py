@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, Self, TypeAlias
 
 import zenoh
 
+from homebot.bridges.zenoh.bridge_tokens import ALL_BRIDGE_TOKENS, BRIDGED_ENTITY, CACHE, READ_KINDS, SLASH
 from homebot.bridges.zenoh.tokens import ALL_TOKENS
 from homebot.devices.client_rights import OWNER_CLIENT
 from homebot.errors import UsageError
@@ -32,7 +33,7 @@ _GIVE: Final = ("put", "delete", "declare_queryable", "reply", "liveliness_token
 _TAKE: Final = ("declare_subscriber", "query", "declare_liveliness_subscriber", "liveliness_query")
 """Messages of the nodes that use it."""
 
-_EVERYTHING: Final = ("**", "**/@adv/**", "@ros2_lv/**")
+_EVERYTHING: Final = ("**", "**/@adv/**", "@ros2_lv/**", ALL_BRIDGE_TOKENS, CACHE.format(session="*", key="**"))
 _ENTITY: Final = "@ros2_lv/{domain}/*/*/*/{kind}/*/{node}/{rest}"
 _OWN_NODE: Final = "%/ros2"
 
@@ -104,8 +105,8 @@ class WireRights:
     def of_routers(cls, settings: RosSettings, home: str, login: tuple[str, SecretStr] | None) -> Self:
         """Return the rights of the routers that homebot connects to: nothing passes from one to another."""
         tokens = ALL_TOKENS.format(domain=settings.domain)
-        names, machines = chain.from_iterable(settings.imports.values()), _below(home)
-        imported = (*_keys(settings.domain, (*names, machines)), tokens)
+        names, machines = [*chain.from_iterable(settings.imports.values())], _below(home)
+        imported = (*_keys(settings.domain, (*names, machines)), tokens, *_bridge_keys(names), ALL_BRIDGE_TOKENS)
         exported = (*_keys(settings.domain, (*settings.export, machines)), tokens)
         rules = (
             WireRule("", _FROM, _GIVE, imported),
@@ -141,9 +142,11 @@ class WireRights:
 
 def _rules_of(user: str, robot: str, settings: RosSettings, *, reads: bool) -> Iterator[WireRule]:
     domain = settings.domain
-    own = (*_keys(domain, settings.imports[robot]), *_tokens(robot, settings))
+    names = settings.imports[robot]
+    own = (*_keys(domain, names), *_tokens(robot, settings), *_bridge_keys(names), *_bridge_tokens(names))
     yield WireRule(user, _FROM + _TO, _GIVE + _TAKE, own)  # its programs have each other's too
     yield WireRule(user, _FROM + _TO, _TAKE, (ALL_TOKENS.format(domain=domain),))
+    yield WireRule(user, _TO, _TAKE, (ALL_BRIDGE_TOKENS,))
     if reads:
         exported = tuple(_keys(domain, settings.export))
         spaces = (name.rpartition("/") for name in settings.export)
@@ -165,15 +168,42 @@ def _tokens(robot: str, settings: RosSettings) -> Iterator[str]:
 def _keys(domain: int, names: Iterable[str]) -> Iterator[str]:
     """Yield the keys of the topics, services and actions *names*, and of what Zenoh has for their late readers."""
     for name in names:
-        parts = "/".join(part if part == "**" else _chunk(part) for part in name.split("/")[1:])
         for rest in ("", "/_action/*"):
-            key = str(zenoh.KeyExpr.autocanonize(f"{domain}/{parts}{rest}/*/*"))
+            key = str(zenoh.KeyExpr.autocanonize(f"{domain}/{_parts(name)}{rest}/*/*"))
             yield from (key, f"{key}/@adv/**")
 
 
-def _chunk(pattern: str) -> str:
+def _bridge_keys(names: Iterable[str]) -> Iterator[str]:
+    """Yield the keys of *names* behind zenoh-bridge-ros2dds, and of what it and Zenoh have for late readers."""
+    for name, rest in product(_bridged(names), ("", "/_action/*")):
+        key = str(zenoh.KeyExpr.autocanonize(f"{_parts(name)}{rest}"))
+        yield from (key, f"{key}/@adv/**", CACHE.format(session="*", key=key))
+
+
+def _bridge_tokens(names: Iterable[str]) -> Iterator[str]:
+    for name, kind in product(_bridged(names), READ_KINDS):
+        yield BRIDGED_ENTITY.format(kind=kind, name=_chunk(name[1:], SLASH))
+
+
+def _bridged(names: Iterable[str]) -> Iterator[str]:
+    """Yield those of *names* that robots behind a bridge may have: their keys begin with no domain.
+
+    Others would be the keys of rmw_zenoh too, which begin with one.
+    """
+    for name in names:
+        first = name.split("/")[1]
+        if "*" not in first and not first[0].isdigit():
+            yield name
+
+
+def _parts(pattern: str) -> str:
+    """Return *pattern* as parts of a key."""
+    return "/".join(part if part == "**" else _chunk(part) for part in pattern.split("/")[1:])
+
+
+def _chunk(pattern: str, slash: str = "%") -> str:
     """Return *pattern* as one part of a token."""
-    text = pattern.replace("/", "%").replace("**", "*")
+    text = pattern.replace("/", slash).replace("**", "*")
     return text if text == "*" else text.replace("*", "$*")
 
 

@@ -46,6 +46,7 @@ _MAX_TOKENS_WAITING = 20_000
 """The same for tokens, of which all of a large robot come at once."""
 
 _CLOSING, _CLOSING_AT_EXIT, _HEARTBEAT = 0.8, 2.0, 0.5  # seconds; rmw_zenoh has the same heartbeat
+_FETCHING = 5.0  # seconds, as in zenoh-bridge-ros2dds
 _RETRY = {"period_init_ms": 500, "period_max_ms": 1000}  # up to 4 s of Zenoh are most of the five that are allowed
 _ENCODING = "application/cdr"
 _TIMEOUT = b"Timeout"
@@ -229,6 +230,26 @@ class ZenohSession:
         )
         return declared
 
+    def fetch(self, key: str, on_sample: Callable[[WireSample], None], peer: str) -> None:
+        """Call back with each sample that the session *peer* has kept for late readers at *key*."""
+
+        def replied(reply: Any) -> None:
+            if reply.ok is not None:
+                payload = bytes(reply.ok.payload)
+                self._offer(on_sample, WireSample(payload, b""), len(payload))
+
+        def get() -> None:
+            self._session.get(
+                key,
+                replied,
+                target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                accept_replies=zenoh.ReplyKeyExpr.ANY,
+                timeout=_FETCHING,
+            )
+
+        self._lanes.make(("ask", peer), get, 0)
+
     def serve(self, key: str, on_query: Callable[[WireQuery], None]) -> Declared:
         """Call back with each request of others."""
 
@@ -243,11 +264,12 @@ class ZenohSession:
         return declared
 
     async def ask(
-        self, key: str, payload: bytes, attachment: bytes, longest: float, peer: str = ""
+        self, key: str, payload: bytes, attachment: bytes | None, longest: float, peer: str = ""
     ) -> bytes | str | None:
         """Return the first response, the text of an error, or None if no node serves or answers within *longest*.
 
         Args:
+            attachment: None for zenoh-bridge-ros2dds, which takes none, and whose services are not complete to Zenoh.
             peer: The session that is asked; by default *key* stands for it.
         """
         answer: asyncio.Future[bytes | str | None] = self._loop.create_future()
@@ -270,7 +292,7 @@ class ZenohSession:
                 self._session.get(
                     key,
                     zenoh.handlers.Callback(replied, lambda: self._to_loop(settle, None)),
-                    target=zenoh.QueryTarget.ALL_COMPLETE,
+                    target=zenoh.QueryTarget.ALL if attachment is None else zenoh.QueryTarget.ALL_COMPLETE,
                     consolidation=zenoh.ConsolidationMode.NONE,
                     timeout=longest,
                     payload=payload,

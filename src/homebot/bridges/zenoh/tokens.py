@@ -5,7 +5,7 @@ Source: rmw_zenoh, ``docs/design.md`` and ``liveliness_utils.cpp``.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import ClassVar, Final, Self
 
 import xxhash
 
@@ -30,7 +30,7 @@ _KINDS: Final = {
     "SC": EntityKind.CLIENT,
 }
 _WORDS: Final = {kind: word for word, kind in _KINDS.items()}
-_MAX_CHARACTERS: Final = 4000
+MAX_CHARACTERS: Final = 4000
 """Characters of a token; its names have 255 at most."""
 
 _OF_NODE, _OF_ENTITY, _OF_TYPE = 9, 13, 4
@@ -47,7 +47,10 @@ class EntityToken:
         info: The entity.
         type_hash: The hash of its type; empty for a node.
         enclave: Its security enclave; ``/`` for none.
+        is_bridged: Whether zenoh-bridge-ros2dds speaks for it: its messages have no attachment.
     """
+
+    is_bridged: ClassVar[bool] = False
 
     domain: int
     session: str
@@ -100,7 +103,7 @@ class EntityToken:
         Raises:
             TypeMismatchError: It is none; the message says why.
         """
-        parts = text.split("/") if len(text) <= _MAX_CHARACTERS else []
+        parts = text.split("/") if len(text) <= MAX_CHARACTERS else []
         kind = _KINDS.get(parts[5]) if len(parts) >= _OF_NODE and parts[0] == _ROOT else None
         if kind is None or len(parts) < (_OF_NODE if kind is EntityKind.NODE else _OF_ENTITY) or "" in parts:
             raise TypeMismatchError(f"{text[:200]!r} is no token of a ROS 2 node")

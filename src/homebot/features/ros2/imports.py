@@ -10,12 +10,14 @@ import anyio
 
 from homebot.bridges.rosbridge.types import message_type_of_topic, service_type_of
 from homebot.bridges.zenoh.attachment import Attachment
+from homebot.bridges.zenoh.bridge_tokens import BridgeToken, entity_texts, token_of_text
 from homebot.bridges.zenoh.tokens import NO_HASH, EntityToken
 from homebot.errors import HomebotError, PeerError, ServiceFailedError, ServiceUnavailableError
 from homebot.features.ros2.goals import Caller
 from homebot.features.ros2.health import MESSAGE_REFUSED, NOT_IMPORTED
 from homebot.graph import Node
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
+from homebot.graph.qos import DurabilityPolicy
 from homebot.messages.action import SendGoalType
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.message import Message
@@ -87,6 +89,10 @@ class Imports:
 
     def on_token(self, text: str, is_there: bool) -> None:  # noqa: FBT001 - as the session calls it
         """Take notice of a token of others that came or went."""
+        for entity in entity_texts(text):
+            self._on_entity(entity, is_there=is_there)
+
+    def _on_entity(self, text: str, *, is_there: bool) -> None:
         try:
             if is_there and text not in self._tokens:
                 self._add(text)
@@ -103,7 +109,7 @@ class Imports:
             self._hide(token)
 
     def _add(self, text: str) -> None:
-        token = EntityToken.of_text(text)
+        token = token_of_text(text)
         if token.session == self._own.session.id:
             return
         if self._sizes[token.session] >= MAX_TOKENS_OF_ONE:
@@ -168,7 +174,8 @@ class Imports:
             if publisher.is_closed or self._robots.source_of(info.name) is None:
                 return
             try:
-                Attachment.of_bytes(sample.attachment)
+                if not token.is_bridged:
+                    Attachment.of_bytes(sample.attachment)
                 message = message_from_cdr(message_type, sample.payload)
                 access.check_robot(info.name, message)
             except HomebotError as exc:
@@ -178,6 +185,8 @@ class Imports:
 
         entity.keep(self._own.session.subscribe(token.key, info.qos, receive).undeclare)
         entity.announce()
+        if isinstance(token, BridgeToken) and info.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL:
+            self._own.session.fetch(token.cache, receive, token.session)
         return entity
 
     def _service(self, token: EntityToken) -> WireEntity:
@@ -188,7 +197,7 @@ class Imports:
         longest = _ENDLESS if info.name.endswith("/_action/get_result") else _MAX_ANSWER
 
         async def ask(request: Message) -> Message:
-            asked = entity.attachment()
+            asked = None if token.is_bridged else entity.attachment()
             answer = await self._own.session.ask(token.key, message_to_cdr(request), asked, longest, token.session)
             if answer is None:
                 raise ServiceUnavailableError(info.name, f"of {info.node} did not answer; is it still there?")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.abc import TaskStatus
 
+from homebot.bridges.zenoh.bridge_tokens import ALL_BRIDGE_TOKENS
 from homebot.bridges.zenoh.entities import OwnEntities
 from homebot.bridges.zenoh.tokens import ALL_TOKENS
 from homebot.features.ros2.exports import Exports
@@ -60,7 +61,8 @@ async def serve_link(
     health.serve(lambda: session.lost, problems)
     with closing(imports), node.graph.watch() as changes:
         exports.refresh_all()
-        _watching = session.watch_tokens(ALL_TOKENS.format(domain=settings.domain), imports.on_token)
+        every = (ALL_TOKENS.format(domain=settings.domain), ALL_BRIDGE_TOKENS)
+        _watching = [session.watch_tokens(tokens, imports.on_token) for tokens in every]
         task_status.started()
         lost = 0
         async for change in changes:
