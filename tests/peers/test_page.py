@@ -690,12 +690,36 @@ async def test_the_reason_of_a_refusal_is_said_in_the_language_of_the_page() -> 
         "policy": "lease",
         "reason": "its member a is refused it: held at 5 % by b for 3 s more",
     }
+    silent = {
+        "outcome": "no_answer",
+        "policy": "",
+        "reason": "its gateway mqtt is unavailable: mqtt://a:1883: nothing is listening there (connection refused): "
+        "start it, or correct the address",
+    }
+    undone = {"outcome": "contradicted", "policy": "", "reason": "", "saw": "on_off is on, level is 20"}
+    limited = {
+        "outcome": "refused",
+        "policy": "rights",
+        "reason": "client:b may not command c: it is not among what the client may command, and the scope of the client"
+        " is act: lights; add 'act: plug' to that, in the table [door.tokens.b] of homebot.toml",
+    }
+    note = "Notlicht: lamp failed: not sent: it takes no commands"
     script = f"""
-        const {{ choose }} = await import("./language.js"), {{ outcomeText }} = await import("./words.js");
+        const {{ choose, sayReason }} = await import("./language.js");
+        const {{ outcomeText, vocabulary }} = await import("./words.js");
         await choose("de");
-        console.log(outcomeText({json.dumps(held)}));"""
-    said = "abgelehnt (Belegung): das Mitglied a lehnt ab: noch 3 s auf 5 % gehalten von b"
-    assert await printed_by(script) == said
+        vocabulary.value = {{ units: {{ level: "%" }}, flags: {{ on_off: ["off", "on"] }} }};
+        for (const one of {json.dumps([held, silent, undone, limited])}) console.log(outcomeText(one));
+        console.log(sayReason({json.dumps(note)}));"""
+    assert (await printed_by(script)).split("\n") == [
+        "abgelehnt (Belegung): das Mitglied a lehnt ab: noch 3 s auf 5 % gehalten von b",
+        "nicht gesendet: sein Gateway mqtt ist nicht verfügbar: mqtt://a:1883: dort antwortet kein Programm: starte es,"
+        " oder berichtige die Adresse",
+        "widersprochen: an, Helligkeit 20\u00a0%",
+        "abgelehnt (Rechte): client:b darf c nicht steuern: es gehört nicht zu dem, was der Zugang steuern darf, und"
+        " der Zugang darf nur act: lights; ergänze 'act: plug' in der Tabelle [door.tokens.b] von homebot.toml",
+        "Notlicht: lamp ging nicht: nicht gesendet: nimmt nicht: Befehle",
+    ]
 
 
 async def printed_by(script: str) -> str:

@@ -39,8 +39,9 @@ def require_number(capability: str, value: PlainValue, least: float, most: float
     """Return *value*, which must be a number within the bounds."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most:
         return float(value)
-    bounds = f" from {least:g} to {most:g} {unit}".rstrip() if math.isfinite(most - least) else ""
-    raise RefusedError(f"{capability} {shown(value)}", f"it takes a number{bounds}")
+    is_bounded = math.isfinite(most - least)
+    takes = f"it takes a number from {least:g} to {most:g} {unit}".rstrip() if is_bounded else "it takes a number"
+    raise RefusedError(f"{capability} {shown(value)}", takes)
 
 
 def require_color(value: PlainValue) -> tuple[float, float]:

@@ -1,1 +1,1 @@
-import"./chunk-TGJ36NZA.js";
+import"./chunk-EQO5KSKI.js";

@@ -2,7 +2,7 @@
 // burns is held for a second on every way to it; and homebot says of each other command whether it asks first.
 import { signal } from "@preact/signals";
 import { call, missing } from "./door.js";
-import { say } from "./language.js";
+import { say, sayReason } from "./language.js";
 import { label, outcomeText, spoken, valueText } from "./words.js";
 
 const SHOWN = 4000; // ms for which an outcome is shown
@@ -57,9 +57,9 @@ async function send(device, asked) {
     const found = answer.results.map((one) => `${spoken(one.name)}: ${outcomeText(one.result)}`).join("; ");
     const isHeld = answer.results.some((one) => one.result.policy === "lease");
     const again = isHeld && !asked.override ? () => send(device, { ...asked, override: true }) : null;
-    tell(found || `${device.name}: ${answer.message}`, answer.success, again);
+    tell(found || `${device.name}: ${sayReason(answer.message)}`, answer.success, again);
   } catch (error) {
-    tell(`${device.name}: ${error.message}`, false);
+    tell(`${device.name}: ${sayReason(error.message)}`, false);
   } finally {
     const left = new Map(pending.value);
     left.delete(id);

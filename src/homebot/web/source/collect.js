@@ -31,6 +31,7 @@ const saidIn = (names) => names.map(textOf).join("\n");
 const [early, lately] = [saidIn([...first]), saidIn(sources.filter((name) => !first.has(name)))];
 const isLate = (text) => text in told || text in reasons || (!early.includes(JSON.stringify(text)) && lately.includes(JSON.stringify(text)));
 
+const isForm = (text) => text in reasons && text.includes("{"); // is found by its words, others by their keys
 const rows = Object.entries({ ...texts, ...told, ...reasons });
 let factor = 33;
 while (new Set(rows.map(([text]) => keyOf(text, factor))).size < rows.length) factor += 2;
@@ -38,10 +39,11 @@ writeFileSync("text_key.js", readFileSync("text_key.js", "utf8").replace("FACTOR
 mkdirSync("languages", { recursive: true });
 ["de", "fr", "es", "nl", "it"].forEach((language, column) => {
   for (const isLater of [false, true]) {
-    const own = rows.filter(([text]) => isLate(text) === isLater);
+    const own = rows.filter(([text]) => isLate(text) === isLater && !isForm(text));
     const lines = [own.map(([text]) => keyOf(text, factor)).join(""), ...own.map(([, row]) => row[column])]; // the keys in one line pack best
-    const forms = isLater ? `export const reasons = ${JSON.stringify(Object.keys(reasons))};\n` : "";
-    writeFileSync(`languages/${language}${isLater ? "_late" : ""}.js`, `export const texts = ${JSON.stringify(lines.join("\n"))};\n${forms}`);
+    const forms = rows.filter(([text]) => isForm(text));
+    const ending = isLater ? `export const reasons = ${JSON.stringify([...forms.map(([text]) => text), ...forms.map(([, row]) => row[column])].join("\n"))};\n` : "";
+    writeFileSync(`languages/${language}${isLater ? "_late" : ""}.js`, `export const texts = ${JSON.stringify(lines.join("\n"))};\n${ending}`);
   }
 });
 

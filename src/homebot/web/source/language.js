@@ -27,7 +27,7 @@ let rest = null;
 export const loadRest = () => (rest ??= addRest(language.value).catch(() => (rest = null)));
 
 async function addRest(name) {
-  const { texts, reasons } = (await LATE[name]?.()) ?? { ...ENGLISH, reasons: [] };
+  const { texts, reasons } = (await LATE[name]?.()) ?? { ...ENGLISH, reasons: "" };
   if (name !== language.value) return;
   patterns = patternsOf(reasons);
   table.value = new Map([...table.value, ...byKey(texts)]);
@@ -49,23 +49,33 @@ export async function choose(name) {
   await loadRest();
 }
 
+const fill = (text, values) => text.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
+
 /** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
 export function say(text, values = {}) {
   const own = language.value === "en" ? "" : table.value.get(keyOf(text));
   if (own === undefined) loadRest(); // a first view shows what few do, such as an alert
-  const found = own || text.replace(/\|\w+$/, "");
-  return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
+  return fill(own || text.replace(/\|\w+$/, ""), values);
 }
 
-function patternsOf(reasons) {
-  return reasons.map((text) => [text, new RegExp(`^${text.replace(/[().?]/g, "\\$&").replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
+/** The forms of reasons in this language, each with the pattern of its English form: lines of the one follow those of the other. */
+function patternsOf(lines) {
+  const forms = lines ? lines.split("\n") : [];
+  const known = forms.splice(0, forms.length / 2);
+  return known.map((text, at) => [forms[at], new RegExp(`^${text.replace(/[()[\].?]/g, "\\$&").replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
 }
 
-/** A reason that homebot gives in English, in the language of the page if it has one of the forms of the table. */
+/** A reason that homebot gives in English, in the language of the page: by its form, as a whole, or clause by clause. */
 export function sayReason(text) {
-  const [form, found] = patterns.map(([one, pattern]) => [one, pattern.exec(text)]).find(([, one]) => one) ?? [text];
-  const { value, reason, list, ...others } = found?.groups ?? {};
-  return say(form, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason), list: list?.split(", ").map(sayReason).join(", ") });
+  for (const [own, pattern] of patterns) {
+    const found = pattern.exec(text);
+    if (!found) continue;
+    const { value, reason, list, ...others } = found.groups;
+    return fill(own, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason), list: list?.split(", ").map(sayReason).join(", ") });
+  }
+  const whole = say(text);
+  if (whole !== text) return whole;
+  return text.replace(/^(.+?)(; |: )(.+)$/, (all, first, sign, others) => (sign === ": " ? first : sayReason(first)) + sign + sayReason(others)); // a name is no reason
 }
 
 export const numberText = (value) => value.toLocaleString(locale.value, { maximumFractionDigits: 20, useGrouping: false });

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { tell } from "./acts.js";
 import { now, zone } from "./clock.js";
 import { ask, call, subscribe } from "./door.js";
+import { sayReason } from "./language.js";
 
 const CALM = 3000; // ms after a touch in which nothing moves
 const HOURS = 24;
@@ -37,7 +38,7 @@ export async function changeLayout(change, args = {}) {
     clearTimeout(waiting);
     layout.value = answer.layout;
   }
-  if (answer.message) tell(answer.message, false);
+  if (answer.message) tell(sayReason(answer.message), false);
 }
 
 export const keep = (list, key, isIn) => changeLayout(isIn ? "add" : "remove", { list, names: [key] });

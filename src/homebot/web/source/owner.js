@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { ask, call } from "./door.js";
 import { html } from "./html.js";
 import { isHidden, rooms } from "./house.js";
-import { say } from "./language.js";
+import { say, sayReason } from "./language.js";
 import { keep } from "./layout.js";
 import { Managing } from "./managing.js";
 
@@ -33,7 +33,7 @@ export function Owner({ device }) {
     const problems = [];
     for (const [what, args] of calls) {
       const { success, message } = await ask(`/discovery/${what}`, { device: device.id, ...args });
-      if (message) problems.push(message);
+      if (message) problems.push(sayReason(message));
       if (what === "place") setIsDoubtful(!success);
     }
     if (hides !== isHidden(device.id)) await keep("hidden", device.id, hides);

@@ -156,6 +156,9 @@ export const settingsText = (settings) => settings.map((one) => readingText(one)
 const readingText = (one, unit = "") =>
   (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value, unit);
 
+/** What was seen instead of what was commanded, such as "level is 20". */
+const seenText = (text) => sayReason(text).replace(/(\w+) is ([^,]+)/g, (all, capability, value) => readingText({ capability, value: wordsOf(capability) ? value === "on" : Number.isNaN(Number(value)) ? value : Number(value) }));
+
 /** What became of a command. */
 const OUTCOMES = {
   already_so: "it was so already",
@@ -170,7 +173,8 @@ const OUTCOMES = {
 
 /** The text of an outcome, with its time as people read it. */
 export function outcomeText(result) {
-  const known = result.outcome === "no_answer" && result.reason ? "not sent: {reason}" : OUTCOMES[result.outcome];
+  if (result.outcome === "no_answer" && result.reason) return sayReason(`not sent: ${result.reason}`);
+  const known = OUTCOMES[result.outcome];
   if (!known) return result.text;
-  return say(known, { ...result, policy: label(result.policy), reason: sayReason(result.reason), time: durationText(result.latency) });
+  return say(known, { ...result, policy: label(result.policy), saw: seenText(result.saw ?? ""), reason: sayReason(result.reason), time: durationText(result.latency) });
 }

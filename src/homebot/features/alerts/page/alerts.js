@@ -23,7 +23,7 @@ export const urgent = () => findings.value.filter((one) => one.urgency !== "late
 
 async function see() {
   const { success, message } = await ask("/alerts/seen");
-  tell(success ? say("Nobody is told of it again.") : message, success);
+  tell(success ? say("Nobody is told of it again.") : sayReason(message), success);
 }
 
 export function Alerts() {

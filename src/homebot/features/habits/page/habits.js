@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { tell } from "../../acts.js";
 import { ask, may } from "../../door.js";
 import { html } from "../../html.js";
-import { language, say } from "../../language.js";
+import { language, say, sayReason } from "../../language.js";
 import { durationText, seconds, timeIn } from "../../words.js";
 
 const LONGEST = 300; // seconds of a search
@@ -17,7 +17,7 @@ export function Habits({ zone, onChange, Parts }) {
   };
   const decide = async (id, accept) => {
     const { success, message } = await ask("/habits/decide", { id, accept }, LONGEST);
-    tell(message, success);
+    tell(sayReason(message), success);
     if (success) setFound((old) => ({ ...old, proposals: old.proposals.filter((one) => one.id !== id) }));
     onChange();
   };
@@ -25,7 +25,7 @@ export function Habits({ zone, onChange, Parts }) {
   return html`
     <h2>${say("Your habits")}</h2>
     <p class="choices"><button type="button" disabled=${isSearching} onClick=${look}>${say(isSearching ? "searching …" : "look for habits")}</button> <small>${say("homebot looks in the history of four weeks for what you do again and again, and watches that for a week before it proposes it.")}</small></p>
-    ${message && html`<p class="bad">${message}</p>`}
+    ${message && html`<p class="bad">${sayReason(message)}</p>`}
     ${success && !proposals.length && html`<p class="empty">${say("There is nothing to propose.")}</p>`}
     ${watched.map((name) => html`<p class="quiet" key=${name}>${say("watching: {name}", { name })}</p>`)}
     <div class="columns">${proposals.map((one) => html`<${Proposal} key=${one.id} proposal=${one} zone=${zone} decide=${decide} Parts=${Parts} />`)}</div>`;

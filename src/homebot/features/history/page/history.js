@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { now } from "../../clock.js";
 import { call, connection } from "../../door.js";
 import { html } from "../../html.js";
-import { locale, numberText, say } from "../../language.js";
+import { locale, numberText, say, sayReason } from "../../language.js";
 import { Plot } from "../../plot.js";
 import { label, unitOf, wordsOf } from "../../words.js";
 
@@ -44,7 +44,7 @@ export function History({ device }) {
 
 function Series({ answer }) {
   const found = answer.series.find((one) => one.times.length && (one.values.length || wordsOf(one.capability)));
-  if (!found) return html`<p class="empty">${answer.message || say("Nothing is kept of that time.")}</p>`;
+  if (!found) return html`<p class="empty">${sayReason(answer.message ?? "") || say("Nothing is kept of that time.")}</p>`;
   const words = found.values.length ? undefined : wordsOf(found.capability);
   const [times, values] = words ? flagsOf(found) : numbersOf(found, answer.now);
   const unit = unitOf({ unit: found.unit, name: found.capability });

@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { ask, call } from "../../door.js";
 import { html } from "../../html.js";
-import { say } from "../../language.js";
+import { say, sayReason } from "../../language.js";
 import { capital, spoken } from "../../words.js";
 
 /** `onText` gets the text of the chosen one. */
@@ -30,7 +30,7 @@ function Inputs({ routine, onText, onBack }) {
     const inputs = [...new FormData(event.target)].map(([key, value]) => ({ key, value }));
     const { success, message, text } = await ask("/routines/gallery", { name: routine.name, inputs });
     if (success) onText(text);
-    else setProblem(message);
+    else setProblem(sayReason(message));
   };
   const missing = routine.inputs.find(({ key, find }) => find && fits[key]?.length === 0);
   return html`<form class="fields" onSubmit=${submit}><p>${say(routine.about)}</p>

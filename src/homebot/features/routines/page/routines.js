@@ -32,13 +32,13 @@ export function Routines() {
       await new Promise((yes) => agree(what === "run" ? `${routine.name}: ${names}` : say("let this routine command {names}", { names }), yes));
       answer = await ask("/routines/change", asked);
     }
-    if (answer.success || !more?.text) tell(answer.message, answer.success); // the form tells its own mistakes
+    if (answer.success || !more?.text) tell(sayReason(answer.message), answer.success); // the form tells its own mistakes
     look();
     return answer;
   };
   if (!found) return html`<p class="empty">${say("Asking homebot for its routines …")}</p>`;
   return html`
-    ${found.problem && html`<p class="bad">${found.problem}</p>`}
+    ${found.problem && html`<p class="bad">${sayReason(found.problem)}</p>`}
     ${!found.routines.length && html`<p class="empty">${say("There is no routine yet.")}</p>`}
     <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button> <button type="button" onClick=${() => setWritten({ isReadyMade: true })}>${say("ready-made routines")}</button></p>`}<//>
     ${written?.isReadyMade && html`<${Gallery} onText=${(text) => setWritten({ draft: text })} onClose=${() => setWritten(null)} />`}
@@ -113,7 +113,7 @@ function Form({ routine, change, onClose }) {
       <label>${say("if it starts while it runs")} <select name="mode">${MODES.map((one) => html`<option key=${one} value=${one}>${say(`${one}|mode`)}</option>`)}</select></label>
     </div>`}
     <label>${say("the text")} <textarea ref=${area} class="code" rows="7" spellcheck="false" required value=${text} onInput=${(event) => setText(event.target.value)}></textarea></label>
-    <p role="alert" class="bad">${problem}</p>
+    <p role="alert" class="bad">${sayReason(problem)}</p>
     <p class="buttons"><button>${say("save")}</button> <button type="button" onClick=${onClose}>${say("not now")}</button></p>
   </form>`;
 }

@@ -3,7 +3,7 @@ import { tell } from "../../acts.js";
 import { ask, may } from "../../door.js";
 import { deviceOf, rooms } from "../../house.js";
 import { html } from "../../html.js";
-import { say } from "../../language.js";
+import { say, sayReason } from "../../language.js";
 import { Lacking, Remove } from "../../managing.js";
 import { spoken, titled } from "../../words.js";
 import { load } from "./scenes.js";
@@ -11,7 +11,7 @@ import { load } from "./scenes.js";
 /** Change a scene; return whether that succeeded. */
 async function change(name, what, more) {
   const { success, message, left_out: left = [] } = await ask("/scenes/change", { name, change: what, ...more });
-  const texts = [message, ...left.map((one) => `${one.key}: ${one.value}`)].filter(Boolean);
+  const texts = [message, ...left.map((one) => `${one.key}: ${one.value}`)].filter(Boolean).map(sayReason);
   tell(`${name}: ${texts.join("; ") || say(what === "remove" ? "removed" : "saved")}`, success);
   load();
   return success;
@@ -55,7 +55,7 @@ export function OneScene({ scene, onClose }) {
     <h3><bdi>${name}</bdi></h3>
     ${mayChange && html`<label><span>${say("Name")}</span> <input name="name" required maxlength="100" defaultValue=${name} /></label>`}
     ${parts.map((one, at) => html`<label key=${keyOf(one)}><span><bdi>${spoken(one.name)}</bdi></span> ${mayChange ? html`<input name=${`value${at}`} defaultValue=${one.text} />` : one.text} ${one.asks && html`<small>${one.asks}</small>`}</label>`)}
-    ${problems.map((one) => html`<p key=${one.key} class="bad">${one.key}: ${one.value}</p>`)}
+    ${problems.map((one) => html`<p key=${one.key} class="bad">${one.key}: ${sayReason(one.value)}</p>`)}
     ${!parts.length && html`<p class="quiet">${say("What keeps this scene does not tell its values.")}</p>`}
     ${mayChange && html`<p class="quiet">${say("A device without a value is left out.")}</p>`}
     ${!scene.is_native && !scene.is_configured && html`<${Lacking} right="manage" />`}

@@ -5,7 +5,7 @@ import { agree, tell } from "../../acts.js";
 import { ask, call, connection, may, missing } from "../../door.js";
 import { html } from "../../html.js";
 import { SIGNS, Sign, sceneSign } from "../../icons.js";
-import { say } from "../../language.js";
+import { say, sayReason } from "../../language.js";
 import { later } from "../../later.js";
 import { Lacking } from "../../managing.js";
 import { capital, spoken } from "../../words.js";
@@ -26,7 +26,7 @@ async function apply(scene, more) {
     return;
   }
   missing.value = results.find((one) => one.result.policy === "rights")?.result.reason ?? "";
-  tell(`${scene.name}: ${message || say(more.undo ? "undone" : "done")}`, success);
+  tell(`${scene.name}: ${sayReason(message ?? "") || say(more.undo ? "undone" : "done")}`, success);
   load();
 }
 

@@ -4,7 +4,7 @@ import { Added } from "../added.js";
 import { ask, call, connection, makeToken, onOpen } from "../door.js";
 import { count, rooms, shown } from "../house.js";
 import { html } from "../html.js";
-import { LANGUAGES, choose, language, say } from "../language.js";
+import { LANGUAGES, choose, language, say, sayReason } from "../language.js";
 import { Managing } from "../managing.js";
 import { Unpaired } from "../pairing.js";
 import { Restart, Told, change, textOf, told } from "../setting.js";
@@ -126,7 +126,7 @@ function Rooms() {
     const problems = [];
     for (const [device, room] of given) {
       const { message } = await ask("/discovery/place", { device, room: room.trim(), is_new: true });
-      if (message) problems.push(message);
+      if (message) problems.push(sayReason(message));
     }
     told.value = { success: !problems.length, message: problems.join("; ") || say("saved"), lines: [], isPending: true };
   };

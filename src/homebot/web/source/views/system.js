@@ -139,7 +139,7 @@ function Waiting({ devices, onApproved }) {
           ${may("manage") && html`<button type="button" aria-label=${say("show what approving {name} allows", { name: nameOf(id) })} onClick=${() => show(id)}>${say("show")}</button>`}
         </div>
         ${shown?.device === id && html`<div class="box">
-          ${shown.message && html`<p class="bad">${shown.message}</p>`}
+          ${shown.message && html`<p class="bad">${sayReason(shown.message)}</p>`}
           ${shown.commands?.length > 0 && html`<p>${say("Approval allows these commands:")}</p><pre>${shown.commands.join("\n")}</pre>`}
           ${shown.changes?.length > 0 && html`<p>${say("Changed since the approval before:")}</p><pre>${shown.changes.join("\n")}</pre>`}
           ${shown.success && html`<p class="choices"><button type="button" onClick=${approve}>${say("approve {name}", { name: nameOf(id) })}</button></p>`}
