@@ -1,1 +1,1 @@
-import"./chunk-EQO5KSKI.js";
+import"./chunk-6SFSNXB4.js";

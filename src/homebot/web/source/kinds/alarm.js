@@ -29,7 +29,7 @@ function Main({ device }) {
           : html`<button key=${mode} type="button" class=${mode} aria-pressed=${String(mode === now)} onClick=${() => mode !== now && start(mode, false)}><${Sign} path=${SIGNS[mode]} /> ${capital(text(mode))}</button>`,
       )}
     </div>
-    ${asked && html`<${Keypad} text=${text(asked)} kind=${codes} isHeld=${isGuarded(device, actOf(asked))} onDone=${(code) => { setAsked(""); perform(device, actOf(asked), { isHeld: true, code }); }} onCancel=${() => setAsked("")} />`}`;
+    ${asked && html`<${Keypad} text=${asked === "disarmed" ? say("disarm") : text(asked)} kind=${codes} isHeld=${isGuarded(device, actOf(asked))} onDone=${(code) => { setAsked(""); perform(device, actOf(asked), { isHeld: true, code }); }} onCancel=${() => setAsked("")} />`}`;
 }
 
 export const alarm = {
