@@ -21,6 +21,7 @@ def test_installed_plugins_are_found_by_name() -> None:
     assert load_plugin("homebot.apps", "light_service") is LightService
 
 
+@pytest.mark.rooms("thesis")  # without it, tests bring a layout of their own
 def test_an_integration_or_a_feature_names_classes_of_its_own_beside_it() -> None:
     folders = {file.parent for file in SOURCE.glob("*/*/entry_points.txt")}
     assert folders >= {file.parent for file in SOURCE.glob("integrations/*/__init__.py")}

@@ -54,7 +54,7 @@ def missing(ros_type: str, cells: list[str]) -> list[str]:
     ]
 
 
-@pytest.mark.rooms("goals")
+@pytest.mark.rooms("goals", "identify")
 def test_every_field_of_every_service_and_action_is_in_its_row() -> None:
     services, actions = [*rows("")], [*rows("action/")]
     assert len(services) >= 7

@@ -36,7 +36,7 @@ def world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> World:
     return load_world(tmp_path / "house.toml")
 
 
-@pytest.mark.rooms("zigbee2mqtt")
+@pytest.mark.rooms("zigbee2mqtt", "history")
 @pytest.mark.virtual_time
 @pytest.mark.parametrize("name", TESTS)
 async def test_the_tests_of_the_guide_pass(world: World, name: str) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import anyio
 import pytest
 from tests.gateways.mqtt.known_house import KnownHouse, Payload, known_house
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.devices.gateway_messages import Report
 from homebot.devices.handles import FollowHandles, Handle
@@ -187,6 +188,7 @@ async def read(follow: FollowHandles[Handle]) -> list[str]:
     return found
 
 
+@WHOLE_HOUSE
 @EACH
 async def test_each_press_is_told_once(remote: Remote) -> None:
     """Also one that equals the one before, and to an app that is slow; none is a state."""
@@ -221,6 +223,7 @@ async def test_a_press_that_the_broker_kept_is_none(remote: Remote) -> None:
         follow.close()
 
 
+@WHOLE_HOUSE
 async def test_a_press_of_one_part_that_two_conventions_announce_is_told_once() -> None:
     """And two presses twice, whichever of the two says so first."""
     twin = {
@@ -258,6 +261,7 @@ async def test_a_directory_that_is_restarted_hears_no_press_again() -> None:
             assert kept.take() is None
 
 
+@WHOLE_HOUSE
 async def test_the_press_that_makes_a_device_known_is_told_once() -> None:
     """The thesis's way: a device is there once it speaks; here one that spoke before it was announced."""
     remote = REMOTES["homie"]

@@ -2,6 +2,7 @@
 
 import pytest
 from tests.integrations.announced_parts import installed, part_with
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.conventions.description import WritesSeveral
 from homebot.conventions.payload import compact_json
@@ -117,6 +118,7 @@ ROWS: dict[str, tuple[str, list[tuple[str, object]], dict[str, PlainValue], list
 }
 
 
+@WHOLE_HOUSE
 @pytest.mark.parametrize(("convention", "announcements", "values", "messages"), ROWS.values(), ids=ROWS)
 def test_one_message_sets_all_where_the_wire_takes_that(
     convention: str,

@@ -115,6 +115,7 @@ async def test_notifications_go_where_the_newest_configuration_says() -> None:
         assert not (await test.call(TriggerRequest())).success
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_the_rights_of_an_app_are_swapped() -> None:
     async with home() as here:
         await here.reload({"apps": {"app": {"class": "light_service", "act": "light in kitchen"}}})

@@ -31,6 +31,11 @@ COUNTERS = re.compile(
     r'(\w+): int = (?:fault|loss)\(\)|Count\(name="(\w+)"[^)]*severity|Count\.each\(\{"(\w+)": [^}]*\}, S'
 )
 FIELD = re.compile(r"\{\w+\}")
+SPEAKERS = pytest.mark.rooms(
+    *("alerts", "habits", "history", "homekit_bridge", "identify", "page", "recording", "routines", "scenes"),
+    *("homeassistant", "homekit", "hue", "matter", "things", "tasmota", "valetudo", "zigbee2mqtt"),
+)
+"""Whose reasons and counters the page translates."""
 
 
 WRITTEN = {"on_off": "on/off", "pm1": "PM1", "pm10": "PM10", "pm25": "PM2.5"}
@@ -55,6 +60,7 @@ def test_every_text_of_the_page_is_translated() -> None:
     assert said - TABLE.keys() == set()
 
 
+@SPEAKERS
 def test_what_the_doctor_finds_is_translated() -> None:
     """Titles, next steps, and the counters that should be 0."""
     forms = {re.sub(r"\{\w+\}", "{}", one) for one in TABLE}
@@ -100,6 +106,7 @@ def test_the_policies_are_translated() -> None:
     assert {spoken(one) for one in (*own, *rights, LEASE_POLICY)} - TABLE.keys() == set()
 
 
+@SPEAKERS
 @pytest.mark.parametrize("reason", REASONS)
 def test_a_reason_that_is_translated_is_one_that_homebot_gives(reason: str) -> None:
     """Its words are in the source, between the fields."""

@@ -8,6 +8,7 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.gateways.mqtt.simple_house import House, simple_house
+from tests.whole_house import WHOLE_HOUSE
 
 pytestmark = pytest.mark.virtual_time
 
@@ -166,6 +167,7 @@ async def test_a_long_payload_is_cut() -> None:
         assert len(found) < 200
 
 
+@WHOLE_HOUSE
 @pytest.mark.parametrize(
     ("conventions", "announcements", "topic", "payload", "why"),
     [
