@@ -1,1 +1,1 @@
-import"./chunk-6SFSNXB4.js";
+import"./chunk-5SHMMBIC.js";

@@ -4,7 +4,7 @@
 import * as mdi from "@mdi/js";
 import { cpSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { keyOf } from "./text_key.js";
+import { keyOf, written } from "./text_key.js";
 
 const folder = process.env.FEATURES;
 const features = readdirSync(folder).filter((name) => existsSync(`${folder}/${name}/page/page.js`)).sort();
@@ -39,8 +39,8 @@ writeFileSync("text_key.js", readFileSync("text_key.js", "utf8").replace("FACTOR
 mkdirSync("languages", { recursive: true });
 ["de", "fr", "es", "nl", "it"].forEach((language, column) => {
   for (const isLater of [false, true]) {
-    const own = rows.filter(([text]) => isLate(text) === isLater && !isForm(text));
-    const lines = [own.map(([text]) => keyOf(text, factor)).join(""), ...own.map(([, row]) => row[column])]; // the keys in one line pack best
+    const own = rows.filter(([text]) => isLate(text) === isLater && !isForm(text)).sort(([one], [other]) => keyOf(one, factor) - keyOf(other, factor));
+    const lines = [written(own.map(([text]) => keyOf(text, factor))), ...own.map(([, row]) => row[column])]; // the keys in one line pack best
     const forms = rows.filter(([text]) => isForm(text));
     const ending = isLater ? `export const reasons = ${JSON.stringify([...forms.map(([text]) => text), ...forms.map(([, row]) => row[column])].join("\n"))};\n` : "";
     writeFileSync(`languages/${language}${isLater ? "_late" : ""}.js`, `export const texts = ${JSON.stringify(lines.join("\n"))};\n${ending}`);

@@ -1,6 +1,6 @@
 // The language of the page: the browser's, or the one that was chosen here. A row of the table is an English text in the others.
 import { computed, effect, signal } from "@preact/signals";
-import { keyOf } from "./text_key.js";
+import { keyOf, keysIn } from "./text_key.js";
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "Español", nl: "Nederlands", it: "Italiano" };
 
 /** Each language is loaded when it is chosen: what the first views say. */
@@ -13,10 +13,11 @@ const CHOICE = "homebot.language";
 const first = [localStorage.getItem(CHOICE), ...navigator.languages].map((one) => one?.slice(0, 2)).find((one) => one in LANGUAGES) ?? "en";
 const tableOf = async (name) => (await LOADERS[name]?.().catch(() => {})) ?? ENGLISH; // English, where homebot is away
 
-/** Texts by their keys: the keys, of three letters, are the first line. */
+/** Texts by their keys, which are the first line. */
 function byKey(lines) {
-  const [keys, ...texts] = lines.split("\n");
-  return new Map(texts.map((text, at) => [keys.slice(3 * at, 3 * at + 3), text]));
+  const [letters, ...texts] = lines.split("\n");
+  const keys = keysIn(letters);
+  return new Map(texts.map((text, at) => [keys[at], text]));
 }
 
 const table = signal(byKey((await tableOf(first)).texts));

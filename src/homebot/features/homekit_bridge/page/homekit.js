@@ -19,7 +19,6 @@ export function Homekit() {
     return () => clearInterval(timer);
   }, [may("manage")]);
   if (!found) return null;
-  const unpair = () => ask("/homekit_bridge/unpair", {}).then(look);
   return html`<section>
     <h2>Apple Home</h2>
     ${found.message && html`<p class="bad">${sayReason(found.message)}</p>`}
@@ -27,7 +26,7 @@ export function Homekit() {
       ${bridge.code ? html`<p>${say("In the app Home: +, Add Accessory, and scan this, or type the code.")}</p><${Code} rows=${bridge.qr} /><p><b>${bridge.code}</b></p>` : html`<p>${say("Paired with {count} controllers.", { count: bridge.controllers })}</p>`}
       <p class="quiet">${bridge.accessories.join(", ")}</p></div>`)}
     ${found.left_out.length > 0 && html`<table class="facts"><tbody>${found.left_out.map(({ key, value }) => html`<tr key=${key}><th scope="row">${key}</th><td>${sayReason(value)}</td></tr>`)}</tbody></table>`}
-    ${found.bridges.some((bridge) => !bridge.code) && html`<p class="choices"><${Remove} name=${say("the pairings with Apple Home")} onRemove=${unpair} /></p>`}
+    ${found.bridges.some((bridge) => !bridge.code) && html`<p class="choices"><${Remove} name=${say("the pairings with Apple Home")} onRemove=${() => ask("/homekit_bridge/unpair", {}).then(look)} /></p>`}
   </section>`;
 }
 
