@@ -198,6 +198,25 @@ async def test_a_lift_that_stays_away_is_sent_again_and_goes_nowhere_with_an_ope
         assert lift.now() == ("First", "First", OPEN, STOPPED, "rosie")
 
 
+@pytest.mark.parametrize(("position", "state"), [("", MOVING), ("100", OPEN), ("40", MOVING)])
+async def test_a_lift_goes_nowhere_before_a_door_that_tells_its_position_is_closed(position: str, state: int) -> None:
+    async with lift_of(door="Gate") as lift:
+        topics = {"position_topic": "gate/position", "set_position_topic": "gate/set"}
+        config = {"name": "Gate", "unique_id": "gate", "device_class": "gate", **topics}
+        await lift.house.says("homeassistant/cover/gate/config", json.dumps(config))
+        await lift.house.run_for(5)
+        if position:
+            await lift.house.says("gate/position", position)
+        await lift.house.run_for(2)
+        assert lift.now()[2] == state
+        await lift.ask("rosie", "First")
+        await lift.house.run_for(30)
+        assert lift.moves == []
+        await lift.house.says("gate/position", "0")
+        await lift.house.run_for(30)
+        assert lift.moves == ["First"]
+
+
 async def test_a_wrong_request_is_refused_with_its_reason() -> None:
     async with lift_of() as lift:
         with capture_logs() as lines:

@@ -38,7 +38,7 @@ _END, _AGV, _HUMAN = range(3)
 _CLOSED, _MOVING, _OPEN = range(3)
 _STOPPED, _UP, _DOWN, _UNKNOWN = range(4)
 _NO_MODE, _BY_PERSONS, _BY_ROBOT, _, _OFFLINE = range(5)
-_DOORS: Final = {"closed": _CLOSED, "open": _OPEN, False: _CLOSED, True: _OPEN}
+_DOORS: Final = {"closed": _CLOSED, "open": _OPEN, False: _CLOSED, True: _OPEN, 100.0: _OPEN}  # False is 0, too
 _FLOOR_RANKS: Final = ("option", "number", "movement")
 _DOOR_RANKS: Final = ("movement", "position", "contact")
 """The capabilities by which a part is the one, best first."""
@@ -182,13 +182,16 @@ class RmfLift(App[LiftSettings]):
         return None if door == self._car else door
 
     def _door_state(self) -> int:
-        """Return the state of the door where the lift is; one without a door is open while it stands still."""
+        """Return the state of the door where the lift is; one without a door is open while it stands still.
+
+        A door of which nothing is known is neither open nor closed.
+        """
         door = self._door(self._current())
         if door is None:
             return _CLOSED if self._direction() else _OPEN
-        names = {one.name for one in door.capabilities}
-        value = next((door.value(name) for name in ("movement", "contact") if name in names), None)
-        return _DOORS.get(value, _MOVING) if isinstance(value, str | bool) else _CLOSED
+        has = {one.name for one in door.capabilities}
+        known = [door.value(name) for name in ("position", "movement", "contact") if name in has]
+        return next((_DOORS.get(value, _MOVING) for value in known if value is not None), _MOVING)
 
     def _direction(self) -> int:
         """Return whether the lift moves, and where to."""
