@@ -5,7 +5,7 @@ are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or a
 ``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``e`` and ``f`` days of the year or months, ``n`` a
 number with its unit, ``v`` a measured value, ``w`` a type after "no", ``s`` and ``i`` states, ``g`` triggers, ``m`` a
 message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second
-value and device.
+value and device. Values in braces may stand for numbers, and in messages.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
@@ -42,6 +42,7 @@ _MAX_CHARACTERS: Final = 300
 _MIN_MARKS: Final = 2
 _ALIKE: Final = 0.8
 _SLOT: Final = re.compile(r"\{(\w)\}")
+_VALUE: Final = re.compile(r"\{[^{}]*\}")
 _AMOUNT: Final = re.compile(r"([+-]?\d++)(?:([.,])(\d++))?+ ?(\S*+)")
 _LENGTHS: Final = re.compile(r"(?<!\d)(\d++(?:[.,]\d++)?+) ?([^\W\d_]++)")
 _CLOCK: Final = re.compile(r"(\d{1,2})(?: ?[:.h] ?(\d\d)(?:[:h](\d\d))?)?(?: ?(?:uhr|uur|heures?|h))?", re.IGNORECASE)
@@ -207,6 +208,9 @@ class _Table:
 
     def read(self, text: str, kind: str) -> str | None:
         """Return the English for *text*; None if it has none of the forms."""
+        return _around_values(text, lambda plain: self._read_parts(plain, kind), self.read)
+
+    def _read_parts(self, text: str, kind: str) -> str | None:
         parts = [text] if kind in {"step", "value"} else split_at(text, *self._lists["words"]["or"])
         read = [self._read(part, kind) for part in parts]
         return self._read(text, kind) if None in read else " or ".join(filter(None, read))
@@ -220,7 +224,7 @@ class _Table:
 
     def shown(self, english: str, kind: str) -> str | None:
         """Return the text for an *english* one; None if there is no form for it."""
-        return self._first(self._english, english, kind, self._out)
+        return _around_values(english, lambda plain: self._first(self._english, plain, kind, self._out), self.shown)
 
     def devices_in(self, text: str) -> str:
         """Return the query *text* in English; empty if it does not begin with one of the words for types."""
@@ -285,6 +289,8 @@ class _Table:
                 return self._plain(text)
             case "p" | "o" | "b":
                 return text
+            case "j":
+                return text if text.isdecimal() else None
             case "g":
                 return self.read(text, "trigger") or text
             case "e" | "f":
@@ -300,22 +306,22 @@ class _Table:
                 return self._days_in(text)
             case "n":
                 return self._amount(text, ".", self._meanings["amounts"])
-            case "v" | "q":
-                return self._meanings["values"].get(self._plain(text).casefold())
-            case "w":
-                return self._meanings["none"].get(text.casefold())
+            case "v" | "q" | "w":
+                return self._meanings["none" if slot == "w" else "values"].get(self._plain(text).casefold())
             case "s" | "i":
                 return self.read(text, "state")
-        return self._with_values(slot, _unquoted(text), self.read)
+        return _unquoted(text)
 
     def _out(self, slot: str, text: str) -> str | None:
         match slot:
             case "x" | "y":
                 return self._device_out(text, "all", "some")
             case "c":
-                return self._device_out(text, "all")
+                return self._device_out(text.removesuffix(" to"), "all")
             case "r" | "p" | "o" | "b":
                 return text
+            case "j":
+                return text if text.isdecimal() else None
             case "g":
                 parts = [self.shown(part, "trigger") or part for part in split_at(text, "or")]
                 return f" {self._lists['words']['or'][0]} ".join(parts)
@@ -330,21 +336,13 @@ class _Table:
                 return self._days_out(text)
             case "n":
                 return self._amount(text, ",", {})
-            case "v" | "q":
-                return next(iter(self._lists["values"].get(text.casefold(), ())), None)
-            case "w":
-                return next(iter(self._lists["none"].get(text.casefold(), ())), None)
+            case "v" | "q" | "w":
+                rows = self._lists["none" if slot == "w" else "values"]
+                return next(iter(rows.get(text.casefold(), ())), None)
             case "s" | "i":
                 shown = self.shown(text, "state") or ""
                 return " ".join(self._awaited.get(word, word) for word in shown.split(" "))
-        message = self._with_values(slot, _unquoted(text), self.shown)
-        return message if slot == "j" else f'"{message}"'
-
-    @staticmethod
-    def _with_values(slot: str, text: str, translate: Callable[[str, str], str | None]) -> str | None:
-        """Return a message, or a single value in braces, with its values in the other language."""
-        is_possible = slot != "j" or text[:1] + text[-1:] == "{}"
-        return with_values(text, lambda value: translate(value, "value") or value) if is_possible else None
+        return f'"{_unquoted(text)}"'
 
     def _plain(self, text: str) -> str:
         """Return *text* without the articles before it."""
@@ -477,6 +475,23 @@ def _spoken(text: str) -> str:
 def _clock(text: str) -> str | None:
     found = _CLOCK.fullmatch(text)
     return None if found is None else ":".join((found[1], found[2] or "00", *filter(None, (found[3],))))
+
+
+def _around_values(
+    text: str, translate: Callable[[str], str | None], of_value: Callable[[str, str], str | None]
+) -> str | None:
+    """Return *text* as *translate* has it with numbers in the places of values in braces, and these as *of_value*."""
+    values = _VALUE.findall(text)
+    mark = "7"
+    while values and mark in text:
+        mark += "7"
+    numbers = [f"{mark}{number:03}" for number in range(len(values))]
+    left = iter(numbers)
+    translated = translate(_VALUE.sub(lambda _: next(left), text))
+    for number, value in zip(numbers, values, strict=True) if translated else ():
+        own = with_values(value, lambda operand: of_value(operand, "value") or operand)
+        translated = (translated or "").replace(number, own)
+    return translated
 
 
 def _unquoted(text: str) -> str:
