@@ -156,6 +156,20 @@ async def test_an_observation_is_registered_again_when_its_last_state_is_too_old
                     assert (await anext(states)).payload == b"new"
 
 
+async def test_a_long_state_is_whole_although_its_notification_is_cut_off() -> None:
+    """A directory of 57 devices: each later one was found when the list was read, and the others left until then."""
+    value = Value(b"short")
+    async with (
+        server(value, reserve_datagram_port()) as uri,
+        CoapClient.open(5.0, ()) as client,
+        aclosing(client.observe(uri)) as states,
+    ):
+        assert (await anext(states)).payload == value.payload
+        value.payload = bytes(range(256)) * 17
+        value.updated_state()
+        assert (await anext(states)).payload == value.payload
+
+
 async def test_a_server_that_went_away_ends_the_observation_as_a_broken_link(
     pass_time: Callable[[float], None],
 ) -> None:

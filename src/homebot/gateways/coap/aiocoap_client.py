@@ -36,6 +36,12 @@ MAX_BODY: Final = 256 * 1024
 _BLOCKS_WITHIN: Final = 120.0
 """Seconds in which the blocks of one answer are asked for: a slow radio takes a tenth of a second for each."""
 
+_MAX_PAYLOAD: Final = 1024
+"""Bytes that one message has at most; RFC 7252, section 4.6. What is longer is asked for in blocks.
+
+aiocoap's directory notifies in one message however long it is, and aiocoap's client cuts it at 4,096 bytes in silence.
+"""
+
 _FIRST_RESPONSE: Final = 0x40
 """Codes below are of requests, and 0 is empty; RFC 7252, section 3."""
 
@@ -172,8 +178,10 @@ class CoapClient:
                     if response.opt.observe is None:
                         raise RefusedError(f"observing {uri[:200]}", "it cannot be observed")
                     while response is not None:
-                        answer = await self._whole(uri, accept, response)
-                        yield answer
+                        if len(response.payload) > _MAX_PAYLOAD:
+                            yield await self.request("GET", uri, accept=accept)
+                        else:
+                            yield await self._whole(uri, accept, response)
                         response = await self._next(notifications, response)
                         response = None if response is None else _check(uri, response)
                 finally:
