@@ -177,6 +177,7 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "wait for Flur open, at most 1h, then stop",
         "routine Film on",
         "routine Film off",
+        "run routine Film",
         "undo",
         "stop",
     ),

@@ -71,7 +71,9 @@ WAIT_FOR: Final = Phrase(
 )
 WAIT: Final = Phrase("wait {length:length} to {most:length}", "wait {length:length}")
 NOTIFY: Final = Phrase("notify [:] {text}")
-SWITCH_ROUTINE: Final = Phrase("routine {name} way~on|off", "turn|switch way~on|off [the] routine {name}")
+SWITCH_ROUTINE: Final = Phrase(
+    "routine {name} way~on|off", "turn|switch way~on|off [the] routine {name}", "way~run|start [the] routine {name}"
+)
 SCENE: Final = Phrase("scene {name} , over {length:length}", "scene {name}")
 OVER: Final = Phrase("over {length:length}")
 SCENE_TARGET: Final = Phrase("scene {name}")

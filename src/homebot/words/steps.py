@@ -1,11 +1,11 @@
 """The steps of a routine, as text. Pure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain
-from typing import Final, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, SETTABLE
 from homebot.devices.device_types import DEVICE_TYPES
@@ -75,6 +75,8 @@ _HINTS: Final = {
 }
 """By the first word."""
 
+RoutineSwitch: TypeAlias = Literal["enable", "disable", "run"]
+_CHANGES: Final[Mapping[str, RoutineSwitch]] = {"on": "enable", "off": "disable", "run": "run", "start": "run"}
 _ALIKE: Final = 0.7
 _WORDS: Final = frozenset(
     chain(
@@ -214,11 +216,11 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class SwitchRoutine:
-    """A routine begins, or ceases, to watch for its triggers."""
+    """A routine begins, or ceases, to watch for its triggers, or runs now, whatever its conditions."""
 
     text: str
     name: str
-    is_on: bool
+    change: RoutineSwitch
 
 
 Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | WaitFor | Undo | Stop | SwitchRoutine
@@ -292,7 +294,7 @@ def _read(plain: str) -> Step:
         if (press := read_press(f"{button} press {event}")) is not None:
             return Dim(plain, target, parse_query(target), way.casefold(), press)
     if (switch := SWITCH_ROUTINE.match(plain)) is not None:
-        return SwitchRoutine(plain, switch["name"].strip("\"'"), switch["way"].casefold() == "on")
+        return SwitchRoutine(plain, switch["name"].strip("\"'"), _CHANGES[switch["way"].casefold()])
     if (scene := SCENE.match(plain)) is not None:
         length = read_duration(scene["length"], plain, "s") if "length" in scene else 0.0
         return Do(plain, f"scene {scene['name']}", APPLY, transition=length)

@@ -51,6 +51,8 @@ WAIT = "wait until hall lamp on, at most 1m"
         ((WAIT, "notify Two"), ["Two"], True),
         (("routine Other off", "wait 10m", "notify Two"), ["Two"], False),
         (("turn off routine other", "turn on the routine Other"), [], True),
+        (("run routine other", "wait until hall lamp on, at most 1m, then stop", "notify Two"), ["Two"], True),
+        (("notify One", "start the routine Visit"), ["One"], True),
         (
             ("notify {hall lamp level}: {name}, {room}, {routine} at {time}; {temperature of hall}",),
             ["100 %: hall_motion, hall, Visit at 08:01; unknown"],
@@ -67,6 +69,17 @@ async def test_a_run_takes_its_steps(steps: tuple[object, ...], told: list[str],
         await house.run_until("09:00")
         assert [one.message for one in house.notifications] == told
         assert is_on(world, "hall_lamp") is lamp_is_on
+
+
+@pytest.mark.slow
+@pytest.mark.virtual_time
+@pytest.mark.rooms("homeassistant")
+async def test_routines_that_run_each_other_do_so_once() -> None:
+    ring = [{"name": one, "when": [when], "do": [f"notify {one}", f"run routine {other}"]}
+            for one, other, when in (("A", "B", "08:05"), ("B", "C", "12:00"), ("C", "A", "12:00"))]  # fmt: skip
+    async with virtual_house_of(config=config(*ring) | {"notify": {}}, start="2026-01-01 08:00") as house:
+        await house.run_until("08:10")
+        assert [one.message for one in house.notifications] == ["A", "B", "C"]
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from contextvars import ContextVar
 from datetime import datetime
 from functools import cached_property, partial
 from random import Random
@@ -32,6 +33,7 @@ from homebot.features.routines.program import Back, Branch, ForEach, Line, NextT
 from homebot.features.routines.watches import fitting, follow_matches, holds_for, value_of
 from homebot.graph import Client, Node
 from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.support.folding import fold
 from homebot.words.commands import SET
 from homebot.words.conditions import Condition
 from homebot.words.message_values import MessageValue
@@ -58,6 +60,10 @@ if TYPE_CHECKING:
 
 _MAX_WAIT_S: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
+
+
+_CHAIN: Final[ContextVar[frozenset[str]]] = ContextVar("homebot.routine_chain", default=frozenset())
+"""The routines of which each ran the next one, the last of which is this one."""
 
 
 class RoutineOwner(Protocol):
@@ -239,7 +245,8 @@ class RoutineRun:
             case WaitFor(most=length) | WaitUntil(most=length):
                 pass
             case _:
-                return RunPlace(line, until, isinstance(step, Undo | Stop | SwitchRoutine))
+                is_run = isinstance(step, SwitchRoutine) and step.change == "run"
+                return RunPlace(line, until, isinstance(step, Undo | Stop | SwitchRoutine) and not is_run)
         return RunPlace(line, until or self._clock.now() + length, may_repeat=True)
 
     @cached_property
@@ -291,7 +298,12 @@ class RoutineRun:
             self._owner.log_done(step.text)
 
     async def _switch(self, step: SwitchRoutine) -> None:
-        request = ChangeRoutineRequest(name=step.name, change="enable" if step.is_on else "disable")
+        chain = _CHAIN.get() | {fold(self._owner.title)}
+        if step.change == "run" and fold(step.name) in chain:
+            self._owner.log_failure(step.text, "it would run again and again; start it by a trigger")
+            return
+        _CHAIN.set(chain)
+        request = ChangeRoutineRequest(name=step.name, change=step.change)
         with closing(self._owner.node.create_client(ChangeRoutine, CHANGE_ROUTINE)) as client:
             try:
                 answer = await client.call(request)

@@ -64,7 +64,7 @@ def device(name: str, *parts: DevicePart, entities: str = "", key: str = "", are
 HELPERS = Endpoint(gateway="helpers", key="", address="", command_address="", freshness="fresh", last_seen=NOW)
 LAMP = ("on_off", "level", "color", "color_temperature")
 HOUSE = (
-    device("Hall lamp", part("", "light", *LAMP), area="Hall"),
+    device("Hall lamp", part("", "light", *LAMP), area="Hall", at="zigbee2mqtt/hall_lamp"),
     device("Floor lamp", part("", "light", "on_off"), area="Living room"),
     device("Hall motion", part("", "occupancy_sensor", "occupancy", "illuminance", "battery", "tamper"), area="Hall"),
     device("Stairs motion", part("", "occupancy_sensor", "occupancy")),
@@ -100,6 +100,9 @@ HOUSE = (
             "oven": ["on_off", "press"],
             "wake up": ["text"],
             "good night": ["press", "push"],
+            "stop radio": ["press", "push"],
+            "keep heat": ["press", "push"],
+            "close": ["press", "push"],
         }.items()
     ),
     device("Household", part("", "x_household", "at_home", "all_at_home")),
@@ -112,7 +115,9 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
     )
 
 
-@pytest.fixture(scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting"])
+@pytest.fixture(
+    scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting", "answers"]
+)
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

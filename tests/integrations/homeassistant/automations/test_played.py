@@ -35,7 +35,7 @@ HELPERS: dict[str, Any] = {
     "visits": {"counter": 0},
     "oven": {"timer": "10m"},
     "wake_up": {"time": "07:00"},
-    "good_night": {"button": True},
+    **{name: {"button": True} for name in ("good_night", "stop_radio", "keep_heat", "close")},
 }
 DEVICES = {one.name: one for one in HOUSE if one.endpoints[0].gateway != "helpers"}
 FIRST = """
@@ -92,6 +92,7 @@ class Play(NamedTuple):
     day: str = FRIDAY
 
 
+OPENED = [f"08:{at} Living blind movement {state}" for at, state in (("05", "closed"), ("10", "open"))]
 BLINK = [f"08:10:{second} Hall lamp on_off {state}" for second, state in ((30, True), (32, False), (34, True))]
 PLAYS: tuple[Play, ...] = (
     Play(
@@ -312,6 +313,24 @@ PLAYS: tuple[Play, ...] = (
     Play("Good night button", ["08:10 good_night push", "08:20 good_night push"],
          ["08:10:00 Floor lamp on_off False", "08:10:00 Hall lamp on_off False"]),
     Play("Good night button", ["08:10 vacation on"], ["vacation True"]),
+    Play("Ask for the radio", ["08:10 Front door contact true"],
+         ["08:15:00 notify Door: The front door is open [stop radio]"]),
+    Play("Ask for the radio", ["08:10 Front door contact true", "08:14 Front door contact false"]),
+    Play("Radio by an answer", ["08:10 stop_radio push"], ["08:10:00 Kitchen radio on_off False"]),
+    Play("Radio by an answer", ["08:10 keep_heat push"]),
+    Play("Ask and wait", ["08:10 Bath window contact true"],
+         ["08:10:00 notify The bath window is open [keep heat]", "08:20:00 Bath heating thermostat_mode off"]),
+    Play("Ask and wait", ["08:10 Bath window contact true", "08:15 keep_heat push"],
+         ["08:10:00 notify The bath window is open [keep heat]"]),
+    Play("Blind left open", [*OPENED, "08:22 close push"],
+         ["08:20:00 notify Close it? [close]", "08:22:00 Living blind movement closed"]),
+    Play("Blind left open", [*OPENED, "08:26 close push"],
+         ["08:20:00 notify Close it? [close]"]),
+    Play("Run another", ["08:10 Bell press single"], ["08:10:00 Hall lamp on_off True"]),
+    Play("Run another", ["08:10 stop_radio push"]),
+    Play("Publish to a device", ["08:10 Stairs motion occupancy true"],
+         ["08:10:00 Hall lamp level 50", "08:11:00 Hall lamp on_off False"]),
+    Play("Publish to a device", ["08:10 Stairs motion occupancy false"]),
     Play("Next mode", ["08:10 Bell press single"],
          ["08:10:00 Kitchen radio playback playing", "mode night"]),
     Play("Next mode", ["08:10 Bell press single", "08:20 Bell press single"],
@@ -355,7 +374,7 @@ def routines() -> Mapping[str, dict[str, Any]]:
     """Return the routines of all files by name."""
     texts = [
         text
-        for name in ("forum", "asked", "unseen", "kinds", "lasting")
+        for name in ("forum", "asked", "unseen", "kinds", "lasting", "answers")
         for text in read((HERE / f"{name}.yaml").read_text()).texts
     ]
     return {table["name"]: table for text in texts for table in tomllib.loads(text)["routines"]}

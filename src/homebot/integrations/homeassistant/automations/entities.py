@@ -292,6 +292,15 @@ class Entities:
         known = [device for device in self._devices if any(route.address == address for route in device.endpoints)]
         return known[0] if len(known) == 1 else None
 
+    def commanded_at(self, topic: str) -> Device | None:
+        """Return the device of MQTT that takes its commands at *topic*; None for none, or several."""
+        known = [
+            device
+            for device in self._devices
+            if any(topic in {route.command_address, f"{route.address}/set"} for route in device.endpoints)
+        ]
+        return known[0] if len(known) == 1 and topic else None
+
     def device_by_address(self, address: str) -> Device:
         """Return the device with a radio address, such as ``00:15:8d:00:01:02:03:04``."""
         wanted = _plain_address(address)
@@ -544,6 +553,24 @@ class Automation:
         """Return the number of automations that call a script."""
         called = re.compile(rf"\bscript\.{re.escape(script)}\b")
         return sum(1 for text in self.calling if called.search(text))
+
+    def routine_without_waits(self, entity_id: str) -> str:
+        """Return the routine with the id of an automation, which ends at once.
+
+        Raises:
+            NotCarriedError: It is not known, or waits: who runs it would not wait for its end.
+        """
+        name = self.names.routine(entity_id)
+        own = [text for text in self.calling if f"'alias': {name!r}" in text]
+        if any("'delay'" in text or "'wait_" in text for text in own):
+            raise NotCarriedError(f"automation.trigger: {name} waits; start it by the trigger of this one too")
+        self.notes.append(f"`run routine {name}` runs it beside this one, whatever its conditions")
+        return name
+
+    def asks_for(self, action: str) -> bool:
+        """Return whether an automation of the file asks for a button of messages, beside the message with it."""
+        asked = re.compile(rf"""(?:'action(?:Name)?': |== )\\?['"]{re.escape(action)}\\?['"]""")
+        return sum(len(asked.findall(text)) for text in {*self.calling, *self.others}) > 1
 
     def define(self, variables: Located) -> Mapping[str, object]:
         """Define *variables*, and return the values of all that are known by now."""

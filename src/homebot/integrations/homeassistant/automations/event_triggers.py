@@ -10,7 +10,9 @@ from homebot.devices.device import Device, DevicePart
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import (
     Automation,
+    KnownEntity,
     StartTrigger,
+    slug_of,
     text_value,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
@@ -70,7 +72,6 @@ ADVICE: Final = {
     "webhook": "; send a command by HTTP, see docs/http.md",
     "tag": "; start it by a button, or by the tag's reader as a device",
     "tag_scanned": "; start it by a button, or by the tag's reader as a device",
-    "mobile_app_notification_action": "; messages have no buttons: start it by a button or helper",
     "persistent_notification": "; start it by the state that is told of",
     "geo_location": "; homebot knows only who is at home: 'Anna arrives'",
     "sentence": "; a routine of a button does the same",
@@ -90,6 +91,9 @@ _SENDERS: Final = {
     "deconz_event": _Sender("unique_id", "event"),
     "hue_event": _Sender("unique_id", "type"),
 }
+_ANSWERS: Final = {"mobile_app_notification_action": "action", "ios.notification_action_fired": "actionName"}
+"""The fields of events with the button of a message that somebody pressed."""
+
 _STARTS: Final = frozenset({"homeassistant_started", "homeassistant_start"})
 
 
@@ -118,10 +122,30 @@ def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
         return [StartTrigger("homebot starts")]
     if kind in APP_EVENTS:
         return [_of_app(automation, kind, data)]
+    if kind in _ANSWERS:
+        button = message_button(automation, data.text(_ANSWERS[kind]))
+        data.left.clear()
+        return [StartTrigger(press_text(button.name, ""), data=((_ANSWERS[kind], button.id),))]
     if kind in _SENDERS:
         return _of_device(automation, kind, data)
     known = ", ".join((*_SENDERS, *APP_EVENTS))
     raise NotCarriedError(f"trigger event: {kind!r}{ADVICE.get(kind, '')}; carried over are events of {known}")
+
+
+def message_button(automation: Automation, action: str) -> KnownEntity:
+    """Return the helper that stands for a button of messages, which people press on the page.
+
+    Raises:
+        NotCarriedError: There is none; the message says how to write it.
+    """
+    name = slug_of(action)
+    try:
+        return automation.entities.find(f"input_button.{name}")
+    except NotCarriedError:
+        raise NotCarriedError(
+            f"the button {action!r} of a message: write `{name} = {{ button = true }}` in the table [helpers], and "
+            "press it on the page"
+        ) from None
 
 
 def _of_app(automation: Automation, kind: str, data: UnreadFields) -> StartTrigger:

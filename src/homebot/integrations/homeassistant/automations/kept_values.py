@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 
 from homebot.integrations.homeassistant.automations.expressions import expression_of, state_entity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, walk
+from homebot.integrations.homeassistant.automations.service_tables import SERVICE_FIELDS
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 from homebot.support.located import Located
 
@@ -20,11 +21,9 @@ _KEPT: Final[Mapping[tuple[str, str], str]] = {
 """The fields with which a service sets the state of an entity of a domain, or an attribute."""
 
 _SETS: Final[Mapping[str, frozenset[str]]] = {
-    **{f"climate.{name}": frozenset({"hvac_mode"}) for name in ("set_hvac_mode", "turn_off")},
-    "climate.set_temperature": frozenset({"hvac_mode", "temperature"}),
-    "climate.set_preset_mode": frozenset({"preset_mode"}),
-    "media_player.volume_set": frozenset({"volume_level"}),
-    **{f"cover.{name}": frozenset({"position"}) for name in ("set_cover_position", "open_cover", "close_cover")},
+    **{name: frozenset(fields) for name, fields in SERVICE_FIELDS.items()},
+    "climate.turn_off": frozenset({"hvac_mode"}),
+    **{f"cover.{name}": frozenset({"position"}) for name in ("open_cover", "close_cover")},
 }
 """The fields that services set; one with several sets those in its data."""
 

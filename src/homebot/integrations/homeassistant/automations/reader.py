@@ -44,7 +44,7 @@ from homebot.integrations.homeassistant.automations.template_calculations import
 from homebot.integrations.homeassistant.automations.template_times import random_ends
 from homebot.integrations.homeassistant.automations.templates import keeps_state
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
-from homebot.integrations.homeassistant.automations.variables import plain, resolved
+from homebot.integrations.homeassistant.automations.variables import plain, resolved, without_run_id
 from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 from homebot.support.located import Located
 from homebot.words.automations import ImportedRoutines, Load, Refusal, RoutineCheck
@@ -408,6 +408,8 @@ class Actions:
             waited = Automation(self._automation.entities, self._automation.names, self._automation.problems)
             known = waited.each(fields.items(kind), "trigger", lambda node: read_triggers(waited, node))
             texts = [trigger.text for triggers in known for trigger in triggers]
+            if not texts and waited.problems:
+                return []
             if any(trigger.needs for triggers in known for trigger in triggers):
                 raise NotCarriedError("action wait_for_trigger: a template of several states; use `wait_template`")
             text = f"wait for {' or '.join(texts)}{end}"
@@ -475,8 +477,8 @@ class Actions:
         fields.end()
         steps = []
         for number, value in enumerate(values, 1):
-            place = {"index": number, "first": number == 1, "last": number == len(values), "item": plain(value)}
-            steps += self._branch([resolved(node, {"repeat": place, "repeat.item": value}) for node in nodes])
+            place = {"index": number, "first": number == 1, "last": number == len(values), "item": value}
+            steps += self._branch([resolved(node, {"repeat": place}) for node in nodes])
             if len(steps) > _MAX_WRITTEN:
                 raise NotCarriedError(f"action repeat: more than {_MAX_WRITTEN} steps that differ by round")
         return steps
@@ -630,18 +632,24 @@ class HomeAssistantAutomations:
             written: list[str] = []
             with automation.in_line(node.line):
                 plain_node = from_blueprint(node, blueprint, load) if _has(node, "use_blueprint") else node
+                plain_node = without_run_id(plain_node)
                 table = _table(automation, UnreadFields(plain_node, "automation"), name, scripts)
                 if not automation.problems:
                     written = _written(table, apps, f"{source}, line {node.line}", automation, check)
             if written and not automation.problems:
                 texts.setdefault(name, []).extend(written)
-                called[name] = node.line, {other for other in own.values() if f'"routine {other} o' in written[0]}
+                called[name] = node.line, {*filter(partial(_is_named, written[0]), own.values())}
             refused += dict.fromkeys(Refusal(problem.line, name, str(problem)) for problem in automation.problems)
         for name, (line, switched) in called.items():
             if missing := switched - texts.keys() - {*routines}:
                 del texts[name]
-                refused.append(Refusal(line, name, f"it switches {min(missing)!r}, which is not carried over"))
+                refused.append(Refusal(line, name, f"it names {min(missing)!r}, which is not carried over"))
         return ImportedRoutines(tuple(chain(*texts.values())), tuple(refused), len(nodes))
+
+
+def _is_named(text: str, routine: str) -> bool:
+    """Return whether a step of the routine *text* switches, or runs, another *routine*."""
+    return f'"routine {routine} o' in text or f'"run routine {routine}"' in text
 
 
 def _name(node: Located) -> str:

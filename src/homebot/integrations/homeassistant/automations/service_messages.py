@@ -1,10 +1,13 @@
 """Messages to people in automations, as steps of routines. Pure."""
 
+from collections.abc import Iterator
 from typing import Final
 
 from homebot.integrations.homeassistant.automations.conditions import templates_of
 from homebot.integrations.homeassistant.automations.entities import Automation
-from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.event_triggers import message_button
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
+from homebot.support.located import Located
 from homebot.words.steps import Notify, read_step
 
 _COMMANDS: Final = ("command_", "request_location_update", "remove_channel", "delete_alert", "update_", "TTS")
@@ -54,14 +57,31 @@ def _message(automation: Automation, name: str, data: UnreadFields) -> str:
     if not message:
         raise NotCarriedError(f"{name}: `message` is missing")
     data.take("notification_id")
+    buttons = [f"[{name}]" for name in _buttons(automation, data.left.get("data"))]
     for key in ("data", "target"):
         if data.take(key) is not None:
             automation.notes.append(f"`{key}` of the message is left out")
     data.end()
-    text = f"notify {' '.join(': '.join(filter(None, (title, message))).split())}"
+    text = f"notify {' '.join(' '.join([': '.join(filter(None, (title, message))), *buttons]).split())}"
     if not isinstance(read_step(text), Notify):
         raise NotCarriedError(f"{name}: {message!r} is no message for a step")
     return text
+
+
+def _buttons(automation: Automation, node: Located | None) -> Iterator[str]:
+    """Yield the names of the buttons of a message, which are helpers; one that no automation asks for is left out."""
+    known = node.value if node is not None and isinstance(node.value, dict) else {}
+    for row in items_of(known.get("actions"), "actions"):
+        fields = UnreadFields(row, "actions")
+        if (action := fields.text("action")) == "URI":
+            continue
+        try:
+            yield message_button(automation, action).device.name
+        except NotCarriedError:
+            if automation.asks_for(action):
+                raise
+        else:
+            automation.notes.append("buttons of messages are helpers: people press them on the page")
 
 
 def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:

@@ -1,11 +1,12 @@
 """Calls of services as steps of routines. Pure."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, pairwise
 from typing import Final, NamedTuple, cast
 
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.published_commands import steps_of_message
 from homebot.integrations.homeassistant.automations.service_messages import message_steps
 from homebot.integrations.homeassistant.automations.service_settings import settings_of, step_text, steps_of_entity
 from homebot.integrations.homeassistant.automations.service_tables import (
@@ -43,11 +44,8 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         return []
     if target.is_to_notify and (messages := message_steps(automation, name, data)) is not None:
         return [*messages]
-    if name in {"automation.turn_on", "automation.turn_off"}:
-        data.take("stop_actions")
-        data.end()
-        words = name.rpartition("_")[2]
-        return [f"routine {automation.names.routine(entity)} {words}" for entity in target.entities]
+    if (read := _APART.get(name)) is not None:
+        return [*read(automation, name, data, target)]
     if name in _NEXT:
         is_cycle = data.flag("cycle", default=True)
         data.end()
@@ -78,6 +76,29 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
     known = _entities_of(automation, target, domain)
     return [text for entity in known for text in steps_of_entity(name, entity, settings, over)]
 
+
+def _of_routines(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[str]:
+    """Yield the steps that switch, or run, the routines of other automations."""
+    data.take("stop_actions")
+    if not data.flag("skip_condition", default=True):
+        raise NotCarriedError("automation.trigger: `run routine` asks for no conditions; write them here as well")
+    data.end()
+    for entity in target.entities:
+        if name == "automation.trigger":
+            yield f"run routine {automation.routine_without_waits(entity)}"
+        else:
+            yield f"routine {automation.names.routine(entity)} {name.rpartition('_')[2]}"
+
+
+def _of_message(automation: Automation, _name: str, data: UnreadFields, _target: "_Target") -> Sequence[str]:
+    return steps_of_message(automation, data)
+
+
+_APART: Final[Mapping[str, Callable[[Automation, str, UnreadFields, "_Target"], Iterable[str]]]] = {
+    **{f"automation.{way}": _of_routines for way in ("turn_on", "turn_off", "trigger")},
+    "mqtt.publish": _of_message,
+}
+"""The readers of services that command no entity."""
 
 _NEXT: Final = {
     f"{domain}.{service}"

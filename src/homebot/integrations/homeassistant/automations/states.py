@@ -15,6 +15,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.service_tables import SETTINGS
 from homebot.support.folding import fold
 from homebot.support.numbers import to_number
 from homebot.words.message_values import read_comparison
@@ -37,29 +38,30 @@ _VACUUM: Final = ("cleaning", "docked", "paused", "idle", "returning", "error")
 _SAME: Final = {"alarm": _ALARM, "place": ("home", "not_home"), "playback": ("playing", "paused"), "vacuum": _VACUUM}
 """States of capabilities of which others differ, or are not known."""
 
-ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
-    ("light", "brightness"): ("level", 100 / 255),
-    ("light", "color_temp_kelvin"): ("color_temperature", 1.0),
+_SET: Final = {
+    "light": ("brightness", "brightness_pct", "color_temp_kelvin", "effect"),
+    "climate": ("temperature", "preset_mode", "fan_mode", "swing_mode"),
+    "fan": ("percentage", "preset_mode", "direction", "oscillating"),
+    "humidifier": ("humidity", "mode"),
+    "media_player": ("is_volume_muted", "volume_level", "source"),
+    "vacuum": ("fan_speed",),
+    "water_heater": ("temperature", "operation_mode"),
+}
+"""The attributes of entities that services set by fields of the same names."""
+
+_ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
+    **{
+        (domain, name): (SETTINGS[name].capabilities.split()[0], SETTINGS[name].factor)
+        for domain, names in _SET.items()
+        for name in names
+    },
     ("climate", "current_temperature"): ("local_temperature", 1.0),
     ("climate", "current_humidity"): ("humidity", 1.0),
-    ("climate", "temperature"): ("heating_setpoint", 1.0),
     ("climate", "hvac_action"): ("thermostat_action", 1.0),
-    ("climate", "preset_mode"): ("preset_mode", 1.0),
     ("cover", "current_position"): ("position", 1.0),
     ("cover", "current_tilt_position"): ("tilt", 1.0),
-    ("fan", "percentage"): ("fan_speed", 1.0),
-    ("humidifier", "humidity"): ("humidity_setpoint", 1.0),
-    ("media_player", "is_volume_muted"): ("muted", 1.0),
-    ("media_player", "volume_level"): ("volume", 100.0),
-    ("media_player", "source"): ("option", 1.0),
-    ("light", "effect"): ("effect", 1.0),
-    ("light", "brightness_pct"): ("level", 1.0),
-    ("fan", "preset_mode"): ("preset_mode", 1.0),
-    ("climate", "fan_mode"): ("fan_mode", 1.0),
     ("climate", "target_humidity"): ("humidity_setpoint", 1.0),
-    ("vacuum", "fan_speed"): ("fan_mode", 1.0),
     ("water_heater", "current_temperature"): ("local_temperature", 1.0),
-    ("water_heater", "temperature"): ("heating_setpoint", 1.0),
     ("vacuum", "battery_level"): ("battery", 1.0),
 }
 """The capabilities that attributes of entities are, and the factors of their numbers."""
@@ -122,7 +124,7 @@ def number_of(entities: Entities, entity_id: str, attribute: str) -> tuple[Known
     entity = entities.find(entity_id)
     if not attribute:
         return entity, entity.capability or ("number" if entity.has("number") else ""), 1.0
-    capability, factor = ATTRIBUTES.get((entity.domain, attribute), ("", 1.0))
+    capability, factor = _ATTRIBUTES.get((entity.domain, attribute), ("", 1.0))
     if not capability or not entity.has(capability):
         raise NotCarriedError(f"homebot does not read the attribute {attribute!r} of {entity_id}")
     return entity, capability, factor

@@ -1,5 +1,6 @@
 """Values that are written elsewhere: variables, inputs of blueprints, and parts in other files. Pure."""
 
+import re
 from ast import literal_eval
 from collections.abc import Callable, Mapping
 from typing import Final, Self
@@ -30,7 +31,7 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
     if not isinstance(value, str) or "{" not in value:
         return node
     name = value.strip().removeprefix("{{").removesuffix("}}").strip()
-    if (known := constants.get(name)) is not None and not isinstance(plain(known), Undefined):
+    if (known := _known(name, constants)) is not None and not isinstance(plain(known), Undefined):
         return known._replace(line=node.line) if isinstance(known, Located) else Located(known, node.line)
     given = value.values if isinstance(value, BoundTemplate) else {}
     plain_values = {**{name: plain(value) for name, value in constants.items()}, **given}
@@ -44,6 +45,27 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
         return _rendered(node, program.render(plain_values).strip()) if program.names else node
     except TemplateError:
         return node
+
+
+_ID_OF_RUN: Final = re.compile(r"\{\{ ?(?:['\"](\w*)['\"] ?~ ?)?context\.id ?\}\}")
+
+
+def without_run_id(node: Located) -> Located:
+    """Return *node* without the id of the run at the end of texts: those of all runs are one button in homebot."""
+    if isinstance(node.value, dict):
+        return node._replace(value={key: without_run_id(inner) for key, inner in node.value.items()})
+    if isinstance(node.value, list):
+        return node._replace(value=[*map(without_run_id, node.value)])
+    return node._replace(value=_ID_OF_RUN.sub(r"\1", node.value)) if isinstance(node.value, str) else node
+
+
+def _known(name: str, constants: Mapping[str, object]) -> object:
+    """Return the value *name*, such as ``repeat.item``, as it stands in *constants*; None for an unknown one."""
+    if name in constants:
+        return constants[name]
+    first, _, field = name.partition(".")
+    inner = constants.get(first)
+    return inner.get(field) if isinstance(inner, dict) else None
 
 
 def _rendered(node: Located, text: str) -> Located:
