@@ -43,6 +43,7 @@ room = "living_room"
 """
 COVER_CARD = ".card[aria-label='Big cover']"
 COVER = ".card[aria-label='Big cover'] button[aria-label='Big cover: {}']"
+RADIO = ".card[aria-label='Radio']"
 WARMER = "[role=group][aria-label='heating: heating setpoint'] button[aria-label=more]"
 ROUTINES = [
     {"name": "Evening", "when": ["22:00"], "do": ["lamp on, 40 %"], "enabled": False},
@@ -351,9 +352,13 @@ async def test_a_first_view_in_another_language_loads_what_it_says_and_no_more(b
 
 
 async def test_a_player_says_what_it_plays(browser: Any, world: World) -> None:
-    tables: dict[str, object] = {"gateways": {"mqtt": {"root": "home425"}, "radio": {"class": f"{__name__}:Radio"}}}
+    tables: dict[str, object] = {
+        "gateways": {"mqtt": {"root": "home425"}, "radio": {"class": f"{__name__}:Radio", "act": True}}
+    }
     async with opened_page(browser, world, tables) as own:
         await own.open("#/room/living_room", shows="Playing · Blue in Green · Miles Davis")
+        await own.click(f"{RADIO} .chief")
+        await own.shows("Paused", RADIO)
 
 
 async def test_a_device_is_renamed_placed_tagged_and_hidden(browser: Any, world: World) -> None:

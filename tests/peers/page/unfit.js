@@ -1,22 +1,23 @@
-// Texts and controls of a view that leave their card, or lie on each other, with text of so many per cent.
+// Texts and controls of a view, or of an open sheet, that leave their card, or lie on each other, with text of so many per cent.
 document.documentElement.style.fontSize = `${arguments[0]}%`;
 const OUTSIDE = "svg, select, .tabs, .scenes, .scroll, [inert]"; // what scrolls by itself, or is drawn to scale
 const isClipped = (node) => node && (getComputedStyle(node).clipPath !== "none" || isClipped(node.parentElement));
 const isShown = (node) => node.checkVisibility({ contentVisibilityAuto: true }) && !node.closest(OUTSIDE) && !isClipped(node);
 const boxOf = (node) => node.getBoundingClientRect();
-const outerOf = (node) => boxOf(node.closest(".card, section, .tile, .guard") ?? document.querySelector("main"));
+const outerOf = (node) => boxOf(node.closest(".card, section, .tile, .guard") ?? place);
 const meet = (a, b) =>
   Math.min(a.right, b.right) - Math.max(a.left, b.left) > 4 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 4;
 
+const place = document.querySelector(".sheet") ?? document.querySelector("main");
 const texts = [];
-const walker = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+const walker = document.createTreeWalker(place, NodeFilter.SHOW_TEXT);
 for (let node = walker.nextNode(); node; node = walker.nextNode()) {
   if (!node.data.trim() || !isShown(node.parentElement)) continue;
   const range = document.createRange();
   range.selectNodeContents(node);
   for (const box of range.getClientRects()) if (box.width) texts.push({ node, box, text: node.data.trim() });
 }
-const controls = [...document.querySelectorAll("main :is(button, a, input)")].filter((one) => isShown(one) && !one.matches(".main, .range, .about"));
+const controls = [...place.querySelectorAll(":is(button, a, input)")].filter((one) => isShown(one) && !one.matches(".main, .range, .about"));
 const isOf = (node, control) => control.contains(node) || node.parentElement.closest("label, li, p")?.contains(control);
 const leaves = (node, box) => box.right > outerOf(node.parentElement).right + 1;
 

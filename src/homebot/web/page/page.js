@@ -1,1 +1,1 @@
-import"./chunk-5SHMMBIC.js";
+import"./chunk-2T56ZRX5.js";

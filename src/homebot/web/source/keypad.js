@@ -1,5 +1,5 @@
 // A keypad for a code, only where a device takes one; the code is used once and kept nowhere.
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
 import { say } from "./language.js";
@@ -15,6 +15,16 @@ export function Keypad({ text, kind, isHeld, onDone, onCancel }) {
     setCode("");
   };
   const press = (digit) => () => setCode((old) => old + digit);
+  const back = () => setCode((old) => old.slice(0, -1));
+  useEffect(() => {
+    const onKey = ({ key, target, ctrlKey, metaKey, altKey }) => {
+      if (ctrlKey || metaKey || altKey || target.matches?.("input, textarea, select")) return;
+      if (/^\d$/.test(key)) press(key)();
+      else if (key === "Backspace") back();
+    };
+    if (kind === "digits") addEventListener("keydown", onKey);
+    return () => removeEventListener("keydown", onKey);
+  }, [kind]);
   return html`<div class="keypad" role="group" aria-label=${say("code for {what}", { what: text })}>
     <p>${say("code for {what}", { what: text })} ${kind === "digits" && html`<b role="status" aria-label=${say("{count} digits", { count: code.length })}>${"●".repeat(code.length) || "–"}</b>`}</p>
     ${kind === "text"
@@ -22,7 +32,7 @@ export function Keypad({ text, kind, isHeld, onDone, onCancel }) {
       : html`${DIGITS.map((digit) => html`<button key=${digit} type="button" onClick=${press(digit)}>${digit}</button>`)}
         <button type="button" aria-label=${say("cancel")} onClick=${onCancel}><${Sign} path=${SIGNS.close} size=${26} /></button>
         <button type="button" onClick=${press("0")}>0</button>
-        <button type="button" aria-label=${say("delete")} onClick=${() => setCode(code.slice(0, -1))}><${Sign} path=${SIGNS.backspace} size=${26} /></button>`}
+        <button type="button" aria-label=${say("delete")} onClick=${back}><${Sign} path=${SIGNS.backspace} size=${26} /></button>`}
     ${isHeld ? html`<${HoldButton} name="wide" text=${text} onHeld=${done} />` : html`<button type="button" class="wide chief" onClick=${done}>${text}</button>`}
   </div>`;
 }

@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribe } from "./door.js";
 import { html } from "./html.js";
-import { say } from "./language.js";
+import { say, sayReason } from "./language.js";
 import { Entry } from "./entry.js";
 import { timeText } from "./words.js";
 
@@ -39,7 +39,7 @@ export function Why({ device, isShort }) {
   const entries = why.entries.filter((one) => (isShort ? SHORT.has(one.kind) : one.kind !== "judged" || !one.verdicts[0]?.allowed));
   return html`<section class="why">
     <h3>${say("Why")}</h3>
-    <p>${why.success ? say(FINDINGS[why.finding] ?? "It changed at {time}.", { time: timeText(why.changed_at) }) : why.message}</p>
+    <p>${why.success ? say(FINDINGS[why.finding] ?? "It changed at {time}.", { time: timeText(why.changed_at) }) : sayReason(why.message)}</p>
     ${entries.length > 0 && html`<ol class="log">${(isShort ? entries.slice(-2) : entries).map((one, index) => html`<${Entry} key=${index} entry=${one} own=${id} names=${names} />`)}</ol>`}
   </section>`;
 }

@@ -58,8 +58,14 @@ const WRITTEN = { on_off: "on/off", pm1: "PM1", pm10: "PM10", pm25: "PM2.5" };
 /** The name of a capability, a type or a count, as text. */
 export const label = (name) => say(WRITTEN[name] ?? name.replace(/^x_/, "").replaceAll("_", " "));
 
+/** A moment as programs write it, such as when a picture was taken. */
+const MOMENT = /^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:?\d\d)$/;
+
 /** A text of a capability, as people write it; a device's own texts are left as they are. */
-export const textOf = (capability, text) => (SPOKEN.has(capability) ? say(text.replaceAll("_", " ") + (capability === "thermostat_mode" ? "|mode" : "")) : text);
+export function textOf(capability, text) {
+  if (MOMENT.test(text)) return timeText({ sec: Date.parse(text) / 1000, nanosec: 0 });
+  return SPOKEN.has(capability) ? say(text.replaceAll("_", " ") + (capability === "thermostat_mode" ? "|mode" : "")) : text;
+}
 
 /** The unit of a capability: of the device, else of the vocabulary. */
 export const unitOf = (capability) => capability.unit || vocabulary.value.units[capability.name] || "";

@@ -10,6 +10,7 @@ import { textOf } from "../words.js";
 const LOUDER = 5; // per cent
 
 const isOn = (device) => read(device, "on_off") ?? ["playing", "buffering"].includes(read(device, "playback"));
+const stateOf = (device) => (read(device, "on_off") === false ? "off" : (read(device, "playback") ?? (isOn(device) ? "on" : "off")));
 const plays = (device) => read(device, "playback") === "playing";
 
 function mainAct(device) {
@@ -35,7 +36,7 @@ export const media = {
   group: "media",
   isActive: isOn,
   tone: (device) => (isOn(device) ? "on" : "rest"),
-  state: (device) => (isOn(device) ? [textOf("playback", read(device, "playback") ?? "on"), read(device, "media_title"), read(device, "media_artist")].filter(Boolean).join(" · ") : say("off")),
+  state: (device) => [textOf("playback", stateOf(device)), ...(isOn(device) ? [read(device, "media_title"), read(device, "media_artist")] : [])].filter(Boolean).join(" · "),
   act: mainAct,
   Main,
   main: ["playback", "volume"],

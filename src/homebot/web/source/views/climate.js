@@ -36,7 +36,7 @@ function RoomClimate({ room, devices, warm, heaters }) {
   return html`<section class=${`card climate ${tone}`} aria-label=${titled(room)}>
     <h2><span class=${`icon ${tone}`}><${Sign} path=${heaters[0] ? signOf(heaters[0]) : roomSign(room)} /></span> <a href=${`#/room/${encodeURIComponent(room)}`}>${room ? titled(room) : say("Without a room")}</a> ${open.length > 0 && html`<span class="mark open"><${Sign} path=${SIGNS.window} size=${20} /><span class="hidden">${say("{name} open", { name: open[0].name })}</span></span>`}</h2>
     <p class="number"><b>${warm === undefined ? "–" : temperatureText(warm)}</b> <span>${others.map(([capability, value]) => `${label(capability)} ${valueText(capability, value)}`).join(" · ")}</span></p>
-    ${heaters.map((one) => html`<div key=${one.id} class="heater"><button type="button" class="link" onClick=${() => openSheet(one.id)}>${one.name}</button> <small>${stateOf(one)}</small>${one.may_act && stepped(one) ? html`<${Stepper} device=${one} reading=${stepped(one)} />` : ""}</div><${Added} at="next" device=${one} />`)}
+    ${heaters.map((one) => html`<div key=${one.id} class="heater"><p><button type="button" class="link" onClick=${() => openSheet(one.id)}>${one.name}</button> <small>${stateOf(one)}</small></p>${one.may_act && stepped(one) ? html`<${Stepper} device=${one} reading=${stepped(one)} />` : ""}</div><${Added} at="next" device=${one} />`)}
     ${source && html`<${Added} at="day" device=${source} capability=${read(source, "local_temperature") !== undefined ? "local_temperature" : "temperature"} />`}
   </section>`;
 }
