@@ -56,11 +56,6 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
         return _GRANTED
     if limit and _may_make_safe(command, rights):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it makes the house safer")
-    return _not_granted(command, limit, needs_approval=needs_approval)
-
-
-def _not_granted(command: IssuedCommand, limit: str, *, needs_approval: bool) -> Verdict:
-    """Return the refusal of *command*, which its rights do not cover because of *limit*, if that is not empty."""
     why, rights = command.why_it_asks, command.rights
     advice = _grant_advice(command)
     if why:
