@@ -68,11 +68,18 @@ class LiveHouse(HouseWatcher):
         count = f"{len(devices)} of {len(self._world.devices)} devices found"
         if len(devices) >= len(self._world.devices):
             count = f"{len(devices)} devices"
+        # people from the simulated world, robots from their reports
+        beings = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
+        beings.pop(OUTSIDE)
+        for device in devices:
+            if device.service_type == "robots":
+                for room in {str(plain_value(state.value)) for state in device.states} & beings.keys():
+                    beings[room].append(f"▣ {device.name}")
         return HousePicture(
             f"{self._title} · {self._time()} · {count}",
             self._hint,
             devices,
-            self._beings(devices),
+            beings,
             self.story.lines.copy(),
             self._plan,
         )
@@ -95,16 +102,6 @@ class LiveHouse(HouseWatcher):
         passed = (self._clock.now() - self._began) * self._world.time.pace
         minutes = int(max(self._lived + passed, self._world.now) % DAY) // 60
         return f"{minutes // 60:02}:{minutes % 60:02}"
-
-    def _beings(self, devices: Sequence[Device]) -> dict[str, list[str]]:
-        """Return the people from the simulated world, and the robots from their reports, by room."""
-        beings = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
-        beings.pop(OUTSIDE)
-        for device in devices:
-            if device.service_type == "robots":
-                for room in {str(plain_value(state.value)) for state in device.states} & beings.keys():
-                    beings[room].append(f"▣ {device.name}")
-        return beings
 
 
 @asynccontextmanager

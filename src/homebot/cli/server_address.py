@@ -108,11 +108,7 @@ def _named_home(name: str, path: Path) -> tuple[ServerHost, Path | None]:
     table = homes[name]
     if not isinstance(table, dict) or not isinstance(table.get("door"), str):
         raise ConfigError(source, name, f"has no address; {example}")
-    return _home_in(table, name, path)
-
-
-def _home_in(table: TomlTable, name: str, path: Path) -> tuple[ServerHost, Path | None]:
-    source, file = str(path), table.get("token_file")
+    file = table.get("token_file")
     for key in table.keys() - {"door", "token_file"}:
         raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))
     try:

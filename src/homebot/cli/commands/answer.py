@@ -36,23 +36,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _answer(door: DoorClient, options: argparse.Namespace) -> int:
     if not options.question:
-        return _list(door)
+        questions, now = cast("OpenQuestions", JsonMessage(door.call(GET_QUESTIONS))).questions, house_time(door)
+        if questions:
+            rows = [
+                (question.question, printable(question.text, 300), age_text(to_seconds(question.until) - now))
+                for question in questions
+            ]
+            print_table(("ID", "QUESTION", "FOR"), rows)
+        else:
+            print("no question waits")
+        return 0
     if not options.answer:
         raise UsageError(f"answer yes or no: homebot answer {options.question} yes")
     request = {"question": options.question, "yes": options.answer == "yes"}
     door.ask(ANSWER_QUESTION, request)
     print(f"answered {options.answer}")
-    return 0
-
-
-def _list(door: DoorClient) -> int:
-    questions, now = cast("OpenQuestions", JsonMessage(door.call(GET_QUESTIONS))).questions, house_time(door)
-    if questions:
-        rows = [
-            (question.question, printable(question.text, 300), age_text(to_seconds(question.until) - now))
-            for question in questions
-        ]
-        print_table(("ID", "QUESTION", "FOR"), rows)
-    else:
-        print("no question waits")
     return 0

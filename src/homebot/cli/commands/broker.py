@@ -88,7 +88,11 @@ def make_broker(options: argparse.Namespace) -> Broker:
         UsageError: Options contradict each other, a value is wrong, or a file cannot be used.
     """
     host, port = options.listen
-    credentials = _credentials(options)
+    credentials = None
+    if options.user is not None or options.password_file is not None:
+        if not options.user or options.password_file is None:
+            raise UsageError("give --user and --password-file together")
+        credentials = {options.user: read_secret(options.password_file)}
     if credentials is None and not is_loopback(host):
         raise UsageError(
             f"{host} can be reached by others, so it needs a password: give --user and --password-file, "
@@ -107,14 +111,6 @@ def make_broker(options: argparse.Namespace) -> Broker:
         keep_alive=options.keep_alive and math.ceil(options.keep_alive),
         policy=RefusedFilters(options.refuse_filter),
     )
-
-
-def _credentials(options: argparse.Namespace) -> dict[str, str] | None:
-    if options.user is None and options.password_file is None:
-        return None
-    if not options.user or options.password_file is None:
-        raise UsageError("give --user and --password-file together")
-    return {options.user: read_secret(options.password_file)}
 
 
 def _tls(options: argparse.Namespace) -> ssl.SSLContext | None:

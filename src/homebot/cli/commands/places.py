@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict, cast
@@ -26,7 +26,7 @@ from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.cli.robot_map import RobotMap
-    from homebot.devices import Device, KeyValue
+    from homebot.devices import Device
     from homebot.devices.places_messages import (
         ChangeRoomResponse,
         ExportPlacesResponse,
@@ -120,19 +120,15 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
         listing = {"home": places.home, "rooms": rooms, "doors": doors, "absent": absent, "positions": positions}
         print(json_text(listing))
     else:
-        _print(rooms, places.absent)
+        placed = [(printable(device.key), printable(device.value)) for device in places.absent]
+        if rooms:
+            rows = [(room["name"], room["floor"], ", ".join(room["doors"]), str(room["devices"])) for room in rooms]
+            print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
+        elif not placed:
+            print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
+        print_rows(placed, "placed, but absent:")
         print_rows([(printable(name), printable(at)) for name, at in positions.items()], "positions:")
     return 0
-
-
-def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
-    absent = [(printable(device.key), printable(device.value)) for device in devices]
-    if rooms:
-        rows = [(room["name"], room["floor"], ", ".join(room["doors"]), str(room["devices"])) for room in rooms]
-        print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
-    elif not absent:
-        print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
-    print_rows(absent, "placed, but absent:")
 
 
 def _position(device: Device) -> str:

@@ -64,7 +64,9 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
         _print_parts(device, now, ineffective)
         if len(device.endpoints) > 1:
             _section("gateways", [_endpoint(endpoint, now) for endpoint in device.endpoints])
-        _section("addresses", _addresses(device))
+        rows = [(endpoint.gateway, "publishes on", endpoint.address) for endpoint in device.endpoints]
+        rows += [(endpoint.gateway, "takes commands on", endpoint.command_address) for endpoint in device.endpoints]
+        _section("addresses", [row for row in rows if is_topic(row[-1])])
         _section("identifiers", [(identifier,) for identifier in device.identifiers])
         _section("facts", _facts(device, now))
         _section("merged into one device, because", [(reason,) for reason in device.evidence])
@@ -83,12 +85,6 @@ def _print_parts(device: Device, now: float, ineffective: Collection[tuple[str, 
         ranks = {gateway: f", number {number} that you prefer" for number, gateway in enumerate(prefer, 1)}
         late = {route for part_id, route in ineffective if part_id == part.id}
         _section(title, _part(part, values, ranks, late, now))
-
-
-def _addresses(device: Device) -> list[tuple[str, ...]]:
-    rows = [(endpoint.gateway, "publishes on", endpoint.address) for endpoint in device.endpoints]
-    rows += [(endpoint.gateway, "takes commands on", endpoint.command_address) for endpoint in device.endpoints]
-    return [row for row in rows if is_topic(row[-1])]
 
 
 def _facts(device: Device, now: float) -> list[tuple[str, ...]]:
