@@ -108,9 +108,14 @@ class Liveness:
             if self._due(entry) <= now:
                 return entry
             if entry.is_shared:
-                self._mark_gateways_stale(entry, now)
-            else:
-                self.schedule(entry)
+                deadlines = self._gateway_deadlines(entry)
+                silent = sorted(gateway for gateway, deadline in deadlines.items() if deadline <= now)
+                entry.stale_gateways |= frozenset(silent)
+                if silent:
+                    self._table.record_change(
+                        "changed", entry, f"it has been silent for too long over {', '.join(silent)}"
+                    )
+            self.schedule(entry)
         return None
 
     def mark_stale(self, entry: Entry) -> None:
@@ -132,14 +137,6 @@ class Liveness:
                 silence = max(source.lasts, usual, _ONLINE_FOR if source.is_online else 0.0)
                 deadlines[gateway] = max(deadlines.get(gateway, -math.inf), source.heard_at + silence)
         return deadlines
-
-    def _mark_gateways_stale(self, entry: Entry, now: float) -> None:
-        """Record the gateways at which *entry* has been silent for too long at *now*."""
-        silent = sorted(gateway for gateway, due in self._gateway_deadlines(entry).items() if due <= now)
-        entry.stale_gateways |= frozenset(silent)
-        if silent:
-            self._table.record_change("changed", entry, f"it has been silent for too long over {', '.join(silent)}")
-        self.schedule(entry)
 
     def forgotten_at(self, entry: Entry) -> float:
         """Return when a stale device is to be removed, in seconds since the Unix epoch."""

@@ -95,10 +95,6 @@ def find_panel(table: DeviceTable, entry: Entry) -> None:
     if not new or len(table.panels) >= _MAX_PANELS:
         return
     table.panels |= new
-    _hang_others(table, entry, new)
-
-
-def _hang_others(table: DeviceTable, entry: Entry, new: Container[str]) -> None:
     for other in table.entries.values():
         if other is not entry and (panel := _panel_of(other, new)):
             other.invalidate_description()
@@ -251,7 +247,15 @@ class DeviceMerger:
             if group.keeps is not None:
                 self._merge(group.keeps, group, why)
             else:
-                self._split(group, why)
+                for parent in group.parents:
+                    for key in group.keys:
+                        parent.sources.pop(key, None)
+                entry = self.appear({key: self._table.sources[key] for key in group.keys}, why)
+                for parent in group.parents:
+                    self.describe(parent)
+                    self._table.record_change(
+                        "unmerged", parent, f"{entry.id} turned out to be another device", entry.id
+                    )
 
     def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
         """Split a device, because the owner says so; return the resulting ids, that of the original first.
@@ -410,15 +414,6 @@ class DeviceMerger:
     def _drop(self, entry: Entry) -> None:
         self._table.drop(entry)
         self._liveness.deadlines.discard(entry.id)
-
-    def _split(self, group: Regrouped, why: str) -> None:
-        for parent in group.parents:
-            for key in group.keys:
-                parent.sources.pop(key, None)
-        entry = self.appear({key: self._table.sources[key] for key in group.keys}, why)
-        for parent in group.parents:
-            self.describe(parent)
-            self._table.record_change("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
 
     def _merge(self, entry: Entry, group: Regrouped, why: str) -> None:
         table = self._table

@@ -151,7 +151,13 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
     places = [term for term in leaves(may) if isinstance(term, InArea | AreaIs) and term.text]
     for place in places:
         if not postings.find(place):
-            return _explain_place(place.text, postings, plan)
+            if problem := area_problem(place.text, postings, plan):
+                return problem
+            known = sorted(postings.values_of("area"))
+            hint = f"areas are {', '.join(known[:_SHOWN])}"
+            if not known:
+                hint = "state the room of a device with `homebot place DEVICE ROOM`"
+            return f"no device is in {place.text!r}; {did_you_mean(place.text, known, hint)}"
     if (able := postings.find(may)) and may != query:
         return f"none now; in another state there would be {_names(able, postings)}"
     if other := _explain_others(may, places, postings):
@@ -174,17 +180,6 @@ def _explain_others(may: Query, places: Sequence[InArea | AreaIs], postings: Pos
 
 def _is_unknown_person(term: Query, postings: Postings) -> bool:
     return isinstance(term, TypeIs) and bool(term.types & _PEOPLE) and not postings.find(term)
-
-
-def _explain_place(area: str, postings: Postings, plan: HousePlan) -> str:
-    """Return why no device is in *area*, with the areas that have devices."""
-    if problem := area_problem(area, postings, plan):
-        return problem
-    known = sorted(postings.values_of("area"))
-    hint = f"areas are {', '.join(known[:_SHOWN])}"
-    if not known:
-        hint = "state the room of a device with `homebot place DEVICE ROOM`"
-    return f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
 
 
 def _missing(term: Query, postings: Postings) -> str:
