@@ -229,17 +229,13 @@ def _why_by_itself(device: Device, part: DevicePart) -> str:
     if device.tags and _TAG in map(fold, device.tags):
         return "it has the tag always_ask"
     if kind in _RELAYS:
-        return _why_of_relay(device, part)
+        reason = why_it_drives(device, part, NO_LOCK if part.part.category else ALL_THAT_ASK)
+        return reason or (_why_on_panel(device) if part.part.service_type == "switch" else "")
     if kind in _BUTTONS and (reason := _why_on_panel(device) or _why_named_setting(device, part)):
         return reason
     if kind == "x_setting":
         return _why_of_model(device, part, ALL_THAT_ASK)
     return _why_hot(device, part) if kind == "thermostat" else ""
-
-
-def _why_of_relay(device: Device, relay: DevicePart) -> str:
-    reason = why_it_drives(device, relay, NO_LOCK if relay.part.category else ALL_THAT_ASK)
-    return reason or (_why_on_panel(device) if relay.part.service_type == "switch" else "")
 
 
 def _why_on_panel(device: Device) -> str:
@@ -299,10 +295,6 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
         return _why_named(ALL_THAT_ASK, *names_of(device, part), f"{device.name} {description.name or part.id}")
     if capability.name == "number" and unit in _VOLUMES and not description.category:
         return f"its unit is {unit}"
-    return _why_by_own_name(capability, device, part)
-
-
-def _why_by_own_name(capability: Capability, device: Device, part: DevicePart) -> str | None:
     description = part.part
     names = (description.name,) if description.name else names_of(device, part)[:-1]
     if capability.name in _CHOSEN:

@@ -24,7 +24,14 @@ def current_trigger() -> Trigger:
                 at=change.told_at,
             )
         case DeviceChange() as change:
-            return _of_device(change)
+            device = change.device
+            return Trigger(
+                kind="device",
+                id=f"device-{change.sequence}",
+                device=device.id,
+                text=f"{change.kind}: {change.why}"[:_MAX_CHARACTERS],
+                at=device.last_seen,
+            )
         case Timer() as timer:
             return Trigger(kind="timer", id=f"timer-{timer.period:g}", text=f"every {timer.period:g} s")
         case TimerCause() as job:
@@ -35,28 +42,13 @@ def current_trigger() -> Trigger:
             text = f"{call.issuer} called {call.service}"[:_MAX_CHARACTERS]
             return Trigger(kind="client", id=f"call-{call.at:.3f}", text=text, at=Time.from_seconds(call.at))
         case (str(device), RawMessage() as message):
-            return _of_message(device, message)
+            at = message.received_at
+            text = message.payload[:_MAX_CHARACTERS].decode(errors="backslashreplace")
+            return Trigger(
+                kind="message",
+                id=f"message-{message.gateway}-{message.key[:_MAX_CHARACTERS]}-{at.sec}.{at.nanosec // 1_000_000:03}",
+                device=device,
+                text=text,
+                at=at,
+            )
     return NO_TRIGGER
-
-
-def _of_device(change: DeviceChange) -> Trigger:
-    device = change.device
-    return Trigger(
-        kind="device",
-        id=f"device-{change.sequence}",
-        device=device.id,
-        text=f"{change.kind}: {change.why}"[:_MAX_CHARACTERS],
-        at=device.last_seen,
-    )
-
-
-def _of_message(device: str, message: RawMessage) -> Trigger:
-    at = message.received_at
-    text = message.payload[:_MAX_CHARACTERS].decode(errors="backslashreplace")
-    return Trigger(
-        kind="message",
-        id=f"message-{message.gateway}-{message.key[:_MAX_CHARACTERS]}-{at.sec}.{at.nanosec // 1_000_000:03}",
-        device=device,
-        text=text,
-        at=at,
-    )

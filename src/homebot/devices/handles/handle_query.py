@@ -212,15 +212,11 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
         known = " or ".join(repr(category) for category in _CATEGORIES if category)
         raise ValueError(f"category is {known}, not {category!r}")
     for term in terms:
-        _check_value(term)
-
-
-def _check_value(term: Term) -> None:
-    if not isinstance(term, StateIs) or term.capability not in CAPABILITIES:
-        return
-    expected = {"bool": bool, "number": float, "text": str}.get(CAPABILITIES[term.capability].kind, tuple)
-    if not isinstance(term.value, expected):
-        raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
+        if not isinstance(term, StateIs) or term.capability not in CAPABILITIES:
+            continue
+        expected = {"bool": bool, "number": float, "text": str}.get(CAPABILITIES[term.capability].kind, tuple)
+        if not isinstance(term.value, expected):
+            raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
 
 
 def _hint(kind: type[Handle], name: str) -> str:
