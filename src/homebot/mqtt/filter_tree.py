@@ -68,10 +68,7 @@ class FilterTree(Generic[Key, Value]):
         del values[key]
         if not values:
             path[-1].values = None
-        self._prune(path, levels)
-
-    def _prune(self, path: Sequence[_FilterNode[Key, Value]], levels: Sequence[str]) -> None:
-        """Remove the empty nodes at the end of *path*."""
+        # empty nodes at the end of the path go
         for place in range(len(levels) - 1, -1, -1):
             child, parent = path[place + 1], path[place]
             if child.children or child.values or parent.children is None:

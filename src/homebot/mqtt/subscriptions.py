@@ -6,7 +6,7 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 
 MAX_SUBSCRIPTIONS = 100
 MAX_CHARACTERS = 16_384
@@ -118,17 +118,14 @@ class SubscriptionSet:
         except LinkError:
             await self._client.subscribe(*batch)  # raises at once where the link is gone
         if self._is_paced and batch[0].qos == 0:
-            await self._wait_for_quiet(counters, before)
-
-    async def _wait_for_quiet(self, counters: MqttCounters, before: int) -> None:
-        """Wait for the end of a burst of messages, for at most a second."""
-        for _ in range(_MAX_ROUNDS if self._bursts_end else 0):
-            now = counters.received
-            if now - before < _BURST:
-                return
-            before = now
-            await anyio.sleep(_ROUND)
-        self._bursts_end = False
+            # for at most a second, until a burst of messages ends
+            for _ in range(_MAX_ROUNDS if self._bursts_end else 0):
+                now = counters.received
+                if now - before < _BURST:
+                    return
+                before = now
+                await anyio.sleep(_ROUND)
+            self._bursts_end = False
 
 
 def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> list[tuple[MqttSubscription, ...]]:

@@ -119,7 +119,12 @@ class Broker(EmbeddedBroker):
     async def _open(self, state: BrokerState) -> None:
         loop = asyncio.get_running_loop()
         try:
-            family, address = await self._resolve(loop)
+            version = ip_version(self._host)
+            if version is None:
+                infos = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM)
+                family, address = infos[0][0], infos[0][4]
+            else:
+                family, address = socket.AF_INET if version == 4 else socket.AF_INET6, (self._host, self._port)
             sock = socket.socket(family, socket.SOCK_STREAM)
             try:
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -173,10 +178,3 @@ class Broker(EmbeddedBroker):
         from homebot.mqtt.broker.tls_socket import TlsSocket  # noqa: PLC0415 - few brokers in a process use TLS
 
         return TlsSocket(self._tls, connection, connection.report_tls_failure)
-
-    async def _resolve(self, loop: asyncio.AbstractEventLoop) -> tuple[int, tuple[object, ...]]:
-        version = ip_version(self._host)
-        if version is None:
-            infos = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM)
-            return infos[0][0], infos[0][4]
-        return socket.AF_INET if version == 4 else socket.AF_INET6, (self._host, self._port)
