@@ -139,7 +139,12 @@ class AppPlanner:
         config, code = self._read_config(), FreshCode()
         try:
             if is_new and is_file(name):
-                return self._plan_file(config, name, code), code
+                kind = code.load(APPS, name)
+                app = snake_case(kind.__name__)
+                path = f"{file_and_class(name)[0]}:{kind.__name__}"
+                planned = self._check(app, {**config.apps.get(app, {}), "class": path}, config, lambda *_: kind)
+                self._files[app] = path
+                return planned, code
             table = dict(config.apps.get(name, {}))
             if name not in config.apps and name in self._files:
                 table["class"] = self._files[name]
@@ -151,14 +156,6 @@ class AppPlanner:
 
                 raise located(exc) from exc
             raise
-
-    def _plan_file(self, config: Config, name: str, code: FreshCode) -> PlannedComponent[App]:
-        kind = code.load(APPS, name)
-        app = snake_case(kind.__name__)
-        path = f"{file_and_class(name)[0]}:{kind.__name__}"
-        planned = self._check(app, {**config.apps.get(app, {}), "class": path}, config, lambda *_: kind)
-        self._files[app] = path
-        return planned
 
     def _check(
         self, name: str, table: Table, config: Config, load: Callable[[str, str], type[App]]
