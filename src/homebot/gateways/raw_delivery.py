@@ -83,7 +83,11 @@ class RawDelivery:
                 raise RefusedError(f"an inbox for {listener}", "no such node is on the graph")
             topic = f"{listener}/inbox"
         else:
-            topic = self._mirror_topic(key, name)
+            short = self._names.received_data(name)
+            if self._mirrored.setdefault(short, key) == key:
+                topic = short
+            else:
+                topic = self._names.received_data(*key.split("/"))
         publisher = self._by_topic.get(topic)
         if publisher is None:
             publisher = self._by_topic[topic] = self._node.create_publisher(RawMessage, topic, _RAW_QOS)
@@ -166,13 +170,6 @@ class RawDelivery:
             if not self.by_address[address]:
                 del self.by_address[address]
                 self._delivered.pop(address, None)
-
-    def _mirror_topic(self, key: str, name: str) -> str:
-        """Return the device's name alone, unless a device of another key has it already."""
-        short = self._names.received_data(name)
-        if self._mirrored.setdefault(short, key) == key:
-            return short
-        return self._names.received_data(*key.split("/"))
 
 
 @dataclass(slots=True)

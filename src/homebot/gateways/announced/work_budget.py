@@ -145,7 +145,11 @@ class WorkBudgets:
             if payer not in self._own and not self._has_room(now):
                 self.forgotten += 1
                 return
-        budget = self._budget(payer, is_own=is_own)
+        if not is_own:
+            budget = self._shared.setdefault(payer, WorkBudget(payer, _limit(RATE, SHARED_BURST)))
+        else:
+            budget = self._own.setdefault(payer, WorkBudget(payer, _limit(RATE, BURST)))
+            self._own.move_to_end(payer)
         if now - budget.offended_at > CALM and not budget.is_quarantined:
             budget.offences = 0
         budget.why, budget.offended_at = why, now
@@ -180,14 +184,6 @@ class WorkBudgets:
     def quarantined(self) -> tuple[WorkBudget, ...]:
         """Return the budgets in quarantine."""
         return tuple(budget for budget in (*self._own.values(), *self._shared.values()) if budget.is_quarantined)
-
-    def _budget(self, payer: str, *, is_own: bool) -> WorkBudget:
-        if not is_own:
-            return self._shared.setdefault(payer, WorkBudget(payer, _limit(RATE, SHARED_BURST)))
-        if payer not in self._own:
-            self._own[payer] = WorkBudget(payer, _limit(RATE, BURST))
-        self._own.move_to_end(payer)
-        return self._own[payer]
 
     def _has_room(self, now: float) -> bool:
         while self._own:

@@ -120,7 +120,16 @@ class Services:
         elif followed is not None:
             followed.news.set()
         else:
-            self._enqueue(key, news)
+            line = self._waiting.get(news.sender) or OrderedDict()
+            if key in line:
+                return
+            if len(line) >= (most := min(MAX_WAITING, MAX_WAITING_OF_ALL // (len(self._waiting) + 1))):
+                self._missed.add(news.service_type)
+                self._handler.refuse(news.name, f"more than {most} new services of its sender at once")
+                return
+            line[key] = news
+            self._waiting[news.sender] = line
+            self._some_wait.set()
 
     async def follow(self, network: ServiceNetwork, known: Iterable[FoundService] = ()) -> None:
         """Follow the services on *network* until cancelled; *known* ones that do not answer now are dropped."""
@@ -146,18 +155,6 @@ class Services:
                     await anyio.sleep(PACE)
                 else:
                     self._some_wait = anyio.Event()
-
-    def _enqueue(self, key: str, news: ServiceNews) -> None:
-        line = self._waiting.get(news.sender) or OrderedDict()
-        if key in line:
-            return
-        if len(line) >= (most := min(MAX_WAITING, MAX_WAITING_OF_ALL // (len(self._waiting) + 1))):
-            self._missed.add(news.service_type)
-            self._handler.refuse(news.name, f"more than {most} new services of its sender at once")
-            return
-        line[key] = news
-        self._waiting[news.sender] = line
-        self._some_wait.set()
 
     def _may_admit(self) -> bool:
         """Return whether a service waits, and not too many names without a service take the places of others."""

@@ -99,22 +99,19 @@ class _Session:
         self._scard.SCardReleaseContext(self._context)
 
     def _find_readers(self, *, is_first: bool = False) -> None:
-        readers = [reader for reader in self._list_readers() if self._is_wanted(reader)]
-        if readers == list(self._slots) and not is_first:
-            return
-        for gone in [slot for slot in self._slots if slot not in readers]:
-            self._leave(self._slots.pop(gone))
-        self._slots = {reader: self._slots.get(reader) or _Slot(self._scard.SCARD_STATE_UNAWARE) for reader in readers}
-        self._desk.found(*readers)
-
-    def _list_readers(self) -> Collection[str]:
         try:
             result, names = self._scard.SCardListReaders(self._context, [])
         except (SystemError, UnicodeDecodeError) as exc:  # a service that is stopping may give names that are no text
             raise LinkError("the smart-card service (pcscd) gave invalid names of readers") from exc
         if result != self._scard.SCARD_E_NO_READERS_AVAILABLE:
             self._check(result, "lists no readers")
-        return names or ()
+        readers = [reader for reader in (names or ()) if self._is_wanted(reader)]
+        if readers == list(self._slots) and not is_first:
+            return
+        for gone in [slot for slot in self._slots if slot not in readers]:
+            self._leave(self._slots.pop(gone))
+        self._slots = {reader: self._slots.get(reader) or _Slot(self._scard.SCARD_STATE_UNAWARE) for reader in readers}
+        self._desk.found(*readers)
 
     def _is_wanted(self, name: str) -> bool:
         return not self._wanted or any(wanted in name.casefold() for wanted in self._wanted)
