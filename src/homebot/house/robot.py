@@ -112,7 +112,10 @@ class Robot(SimulatedDevice):
 
     def _legs_to(self, goal: str) -> tuple[_Leg, ...]:
         """Return the path to a room, or to a point in one; empty if there is none."""
-        point = _point(goal)
+        try:
+            point = read_position(goal)[:2]
+        except UsageError:
+            point = None
         room = goal if point is None else self.rooms.room_at(*point)
         way = self._way_to(room) if room else ()
         legs = tuple(_Leg(room_name, self.rooms.rooms[room_name].x, self.rooms.rooms[room_name].y) for room_name in way)
@@ -140,11 +143,3 @@ class Robot(SimulatedDevice):
         """Return the seconds from its start to the next room."""
         goal = self._ahead[0]
         return max(0.01, math.hypot(goal.x - self._from.x, goal.y - self._from.y) / self.speed)
-
-
-def _point(text: str) -> tuple[float, float] | None:
-    """Return the point in a *text* ``X,Y``, or None."""
-    try:
-        return read_position(text)[:2]
-    except UsageError:
-        return None
