@@ -64,7 +64,9 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
     If there is none, the test fails with a message about *fixture*.
     """
     test = request.node
-    if not _is_coroutine(test):
+    function = getattr(test, "obj", None)
+    hypothesis = getattr(function, "hypothesis", None)
+    if not inspect.iscoroutinefunction(function if hypothesis is None else hypothesis.inner_test):
         _fail(f"`{fixture}` needs an async test: write `async def {test.originalname}(…):`")
     if _runs_on_pytest_asyncio(test):
         if "anyio_backend" in request.fixturenames:
@@ -214,12 +216,6 @@ def _loop_scope(test: pytest.Item) -> str:
     mark = test.get_closest_marker("asyncio")
     scope = {} if mark is None else mark.kwargs
     return scope.get("loop_scope") or scope.get("scope") or str(test.config.getini("asyncio_default_test_loop_scope"))
-
-
-def _is_coroutine(test: pytest.Item) -> bool:
-    function = getattr(test, "obj", None)
-    hypothesis = getattr(function, "hypothesis", None)
-    return inspect.iscoroutinefunction(function if hypothesis is None else hypothesis.inner_test)
 
 
 def _loop_from(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
