@@ -18,6 +18,7 @@ from homebot.words.phrases import (
     CHANCE,
     CROSSES,
     ELEVATION,
+    ENDED_BY,
     HOUSE_SPAN,
     LAST_RUN,
     LASTING,
@@ -110,11 +111,12 @@ class LastRun:
 
 @dataclass(frozen=True, slots=True)
 class StartedBy:
-    """This trigger of the routine started this run, or did not."""
+    """This trigger of the routine started this run, or did not; or that of its last wait ended this, or did not."""
 
     text: str
     trigger: Trigger
     is_other: bool = False
+    of_wait: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,6 +277,8 @@ def _of_run(text: str) -> Condition | None:
     plain = text[len("not ") :] if is_denied else text
     if (found := STARTED_BY.match(plain)) is not None:
         return StartedBy(found["what"], read_trigger(found["what"]), is_denied)
+    if (ended := ENDED_BY.match(plain)) is not None:
+        return StartedBy(ended["what"], read_trigger(ended["what"]), is_denied, of_wait=True)
     if (span := _house_span(plain)) is not None:
         return HouseSpan(span.end, span.begin) if is_denied else span
     if (chance := CHANCE.match(text)) is not None:

@@ -32,27 +32,37 @@ _SEVERAL: Final = {
     **dict.fromkeys(("weekends", "weekend"), "sat,sun"),
     **dict.fromkeys(("every day", "all days", "daily"), ""),
 }
+_WEEKS: Final = {"in even weeks": 0, "in odd weeks": 1}
 _FROM: Final = re.compile(r"\bfrom (?P<first>[^,]+?) (?:to|until) (?P<last>[^,]+)")
 _DATE: Final = re.compile(r"(?P<before>\d{0,2})\.?(?P<month>[a-z]+)(?P<after>\d{0,2})")
 _EXAMPLE: Final = "write it like mon-fri, sat,sun, 24 dec or may-sep"
 
 
 class CalendarDays(NamedTuple):
-    """Some days of the week, Monday being 0, as far as they are among some days of the year, as (month, day)."""
+    """Some days of the week, Monday being 0, as far as they are among some days of the year, as (month, day).
+
+    Attributes:
+        weeks: The remainders by 2 of their weeks as ISO 8601 counts these.
+    """
 
     weekdays: frozenset[int] = frozenset(range(7))
     dates: frozenset[tuple[int, int]] = frozenset(_YEAR)
+    weeks: frozenset[int] = frozenset(range(2))
 
     def has(self, day: date) -> bool:
         """Return whether *day* is one of them."""
-        return day.weekday() in self.weekdays and (day.month, day.day) in self.dates
+        is_in_week = day.isocalendar().week % 2 in self.weeks
+        return is_in_week and day.weekday() in self.weekdays and (day.month, day.day) in self.dates
 
     def excludes(self, other: "CalendarDays") -> bool:
         """Return whether no day is one of both."""
-        return self.weekdays.isdisjoint(other.weekdays) or self.dates.isdisjoint(other.dates)
+        pairs = zip(self, other, strict=True)
+        return any(own.isdisjoint(others) for own, others in pairs)
 
     def others(self) -> "CalendarDays | None":
         """Return all other days; None if there are none, or if these depend on both the week and the year."""
+        if self.weeks != EVERY_DAY.weeks:
+            return CalendarDays(weeks=EVERY_DAY.weeks - self.weeks)
         if self.dates == EVERY_DAY.dates:
             weekdays = EVERY_DAY.weekdays - self.weekdays
             return CalendarDays(weekdays) if weekdays else None
@@ -91,11 +101,13 @@ def read_days(text: str) -> CalendarDays:
 
 
 def read_days_after_word(text: str) -> CalendarDays | None:
-    """Return the days ``on weekdays``, ``on 24 Dec``, ``in July`` or ``from May to September``; None for another form.
+    """Return the days ``on weekdays``, ``in July``, ``from May to September`` or ``in odd weeks``; None for others.
 
     Raises:
         UsageError: There is no such day.
     """
+    if (weeks := _WEEKS.get(text)) is not None:
+        return CalendarDays(weeks=frozenset({weeks}))
     word, _, days = text.partition(" ")
     if word == "on" and days:
         return read_days(days)

@@ -39,6 +39,7 @@ CROSSES: Final = Phrase("{what} rises|climbs above|over {limit}", "{what} falls|
 HOUSE_SPAN: Final = Phrase("between {begin} and {end}", "after {begin}", "before {end}")
 INTERVAL: Final = Phrase("every {length:length}")
 STARTED_BY: Final = Phrase("started by {what}")
+ENDED_BY: Final = Phrase("[the] [last] wait ended by {what}")
 TIMED_OUT: Final = Phrase("[the] [last] wait timed out")
 TWO_VALUES: Final = Phrase(
     "{first} [is] sign~above|below|over|under {second} change~plus|minus {offset:number}",

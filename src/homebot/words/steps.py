@@ -203,6 +203,11 @@ class WaitFor:
     most: float
     stops: bool = False
 
+    @property
+    def texts(self) -> list[str]:
+        """The texts of the triggers."""
+        return split_at(self.text, "or") if len(self.triggers) > 1 else [self.text]
+
 
 @dataclass(frozen=True, slots=True)
 class Undo:

@@ -114,22 +114,24 @@ class RoutineBase(App[SettingsT_co]):
             else:
                 self._watch(trigger, partial(on_start, text), text)
 
-    async def wait_for(self, triggers: Sequence[Trigger]) -> None:
-        """Wait for the next of *triggers*."""
-        came = anyio.Event()
+    async def wait_for(self, triggers: Sequence[Trigger]) -> int:
+        """Wait for the next of *triggers*, and return its place."""
+        came, places = anyio.Event(), list[int]()
 
-        def on_start(_: object) -> None:
+        def on_start(place: int, _: object) -> None:
+            places.append(place)
             came.set()
 
         async with anyio.create_task_group() as tasks:
             with ExitStack() as watches:
-                for trigger in triggers:
+                for place, trigger in enumerate(triggers):
                     if isinstance(trigger, Becomes):
-                        tasks.start_soon(self._follow, trigger, on_start, {})
+                        tasks.start_soon(self._follow, trigger, partial(on_start, place), {})
                     else:
-                        watches.callback(self._watch(trigger, on_start))
+                        watches.callback(self._watch(trigger, partial(on_start, place)))
                 await came.wait()
             tasks.cancel_scope.cancel()
+        return places[0]
 
     async def fitting(self, devices: str) -> tuple[str, ...]:
         """Return the ids of the devices that the query *devices* finds now, in the order of their names."""
@@ -320,7 +322,8 @@ def _is_within(span: HouseSpan, devices: Sequence[Device], now: time) -> bool:
 def _is_of_run(condition: StartedBy | TimedOut, facts: RoutineRunFacts) -> bool:
     if isinstance(condition, TimedOut):
         return facts.has_timed_out is condition.is_so
-    is_that = bool(facts.started_by) and read_trigger(facts.started_by) == condition.trigger
+    text = facts.ended_by if condition.of_wait else facts.started_by
+    is_that = bool(text) and read_trigger(text) == condition.trigger
     return is_that is not condition.is_other
 
 

@@ -53,7 +53,9 @@ class Routine(RoutineBase[RoutineSettings]):
                 self.log_stop(one["step"], "homebot ended, and whether it was done is unknown, so it is not done again")
             else:
                 turns = tuple(one.get("turns", ()))
-                facts = RoutineRunFacts(one.get("started_by", ""), one.get("has_timed_out", False), turns)
+                facts = RoutineRunFacts(
+                    one.get("started_by", ""), one.get("has_timed_out", False), one.get("ended_by", ""), turns
+                )
                 self._runs.start(partial(self._perform, facts, one["place"], one["until"], dict(one["before"])))
         await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 

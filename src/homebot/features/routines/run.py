@@ -87,8 +87,8 @@ class RoutineOwner(Protocol):
     async def unmet(self, conditions: Sequence[tuple[str, Condition]], facts: RoutineRunFacts) -> str:
         """Return the first condition that does not hold in the run; empty if all do."""
 
-    async def wait_for(self, triggers: Sequence[Trigger]) -> None:
-        """Wait for the next of *triggers*."""
+    async def wait_for(self, triggers: Sequence[Trigger]) -> int:
+        """Wait for the next of *triggers*, and return its place."""
 
     def sun_angle(self, is_azimuth: bool) -> float:  # noqa: FBT001 - values of the sun call it
         """Return the azimuth of the sun now, else its elevation, in degrees."""
@@ -109,11 +109,13 @@ class RoutineRunFacts(NamedTuple):
     Attributes:
         started_by: The text of its trigger; empty for a start by hand.
         has_timed_out: Whether its last wait was too long.
+        ended_by: The text of the trigger that ended it; empty for none.
         turns: In a loop over devices, the ids of that in turn and those that follow.
     """
 
     started_by: str = ""
     has_timed_out: bool = False
+    ended_by: str = ""
     turns: tuple[str, ...] = ()
 
 
@@ -210,12 +212,13 @@ class RoutineRun:
             case Wait():
                 await anyio.sleep(self._left(max(step.seconds, step.most), place.until))
             case WaitFor() | WaitUntil():
+                ended_by = ""
                 with anyio.move_on_after(self._left(step.most, place.until)) as wait:
                     if isinstance(step, WaitFor):
-                        await self._owner.wait_for(step.triggers)
+                        ended_by = step.texts[await self._owner.wait_for(step.triggers)]
                     else:
                         await self._until(step.states)
-                self.facts = self.facts._replace(has_timed_out=wait.cancelled_caught)
+                self.facts = self.facts._replace(has_timed_out=wait.cancelled_caught, ended_by=ended_by)
                 return not (step.stops and wait.cancelled_caught)
             case Undo():
                 await self._undo()

@@ -104,11 +104,11 @@ class RoutineSettings(AppSettings):
         triggers = [read_trigger(text) for text in self.when]
         if twice := [text for place, text in enumerate(self.when) if triggers[place] in triggers[:place]]:
             raise ValueError(f"when: {twice[0]!r} is there twice")
-        started_by = [asked for _, asked in self.asked() if isinstance(asked, StartedBy)]
+        started_by = [asked for _, asked in self.asked() if isinstance(asked, StartedBy) and not asked.of_wait]
         if other := next((condition.text for condition in started_by if condition.trigger not in triggers), ""):
             raise ValueError(f"if: started by {other!r} is none of the triggers in `when`")
         conditions = conditions_of(self.conditions)
-        if early := next((text for text, condition in conditions if isinstance(condition, TimedOut)), ""):
+        if early := next((text for text, condition in conditions if _is_of_wait(condition)), ""):
             raise ValueError(f"if: {early!r} is about a wait, and none comes before")
         return self
 
@@ -122,8 +122,16 @@ class RoutineSettings(AppSettings):
         conditions = chain.from_iterable(step.conditions for step in steps if isinstance(step, Branch))
         if inner := next((text for text, asked in conditions if LastRun in map(type, single_conditions(asked))), ""):
             raise ValueError(f"do: {inner!r} is about the run before, which only the conditions of the routine know")
+        waited = [trigger for step in steps if isinstance(step, WaitFor) for trigger in step.triggers]
+        ends = [asked for _, asked in self.asked() if isinstance(asked, StartedBy) and asked.of_wait]
+        if other := next((end.text for end in ends if end.trigger not in waited), ""):
+            raise ValueError(f"do: wait ended by {other!r} is none of the triggers of a `wait for`")
         states = {fold(trigger.text) for trigger in map(read_trigger, self.when) if isinstance(trigger, Becomes)}
         for step in steps:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:
                 raise ValueError(f"do: {step.text!r} brings about what starts it, so it would start itself")
         return self
+
+
+def _is_of_wait(condition: Condition) -> bool:
+    return isinstance(condition, TimedOut) or (isinstance(condition, StartedBy) and condition.of_wait)

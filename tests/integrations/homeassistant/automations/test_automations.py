@@ -97,7 +97,7 @@ HOUSE = (
             "lux limit": ["number"],
             "mode": ["option"],
             "visits": ["number"],
-            "oven": ["on_off", "press"],
+            "oven": ["on_off", "press", "number"],
             "wake up": ["text"],
             "good night": ["press", "push"],
             "stop radio": ["press", "push"],
@@ -116,7 +116,7 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
 
 
 @pytest.fixture(
-    scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting", "answers"]
+    scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting", "answers", "fresh"]
 )
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)

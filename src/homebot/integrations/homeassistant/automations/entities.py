@@ -531,6 +531,7 @@ class Automation:
         triggers: Its triggers, once they are read.
         constants: The values of its variables.
         has_waited: Whether its actions waited so far.
+        waited: The triggers of its last wait; empty if that is not known, or had none.
         own_ids: The ends of the ids that it may have in Home Assistant.
         expressions: Templates of its variables, until the first step.
         calling: The texts of all automations of its file.
@@ -544,6 +545,7 @@ class Automation:
     triggers: list[StartTrigger] = field(default_factory=list)
     constants: dict[str, object] = field(default_factory=dict)
     has_waited: bool = False
+    waited: list[StartTrigger] = field(default_factory=list)
     own_ids: frozenset[str] = frozenset()
     expressions: dict[str, str] = field(default_factory=dict)
     calling: Sequence[str] = ()

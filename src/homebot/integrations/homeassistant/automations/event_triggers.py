@@ -123,9 +123,10 @@ def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
     if kind in APP_EVENTS:
         return [_of_app(automation, kind, data)]
     if kind in _ANSWERS:
-        button = message_button(automation, data.text(_ANSWERS[kind]))
-        data.left.clear()
-        return [StartTrigger(press_text(button.name, ""), data=((_ANSWERS[kind], button.id),))]
+        action = data.text(_ANSWERS[kind])
+        data.end()
+        name = message_button(automation, action).name
+        return [StartTrigger(press_text(name, ""), data=((_ANSWERS[kind], action),))]
     if kind in _SENDERS:
         return _of_device(automation, kind, data)
     known = ", ".join((*_SENDERS, *APP_EVENTS))

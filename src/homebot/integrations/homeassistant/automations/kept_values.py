@@ -64,6 +64,7 @@ def _is_all(restored: Sequence[_Call], before: Sequence[Located], after: Sequenc
     if any(name.search(str(other)) for name in names for other in (*before, *after)):
         return False
     calls = [inner for action in before for inner in walk(action) if _is_call(inner)]
+    calls = [call for call in calls if not _name_of(call).startswith(("tts.", "notify."))]  # messages set nothing
     set_before = [_call_of(call) for call in calls if restored[0].entity in str(call)]
     return all(call is not None and call.fields <= fields for call in set_before)
 
@@ -91,9 +92,13 @@ def _is_call(fields: Mapping[str, Located]) -> bool:
     return not {"service", "action"}.isdisjoint(fields)
 
 
+def _name_of(fields: Mapping[str, Located]) -> str:
+    return str(next((fields[key].value for key in ("service", "action") if key in fields), ""))
+
+
 def _call_of(fields: Mapping[str, Located]) -> _Call | None:
     """Return the call that *fields* are; None for another one, or of several entities."""
-    name = str(next((fields[key].value for key in ("service", "action") if key in fields), ""))
+    name = _name_of(fields)
     try:
         call = UnreadFields(Located(dict(fields), 0), "action")
         data = call.inner("data", "data_template")

@@ -217,7 +217,8 @@ class Actions:
                 return ["stop"]
             case "if":
                 conditions = conditions_of(self._automation, fields.items("if"))
-                return _choice(conditions, self._branch(fields.items("then")), self._branch(fields.items("else")))
+                steps = self._branch(fields.items("then"), conditions)
+                return _choice(conditions, steps, self._branch(fields.items("else")))
             case "choose":
                 default = self._branch(fields.items("default"))
                 options = self._automation.each(fields.items("choose"), "choose", self._option)
@@ -304,11 +305,17 @@ class Actions:
                 return ["undo"]
         return None
 
-    def _branch(self, nodes: Sequence[Located]) -> list[Step]:
+    def _branch(self, nodes: Sequence[Located], held: Sequence[Condition] = ()) -> list[Step]:
+        """Return the steps of a branch, in which the conditions *held* hold: only some triggers can have started it."""
+        triggers, self._automation.triggers = self._automation.triggers, self._started(held)
         known, snapshots = dict(self._automation.constants), dict(self._snapshots)
+        waited = self._automation.waited
         with self._beside_others():
             conditions, steps = self._read(nodes)
+        if self._automation.waited is not waited:  # it may have waited for something else
+            self._automation.waited = []
         self._automation.constants, self._snapshots = known, snapshots  # those of a branch are its own
+        self._automation.triggers = triggers
         return _choice(conditions, steps, [])
 
     @contextmanager
@@ -322,7 +329,7 @@ class Actions:
     def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
         conditions = conditions_of(self._automation, fields.items("conditions"))
         nodes = fields.items("sequence")
-        return conditions, [] if NEVER in conditions else self._branch(nodes)
+        return conditions, [] if NEVER in conditions else self._branch(nodes, conditions)
 
     def _called_script(self, fields: UnreadFields, key: str) -> tuple[str, UnreadFields]:
         """Return the script that is called, and what it is given; an empty name if another service is called."""
@@ -406,17 +413,20 @@ class Actions:
             raise NotCarriedError(f"action {kind}: in a script its end would end the whole run")
         if kind == "wait_for_trigger":
             waited = Automation(self._automation.entities, self._automation.names, self._automation.problems)
-            known = waited.each(fields.items(kind), "trigger", lambda node: read_triggers(waited, node))
-            texts = [trigger.text for triggers in known for trigger in triggers]
+            for number, trigger in enumerate(fields.items(kind)):
+                _add_triggers(waited, trigger, number)
+            texts = [one.text for one in waited.triggers]
             if not texts and waited.problems:
                 return []
-            if any(trigger.needs for triggers in known for trigger in triggers):
+            if any(one.needs for one in waited.triggers):
                 raise NotCarriedError("action wait_for_trigger: a template of several states; use `wait_template`")
             text = f"wait for {' or '.join(texts)}{end}"
             step = read_step(text) if texts else None
             if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, texts)):
                 raise NotCarriedError("action wait_for_trigger: these triggers cannot be written as one step")
+            self._automation.waited = waited.triggers
         else:
+            self._automation.waited = []
             node = fields.take(kind)
             held = templates_of(self._automation).conditions(template_text(node))
             return self._waited(_awaited(held, end))

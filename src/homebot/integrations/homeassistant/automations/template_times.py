@@ -95,6 +95,33 @@ def days_of(node: nodes.Expr) -> list[Condition] | None:
     return [(f"on {','.join(texts)}",)]
 
 
+def weeks_of(node: nodes.Expr) -> list[Condition] | None:
+    """Return that the week of now, as ISO 8601 counts, is even or odd; None for another expression."""
+    match node:
+        case nodes.Compare(
+            expr=nodes.Mod(left=week, right=nodes.Const(value=2)),
+            ops=[nodes.Operand(op="eq" | "ne" as sign, expr=nodes.Const(value=0 | 1 as rest))],
+        ) if _is_week(week):
+            return [("in even weeks" if (rest == 0) is (sign == "eq") else "in odd weeks",)]
+        case nodes.Test(name="even" | "odd" as kind, node=week) if _is_week(week):
+            return [(f"in {kind} weeks",)]
+    return None
+
+
+def _is_week(node: nodes.Node) -> bool:
+    while isinstance(node, nodes.Filter) and node.name == "int" and node.node is not None:
+        node = node.node
+    match node:
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%V")]):
+            return is_now(inner)
+        case (
+            nodes.Getitem(node=nodes.Call(node=nodes.Getattr(node=inner, attr="isocalendar")), arg=nodes.Const(value=1))
+            | nodes.Getattr(node=nodes.Call(node=nodes.Getattr(node=inner, attr="isocalendar")), attr="week")
+        ):
+            return is_now(inner)
+    return False
+
+
 def _on_day(node: nodes.Node, day: date) -> object:
     """Return the value of *node* on *day*."""
     match node:

@@ -83,6 +83,7 @@ from homebot.integrations.homeassistant.automations.template_times import (
     is_now,
     of_time,
     unit_of_now,
+    weeks_of,
 )
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 from homebot.support.located import Located
@@ -320,7 +321,7 @@ class Templates:
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
-        for read in (days_of, self._known, self._tested, _any_light, self._counted):
+        for read in (days_of, weeks_of, self._known, self._tested, _any_light, self._counted):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -491,7 +492,7 @@ class Templates:
         (value,) = constants_in(right)
         if sign == "eq":
             return self._equal(left, value)
-        if sign == "ne":
+        if sign == "ne" and path_of(left)[:1] != ("wait",):  # without a trigger it is an error
             return self._denied(self._equal(left, value))
         return self._limited(left, SIGNS[sign], value)
 
@@ -505,6 +506,9 @@ class Templates:
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
         path = path_of(left)
         match path:
+            case ("wait", "trigger", "id" | "entity_id") | ("wait", "trigger", "event", "data", _):
+                waited = self._automation.waited
+                return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], left)
             case ("trigger", "id" | "payload" | "platform") | ("trigger", "event", "data", _):
                 triggers = self._automation.triggers
                 if open_ones := [trigger for trigger in triggers if trigger.asks == path[-1]]:
@@ -575,6 +579,15 @@ class Templates:
         if twice := others & texts.keys():
             raise NotCarriedError(f"two triggers are the same for a routine: {min(twice)}")
         return [tuple(f"started by {text}" for text in texts)] if others else []
+
+    def _ended_by(self, triggers: Sequence[StartTrigger], asked: nodes.Expr) -> list[Condition]:
+        """Return the condition that one of *triggers* ended the last wait, which *asked* is about."""
+        waited = self._automation.waited
+        if not waited or len({trigger.text for trigger in waited}) < len(waited):
+            raise refused_template(shown_tree(asked), "it is not known what was waited for")
+        if len(triggers) == len(waited):
+            return [("not wait timed out",)]
+        return [tuple(f"wait ended by {trigger.text}" for trigger in triggers)] if triggers else [NEVER]
 
     def _limited(self, left: nodes.Expr, sign: Operator, value: object) -> list[Condition]:
         if unit := unit_of_now(left):
