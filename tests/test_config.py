@@ -9,7 +9,6 @@ from tests.guide import blocks_in, guide
 
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
-from homebot.features.history.settings import HistorySettings
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 
 
@@ -31,13 +30,10 @@ def test_a_full_file_is_read_into_its_tables(write: Path) -> None:
     assert config.door == {"port": 1}
 
 
-def test_the_tables_that_the_guide_shows_are_valid() -> None:
-    """Those for MQTT and, as the defaults, of the history."""
+def test_the_table_for_mqtt_that_the_guide_shows_is_valid() -> None:
     tables = [tomllib.loads(block) for block in blocks_in(guide("configuration"), "toml")]
     (mqtt,) = [table["gateways"]["mqtt"] for table in tables if "mqtt" in table.get("gateways", {})]
-    (history,) = [table["history"] for table in tables if "history" in table]
     assert MqttGatewaySettings.model_validate(mqtt).act
-    assert HistorySettings.model_validate(history) == HistorySettings()
 
 
 def test_an_empty_file_is_a_home_with_nothing_in_it(write: Path) -> None:

@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[1] / "src/homebot"
 
 
 SERVICES = {service.name: name for name, feature in FEATURES.items() for service in feature.services}
-SERVICE = re.compile("|".join(rf"{service}(?![\w/])" for service in SERVICES))
+SERVICE = re.compile("|".join(rf"{service}(?![\w/])" for service in SERVICES) or "(?!)")
 
 
 def services_in(text: str) -> list[str]:

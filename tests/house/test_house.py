@@ -342,10 +342,11 @@ async def test_a_power_failure_leaves_the_will() -> None:
             1.0,
             "'lamp' speaks 'x'",
         ),
-        (
+        pytest.param(
             World(Rooms({"hall": Room()}, []), [Placed(SimulatedDoorLock("bolt"), "hall", dialect="tasmota")]),
             1.0,
             "'bolt' speaks 'tasmota', which has no lock",
+            marks=pytest.mark.rooms("tasmota"),
         ),
     ],
 )

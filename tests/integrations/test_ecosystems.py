@@ -45,13 +45,21 @@ def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
 @pytest.mark.parametrize(
     ("service", "gateway", "step"),
     [
-        (found(HOME_ASSISTANT, **INTERNAL), "homeassistant", 'url = "http://192.168.1.20:8123" and token_file'),
-        (
+        pytest.param(
+            found(HOME_ASSISTANT, **INTERNAL),
+            "homeassistant",
+            'url = "http://192.168.1.20:8123" and token_file',
+            marks=pytest.mark.rooms("homeassistant"),
+        ),
+        pytest.param(
             found(HOME_ASSISTANT),
             "homeassistant",
             'if it is yours, add [gateways.homeassistant] with url = "http://ha.local:8123"',
+            marks=pytest.mark.rooms("homeassistant"),
         ),
-        (found(HUE), "hue", "add [gateways.hue], then: homebot pair 'Hall'"),
+        pytest.param(
+            found(HUE), "hue", "add [gateways.hue], then: homebot pair 'Hall'", marks=pytest.mark.rooms("hue")
+        ),
         (found(HAP, sf="1"), "homekit", "add [gateways.homekit], then: homebot pair 'Hall' CODE"),
         (found("_hap._udp.local.", sf="1"), "homekit", "add [gateways.homekit], then: homebot pair 'Hall' CODE"),
         (found(HAP, sf="5"), "homekit", "add [gateways.homekit]"),
@@ -76,5 +84,6 @@ def test_a_service_that_homebot_uses_itself_or_that_is_paired_elsewhere_has_none
     assert hint(service, set()) == {}
 
 
+@pytest.mark.rooms("homeassistant")
 def test_a_step_shows_all_its_characters() -> None:
     assert hint(found(HOME_ASSISTANT, internal_url="\x1b[31m"), set())["next_step"].isprintable()

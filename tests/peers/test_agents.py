@@ -12,7 +12,7 @@ import anyio
 import pytest
 from anyio.abc import SocketAttribute, SocketStream
 from anyio.streams.buffered import BufferedByteReceiveStream
-from tests.bridges.home_api.api import TOKENS, Api, bearer, running_api
+from tests.bridges.home_api.api import HISTORY, TOKENS, Api, bearer, running_api
 from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 
@@ -96,7 +96,7 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
         async with mcp.Client(server.house_server(client)) as session:
             return json.loads((await session.call_tool("identify", asked, progress_callback=progress)).content[0].text)
 
-    async with running_api(tmp_path) as api, anyio.create_task_group() as tasks:
+    async with running_api(tmp_path, **HISTORY) as api, anyio.create_task_group() as tasks:
         tasks.start_soon(light, api, 80)
         before = (await api.get("/api/devices")).values
         found = await called("agent", devices="light")
@@ -127,7 +127,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
         action = next(answers)
         return types.ElicitResult(action=action, content={"confirm": True} if action == "accept" else None)
 
-    async with running_api(tmp_path) as api:
+    async with running_api(tmp_path, **HISTORY) as api:
 
         def client(token: str, **more: Any) -> Any:
             started = stdio.StdioServerParameters(command=sys.executable, args=arguments(api, tmp_path, token))
@@ -207,7 +207,7 @@ async def test_an_agent_over_http_may_do_what_its_token_may_and_its_session_outl
         answers = [json.loads((await session.call_tool(*call)).content[0].text) for call in calls]
         return [str(one.get("outcome") or one.get("text") or "done") for one in answers]
 
-    async with running_api(tmp_path) as api:
+    async with running_api(tmp_path, **HISTORY) as api:
         questions: list[str] = []
         url, found = f"http://127.0.0.1:{api.port}/mcp", dict[str, list[str]]()
         for name in ("reader", "agent", "manager"):
@@ -320,7 +320,7 @@ async def test_a_mistake_names_the_tools_own_argument_and_commands_are_read_as_o
     mcp: Any = pytest.importorskip("mcp.client.client")
     server: Any = pytest.importorskip("homebot.bridges.home_api.agent_server")
     words = ("on, 40 %", "+10 %", "60 %, over 3s", "off, over 2s", "40%", "brighter")
-    async with running_api(tmp_path) as api:
+    async with running_api(tmp_path, **HISTORY) as api:
         await api.save("Film", {"lamp1": "20 %"})
         address = ServerAddress("127.0.0.1", api.port, TOKENS["keys"][0])
         client = await anyio.to_thread.run_sync(importlib.import_module("homebot.cli.mcp_server").ApiClient, address)
@@ -402,7 +402,7 @@ async def test_raw_json_rpc_is_refused_what_its_token_has_no_right_to_and_hears_
     pytest.importorskip("mcp")
     client = {"name": "raw", "version": "1"}
     hello = {"protocolVersion": "2025-06-18", "capabilities": {"elicitation": {}}, "clientInfo": client}
-    async with running_api(tmp_path) as api:
+    async with running_api(tmp_path, **HISTORY) as api:
         process = await anyio.open_process([sys.executable, *arguments(api, tmp_path, "agent")], stderr=None)
         async with process:
             assert process.stdin is not None

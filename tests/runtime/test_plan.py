@@ -64,7 +64,7 @@ WRONG_APPS = """\
 [apps.lights_out]
 [apps.follow_me]
 quiet = 3
-[apps.goals]
+[apps.control]
 class = "homebot.apps.lights_out:LightsOut"
 [apps.light_servce]
 [apps.window_heating]
@@ -85,7 +85,7 @@ def test_a_wrong_app_is_left_out_and_named_with_its_line(tmp_path: Path) -> None
     told = {key: str(error).removeprefix(f"{file}:").partition(": ")[0] for key, error in plan.left_out.items()}
     assert told == {
         "apps.follow_me": "3",
-        "apps.goals": "4",
+        "apps.control": "4",
         "apps.light_servce": "6",
         "apps.window_heating": "8",
         "apps.rmf_doors": "10",
@@ -134,7 +134,7 @@ async def test_a_house_goes_on_without_a_wrong_app_and_says_so() -> None:
     async with Runtime(parse_config(tomllib.loads(WRONG_APPS), "test"), with_door=False) as runtime:
         assert [*runtime.app_host.running] == ["lights_out"]
         told = [one.split(": ")[:3] for one in runtime.app_host.problems()]
-    assert ["left out", "test", "apps.goals"] in told
+    assert ["left out", "test", "apps.control"] in told
     assert len(told) == 5
 
 

@@ -101,6 +101,7 @@ async def test_a_policy_that_needs_sensors_finds_them() -> None:
 
 
 @pytest.mark.rooms("homeassistant")
+@pytest.mark.rooms("alerts")
 async def test_notifications_go_where_the_newest_configuration_says() -> None:
     async with home() as here:
         test = here.node.create_client(Trigger, "/alerts/test")

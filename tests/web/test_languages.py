@@ -15,7 +15,6 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.findings import FindingKind
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.wording.values import flag_texts
-from homebot.features.routines.gallery import gallery
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 PAGE, TOLD, REASONS = (
@@ -68,12 +67,6 @@ def test_what_the_doctor_finds_is_translated() -> None:
     counters = {spoken(name) for found in COUNTERS.findall(PYTHON) for name in found if name}
     assert {"commands refused", "journal failures", "news missed"} <= counters
     assert (texts | counters) - forms == set()
-
-
-def test_ready_made_routines_are_translated() -> None:
-    texts = {one.about for one in gallery().values()}
-    texts |= {key.replace("_", " ") for one in gallery().values() for key in one.inputs}
-    assert texts - TABLE.keys() == set()
 
 
 def test_a_label_for_a_screen_reader_has_no_words_of_its_own() -> None:

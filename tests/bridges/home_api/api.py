@@ -23,6 +23,7 @@ TOKENS = {
     "manager": ("manager-token-12345", ["read", "act: all", "manage"]),
     "reader": ("reader-token-123456", ["read"]),
 }
+HISTORY = {"history": {"enabled": True}}
 
 
 class Answer(NamedTuple):
@@ -104,8 +105,8 @@ def bearer(name: str) -> str:
 
 
 @asynccontextmanager
-async def running_api(folder: Path) -> AsyncIterator[Api]:
-    """Run a house of four lamps and a lock, whose tokens are in *folder*."""
+async def running_api(folder: Path, **more: object) -> AsyncIterator[Api]:
+    """Run a house of four lamps and a lock, whose tokens are in *folder*, with *more* tables of the configuration."""
     tokens = {}
     for name, (token, scope) in TOKENS.items():
         (folder / name).write_text(token)
@@ -116,7 +117,7 @@ async def running_api(folder: Path) -> AsyncIterator[Api]:
         "places": {"devices": {"lights/lamp4": {"aliases": ["Door stop"]}}},
         "door": {"port": 0, "tokens": tokens},
         "gateways": {"mqtt": {"root": "home425"}},
-        "history": {"enabled": True},
+        **more,
     }
     lamps = [SimulatedLamp(f"lamp{number}") for number in range(1, 5)]
     async with (

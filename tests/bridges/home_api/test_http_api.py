@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tests.bridges.home_api.api import bearer, running_api
+from tests.bridges.home_api.api import HISTORY, bearer, running_api
 
 
 @pytest.mark.rooms("thesis")
@@ -39,12 +39,6 @@ async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
         assert why_not.endswith("(reported); it changed after that: a question without a state has the reason")
         is_so = (await api.get("/api/why/lamp1?state=50")).values
         assert (is_so["is_so"], is_so.get("steps")) == (True, None)
-
-        await api.until("/api/history?device=lamp1&capability=on_off", lambda found: bool(found.get("series")))
-        history = (await api.get("/api/history?device=lamp1&capability=on_off&since=1h")).values
-        misspelt = await api.get("/api/history?device=lamp1&capability=on_of")
-        assert (misspelt.status, misspelt.values["detail"][-21:]) == (400, " did you mean on_off?")
-        assert history["series"][0]["points"][-1][1] is True
 
         home = (await api.get("/api/home")).values
         assert (home["home"], home["rooms"]) == ("villa", {"(no room)": {"light": 4, "door_lock": 1}})
@@ -112,16 +106,33 @@ async def test_all_that_words_mean_is_commanded_at_once_but_nothing_that_always_
         assert (one["entries"][0].split(" ", 1)[1][:16], one["has_more"]) == ("lamp2: confirmed", True)
 
 
+@pytest.mark.rooms("thesis", "history")
+async def test_the_history_is_read_and_mistakes_are_named(tmp_path: Path) -> None:
+    of_lamp = "/api/history?device=lamp1"
+    async with running_api(tmp_path, **HISTORY) as api:
+        await api.command("lamp1", "on")
+        await api.until(f"{of_lamp}&capability=on_off", lambda found: bool(found.get("series")))
+        history = (await api.get(f"{of_lamp}&capability=on_off&since=1h")).values
+        misspelt = await api.get(f"{of_lamp}&capability=on_of")
+        soon = await api.get(f"{of_lamp}&since=soon")
+        unknown = await api.get("/api/history?device=Door%20stob")
+    assert history["series"][0]["points"][-1][1] is True
+    assert (misspelt.status, misspelt.values["detail"][-21:]) == (400, " did you mean on_off?")
+    told = "no device fits 'Door stob'; did you mean Door stop?"
+    for answer, status, detail in ((soon, 400, "'soon' is not a duration"), (unknown, 404, told)):
+        assert (answer.status, answer.content_type) == (status, "application/problem+json")
+        assert detail in answer.values["detail"]
+
+
 async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
-        await api.until("/api/history?device=lamp1", lambda found: "series" in found)
         asked = [
             (await api.command("lmp1", "on"), 404, "did you mean lamp1"),
             (await api.command("light", "on"), 409, "several devices fit 'light'; give the id of one: "),
             (await api.get("/api/devices/nothing"), 404, "no device fits 'nothing'"),
             *[
                 (await api.get(f"/api/{route}"), 404, "no device fits 'Door stob'; did you mean Door stop?")
-                for route in ("devices/Door%20stob", "why/Door%20stob", "history?device=Door%20stob")
+                for route in ("devices/Door%20stob", "why/Door%20stob")
             ],
             *[(await api.command(near, "on"), 404, "did you mean Door stop?") for near in ("Door stob", "Door sto")],
             *[
@@ -133,7 +144,6 @@ async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
             (await api.command([], "on"), 400, "device: Tuple should have at least 1 item"),
             (await api.command(["lamp1"] * 51, "on"), 400, "device: Tuple should have at most 50 items"),
             (await api.get("/api/devices?quest=x"), 400, "known are q, limit"),
-            (await api.get("/api/history?device=lamp1&since=soon"), 400, "'soon' is not a duration"),
             (await api.get("/api/device"), 404, "there are GET /api/home"),
             (await api.get("/api/command"), 405, "/api/command takes POST"),
             (await api.get("/api/home", Authorization="Bearer wrong"), 401, "a valid token is needed"),
@@ -162,7 +172,7 @@ async def test_a_question_that_nothing_fits_has_the_reason(tmp_path: Path) -> No
         assert ([one["id"] for one in lit["devices"]], "note" in lit) == (["lights/lamp1"], False)
 
 
-@pytest.mark.rooms("thesis")
+@pytest.mark.rooms("thesis", "scenes")
 async def test_scenes_are_listed_applied_and_undone_with_the_outcome_of_each_part(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         await api.command(["lamp1", "lamp2"], "40 %")
@@ -181,7 +191,7 @@ async def test_scenes_are_listed_applied_and_undone_with_the_outcome_of_each_par
         assert sorted(undone.values["parts"]) == ["lamp1", "lamp2"]
 
 
-@pytest.mark.rooms("thesis")
+@pytest.mark.rooms("thesis", "routines")
 async def test_a_routine_is_proposed_by_who_may_act_and_mistakes_are_named(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         text = 'name = "Late"\nwhen = ["23:00"]\ndo = ["lamp1 off"]\n'
@@ -196,7 +206,7 @@ async def test_a_routine_is_proposed_by_who_may_act_and_mistakes_are_named(tmp_p
         assert (refused.status, refused.values["outcome"]) == (403, "refused")
 
 
-@pytest.mark.rooms("thesis")
+@pytest.mark.rooms("thesis", "goals")
 async def test_a_goal_is_planned_for_who_may_act_and_a_mistake_is_named(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         done = await api.achieve("lamp1 on and lamp2 off", Authorization=bearer("agent"))
@@ -210,7 +220,7 @@ async def test_a_goal_is_planned_for_who_may_act_and_a_mistake_is_named(tmp_path
         assert (refused.status, refused.values["outcome"]) == (403, "refused")
 
 
-@pytest.mark.rooms("habits")
+@pytest.mark.rooms("habits", "history")
 async def test_an_agent_reads_the_habits(tmp_path: Path) -> None:
-    async with running_api(tmp_path) as api:
+    async with running_api(tmp_path, **HISTORY) as api:
         await api.until("/api/habits", lambda found: found == {"habits": []})  # the history begins later

@@ -342,6 +342,7 @@ async def test_the_issuer_of_a_command_is_its_client(
     assert seen == [(issuer, scope, trigger)] * 2
 
 
+@pytest.mark.rooms("scenes")
 async def test_a_command_of_the_http_api_is_a_programs_also_with_the_owners_token(open_house: Any) -> None:
     seen: list[tuple[str, str]] = []
 
@@ -460,8 +461,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/discovery/query", Right.READ),
         ("/discovery/places", Right.READ),
         ("/control/journal", Right.READ),
-        ("/history/read", Right.READ),
-        ("/history/energy", Right.READ),
+        pytest.param("/history/read", Right.READ, marks=pytest.mark.rooms("history")),
+        pytest.param("/history/energy", Right.READ, marks=pytest.mark.rooms("history")),
         ("/control/unapproved", Right.READ),
         ("/gateway/mqtt/health", Right.READ),
         ("/gateway/mqtt/subscribe_to_topic", Right.READ),
@@ -495,8 +496,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/gateway/mqtt/refresh", Right.ACT),
         ("/gateway/nfc/write_tag", Right.MANAGE),
         ("/gateway/matter/commission", Right.MANAGE),
-        ("/homebot/start_recorder", Right.MANAGE),
-        ("/homebot/recorder/read", Right.MANAGE),
+        pytest.param("/homebot/start_recorder", Right.MANAGE, marks=pytest.mark.rooms("recording")),
+        pytest.param("/homebot/recorder/read", Right.MANAGE, marks=pytest.mark.rooms("recording")),
         ("/discovery/export_index", Right.MANAGE),
         ("/control/to_come", Right.MANAGE),
         ("/gateway/mqtt/send_command", Right.RAW),

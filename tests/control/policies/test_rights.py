@@ -127,6 +127,8 @@ HOUSE = """
 [apps.light_service]
 [apps.hall]
 class = "homebot.apps.lights_out:LightsOut"
+"""
+ROUTINE = """
 [[routines]]
 name = "Good night"
 when = ["22:30"]
@@ -135,7 +137,15 @@ do = ["all lights off"]
 PLACES = {one: f"[apps.{one}]" for one in ("light_service", "hall")} | {"good_night": 'name = "Good night"'}
 
 
-@pytest.mark.parametrize("issuer", ["light_service", "hall", "good_night", "a_program"])
+@pytest.mark.parametrize(
+    ("issuer", "house"),
+    [
+        ("light_service", HOUSE),
+        ("hall", HOUSE),
+        pytest.param("good_night", HOUSE + ROUTINE, marks=pytest.mark.rooms("routines")),
+        ("a_program", HOUSE),
+    ],
+)
 @pytest.mark.parametrize(
     ("scope", "act"),
     [
@@ -147,10 +157,10 @@ PLACES = {one: f"[apps.{one}]" for one in ("light_service", "hall")} | {"good_ni
     ],
 )
 def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
-    scope: tuple[str, ...], act: str, issuer: str
+    scope: tuple[str, ...], act: str, issuer: str, house: str
 ) -> None:
     """As a table [apps.good_night] is of no app, nor of a routine, it made the configuration invalid."""
-    tables = make_plan(parse_config(tomllib.loads(HOUSE), "homebot.toml")).tables
+    tables = make_plan(parse_config(tomllib.loads(house), "homebot.toml")).tables
     command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=f"/{issuer}")
     command = replace(command, rights=command.rights._replace(table=tables.get(f"/{issuer}", "")))
     reason = Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].reason
@@ -164,7 +174,7 @@ def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
     assert reason == f"{right}, and /{issuer} has none; {lines[issuer]}"
     if issuer not in PLACES:
         return
-    written = HOUSE.replace(PLACES[issuer], f"{PLACES[issuer]}\nact = {act}")
+    written = house.replace(PLACES[issuer], f"{PLACES[issuer]}\nact = {act}")
     granted = make_plan(parse_config(tomllib.loads(written), "homebot.toml")).grants[f"/{issuer}"]
     allowed = replace(command, rights=read_scope(granted))
     assert Policies(ControlSettings(approvals=False)).check(allowed, make_facts())[-1].allowed

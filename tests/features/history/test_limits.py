@@ -2,11 +2,13 @@
 
 import random
 import sqlite3
+import tomllib
 from pathlib import Path
 
 import anyio
 import pytest
 from tests.features.history.conftest import MIDNIGHT, MakeHouse
+from tests.guide import blocks_in, guide
 from tests.turns import Turns, longest_turn
 
 from homebot.clock import LoopClock
@@ -158,3 +160,9 @@ async def test_devices_that_are_gone_leave_room_for_new_ones() -> None:
         collector._record(f"new{one}", "", "power", 1.0, START)
     assert (len(collector.series), collector.left_out) == (20, 2)
     assert sorted(one.number for one in collector.series.values()) == list(range(1, 21))
+
+
+def test_the_configuration_guide_shows_the_defaults() -> None:
+    tables = [tomllib.loads(block) for block in blocks_in(guide("configuration"), "toml")]
+    (history,) = [table["history"] for table in tables if "history" in table]
+    assert HistorySettings.model_validate(history) == HistorySettings()

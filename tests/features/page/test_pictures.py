@@ -101,6 +101,7 @@ async def test_a_picture_at_an_address_of_the_owner_is_fetched_once_for_all_scre
     assert wrong["None"] == "there is no device or picture 'None'"
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_camera_of_mqtt_has_the_picture_of_its_topic(tmp_path: Path) -> None:
     config = (
         b'{"topic": "cam/picture", "unique_id": "cam", "name": null, "device": {"identifiers": ["cam"], "name": "Cam"}}'

@@ -251,14 +251,25 @@ async def test_a_token_has_no_more_rights_than_who_makes_it(
 
 
 @pytest.mark.virtual_time
-async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
+@pytest.mark.parametrize(
+    ("open_port", "servers"),
+    [
+        (0, []),
+        pytest.param(
+            8123,
+            [("homeassistant", (), "", "http://127.0.0.1:8123")],
+            marks=pytest.mark.rooms("homeassistant"),
+        ),
+    ],
+)
+async def test_what_no_gateway_uses_is_found_with_the_next_step(open_port: int, servers: list[object]) -> None:
     facts = {"needs_gateway": "hue", "next_step": "press its button"}
     async with directory() as house, Node(house.asker.graph, "page") as page:
         PairingServices(Bulbs(), Node(house.asker.graph, "bulbs", namespace="/gateway"))
         Node(house.asker.graph, "people", namespace="/gateway")
 
         async def listens(port: int) -> bool:
-            return port == 8123
+            return port == open_port
 
         offer_setup(page, lambda: None, listens=listens)
         await house.hears(
@@ -268,7 +279,7 @@ async def test_what_no_gateway_uses_is_found_with_the_next_step() -> None:
         answer = await house.asker.create_client(FindUnused, "/setup/found").call(FindUnusedRequest())
         assert [(row.gateway, row.names, row.next, row.url) for row in answer.unused] == [
             ("hue", ("Bridge",), "press its button", ""),
-            ("homeassistant", (), "", "http://127.0.0.1:8123"),
+            *servers,
         ]
         waiting = [(one.gateway, one.unpaired.name) for one in answer.unpaired]
         assert waiting == [("bulbs", "Bulb one"), ("bulbs", "Bulb two")]

@@ -2,6 +2,8 @@
 
 import tracemalloc
 
+import pytest
+
 from homebot.conventions.installed_conventions import default_conventions, find_conventions
 from homebot.gateways.mqtt.reserved import ReservedTopics
 
@@ -17,8 +19,13 @@ def test_a_reserved_topic_is_reserved_whatever_its_length() -> None:
         assert topics.why(f"$SYS/{name}") == "it belongs to the broker"
         assert topics.why(f"lamps/{name}/set") == ""
         assert topics.why(f"zigbee2mqtt/{name}/set", "zigbee2mqtt") == ""
-        assert topics.why(f"zigbee2mqtt/bridge/request/{name}") == "it belongs to zigbee2mqtt"
         assert topics.why(f"gates/bridge/request/{name}") == ""  # of another program
+
+
+@pytest.mark.rooms("zigbee2mqtt")
+@pytest.mark.parametrize("name", ["x", "x" * 1000])
+def test_a_request_to_the_bridge_of_a_convention_is_reserved(name: str) -> None:
+    assert reserved_topics().why(f"zigbee2mqtt/bridge/request/{name}") == "it belongs to zigbee2mqtt"
 
 
 def test_nothing_is_kept_of_long_topics() -> None:

@@ -9,8 +9,9 @@ from homebot.conventions.installed_conventions import find_conventions
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.integrations.zigbee2mqtt.formats.reader import MAX_BRIDGE_BYTES
 from homebot.mqtt.clients import HostedBroker
+
+HOME_ASSISTANT = pytest.mark.rooms("homeassistant")
 
 
 def settings(**table: object) -> MqttGatewaySettings:
@@ -51,10 +52,19 @@ def test_on_the_own_broker_the_own_client_is_the_default(table: dict[str, object
         ({"rooot": "home"}, "rooot", "unknown key; did you mean root?"),
         ({"max_payload": 3}, "max_payload", "greater than or equal to 1024"),
         ({"stale_after": -1}, "stale_after", "greater than 0"),
-        ({"homeassistant": {"prefixes": [1]}}, "homeassistant.prefixes.0", "valid string"),
-        ({"homeassistant": {"prefxes": []}}, "homeassistant.prefxes", "unknown key; did you mean prefixes?"),
-        ({"homeassistant": 3}, "homeassistant", "should be an object"),
-        ({"conventions": ["thesis"], "homeassistant": {}}, "homeassistant", "`conventions` does not name: thesis"),
+        *(
+            pytest.param(table, key, reason, marks=HOME_ASSISTANT)
+            for table, key, reason in (
+                ({"homeassistant": {"prefixes": [1]}}, "homeassistant.prefixes.0", "valid string"),
+                ({"homeassistant": {"prefxes": []}}, "homeassistant.prefxes", "unknown key; did you mean prefixes?"),
+                ({"homeassistant": 3}, "homeassistant", "should be an object"),
+                (
+                    {"conventions": ["thesis"], "homeassistant": {}},
+                    "homeassistant",
+                    "`conventions` does not name: thesis",
+                ),
+            )
+        ),
         ({"share": "attic"}, "share", 'would reach one of the group alone; add conventions = \\["thesis"\\]'),
         ({"share": "attic", "conventions": ["thesis"], "act": True}, "share", "needs act = false"),
         ({"share": "attic", "conventions": ["thesis"], "protocol": "3.1.1"}, "share", "needs MQTT 5"),
@@ -68,6 +78,7 @@ def test_a_wrong_value_is_refused_with_file_key_and_reason(table: dict[str, obje
     assert str(caught.value).startswith(f"homebot.toml: gateways.mqtt.{key}: ")
 
 
+@HOME_ASSISTANT
 def test_a_convention_has_a_table_of_its_own() -> None:
     given = settings(conventions=["thesis", "homeassistant"], homeassistant={"prefixes": ["ha"]})
     thesis, discovery = find_conventions(given.conventions, given.tables, "home425")
@@ -81,14 +92,11 @@ def test_the_home_of_the_layout_is_that_of_the_gateway_unless_its_table_names_an
     assert thesis.filters()[0] == "villa/+/+/out"
 
 
+@HOME_ASSISTANT
 def test_announcements_may_be_larger_than_other_messages() -> None:
     url = "mqtt://broker"
     assert settings(url=url, conventions=["thesis"]).options().maximum_packet_size == 256 * 1024
     assert settings(url=url, conventions=["homeassistant"]).options().maximum_packet_size == 32 * 1024 * 1024
-
-
-def test_the_largest_announcement_is_what_the_largest_list_of_a_convention_may_be() -> None:
-    assert settings().max_announcement == MAX_BRIDGE_BYTES
 
 
 def test_the_password_comes_from_the_first_line_of_its_file(tmp_path: Path) -> None:

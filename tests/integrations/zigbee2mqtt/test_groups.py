@@ -200,6 +200,7 @@ async def test_a_person_who_turns_a_lamp_off_after_a_command_to_its_group_is_nev
         assert causes[-1] in {"person", "unknown"}
 
 
+@pytest.mark.rooms("scenes")
 async def test_a_scene_is_recalled_by_one_message_and_the_members_are_asked_for_their_values() -> None:
     """The bridge does not tell what a scene that was made elsewhere sets."""
     async with house(0.0) as (bridge, client):

@@ -10,9 +10,10 @@ from tests.integrations.announced_parts import device_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
 from homebot.errors import WireError
+from homebot.gateways.mqtt import MqttGatewaySettings
 from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.integrations.zigbee2mqtt.formats.bridge_device import StateAvailability
-from homebot.integrations.zigbee2mqtt.formats.reader import MAX_DEVICES, _read
+from homebot.integrations.zigbee2mqtt.formats.reader import MAX_BRIDGE_BYTES, MAX_DEVICES, _read
 
 LAMP = "0x00158d0001abcdef"
 PLUG = "0x00158d0001abcde0"
@@ -330,3 +331,7 @@ def test_info_without_config_is_refused(payload: bytes, problem: str) -> None:
 )
 def test_the_word_of_availability_is_an_object_or_plain(payload: bytes, expected: object) -> None:
     assert StateAvailability("t").read(payload) is expected
+
+
+def test_the_largest_announcement_is_what_the_largest_list_may_be() -> None:
+    assert MqttGatewaySettings().max_announcement == MAX_BRIDGE_BYTES
