@@ -106,6 +106,7 @@ def key_file(tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.rooms("bthome")
 async def test_one_advertisement_heard_by_two_is_one_reading_with_the_room_of_the_stronger(
     monkeypatch: pytest.MonkeyPatch, key_file: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -131,6 +132,7 @@ async def test_one_advertisement_heard_by_two_is_one_reading_with_the_room_of_th
     assert KEY not in caplog.text
 
 
+@pytest.mark.rooms("bthome")
 async def test_a_proxy_that_dies_leaves_its_devices_to_the_others_and_comes_back(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -152,6 +154,7 @@ async def test_a_proxy_that_dies_leaves_its_devices_to_the_others_and_comes_back
         await watched.until(lambda: watched.values[ADDRESS, "temperature"][-1] == 22.0)
 
 
+@pytest.mark.rooms("bthome")
 async def test_a_flood_of_one_proxy_is_bounded_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     flooded, calm = ProxyServer("flooded", "Hall"), ProxyServer("calm", "Kitchen")
     async with (
