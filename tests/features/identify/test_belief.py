@@ -14,6 +14,7 @@ from homebot.features.identify.inquiry import Inquiry
 ROOMS = size(50, 2000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "right", "wrong", "seconds"),
     [
@@ -41,6 +42,7 @@ def test_the_candidate_in_view_is_found(kind: Rooms, right: float, wrong: float,
     assert median(one.seconds for one in found) <= seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind",
     [
@@ -87,6 +89,7 @@ def test_nothing_is_sure_where_two_shine_alike_or_the_sensor_cannot_tell(kind: R
     assert sum(one.is_right for one in found) <= (0.1 * ROOMS if kind.twin or kind.flicker else 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.25, 0.5])
 @pytest.mark.parametrize("is_in_view", [True, False])
 def test_nothing_is_wrong_where_lamps_report_at_once_and_fade_for_long(noise: float, *, is_in_view: bool) -> None:
