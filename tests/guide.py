@@ -19,3 +19,8 @@ def commands_in(text: str) -> list[str]:
 def blocks_in(text: str, language: str) -> list[str]:
     """Return the blocks of *text* in a language."""
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+def section_in(text: str, name: str) -> str:
+    """Return the section of *text* below that heading."""
+    return text[text.index(f"## {name}") :].partition("\n## ")[0]

@@ -63,9 +63,9 @@ def test_on_the_own_broker_the_own_client_is_the_default(table: dict[str, object
                     "homeassistant",
                     "`conventions` does not name: thesis",
                 ),
+                ({"share": "attic"}, "share", 'would reach one of the group alone; add conventions = \\["thesis"\\]'),
             )
         ),
-        ({"share": "attic"}, "share", 'would reach one of the group alone; add conventions = \\["thesis"\\]'),
         ({"share": "attic", "conventions": ["thesis"], "act": True}, "share", "needs act = false"),
         ({"share": "attic", "conventions": ["thesis"], "protocol": "3.1.1"}, "share", "needs MQTT 5"),
         ({"share": "attic/+", "conventions": ["thesis"]}, "share", "one level of a topic filter"),

@@ -1,6 +1,7 @@
 """Appliances, closures and meters of a Matter server, in payloads that hold what those of products hold."""
 
 import pytest
+from tests.guide import guide, section_in
 from tests.integrations.matter.gateway.test_node import LOCK, encoded, only_device, orders, readings
 
 from homebot.devices.always_ask import is_declared
@@ -8,7 +9,7 @@ from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.integrations.matter.formats.endpoint import AttributeWrite, ClusterInvocation
-from homebot.integrations.matter.gateway.server_link import check_result
+from homebot.integrations.matter.gateway.server_link import OLDEST_SCHEMA, SCHEMA, check_result
 
 MODES = [
     {"0": "Rest", "1": 5, "2": [{"1": 16384}]},
@@ -463,3 +464,7 @@ def test_a_plain_mode_is_a_setting_of_its_own(attributes: dict[str, object], nam
 def test_an_endpoint_of_no_bridge_is_of_its_node() -> None:
     device = only_device({**PLUG, "1/57/17": True})
     assert [one.id for one in device.device.parts] == ["1"]
+
+
+def test_the_guide_names_the_versions_of_the_schema() -> None:
+    assert f"Schema versions {OLDEST_SCHEMA} to {SCHEMA}" in section_in(guide("protocols"), "Matter")
