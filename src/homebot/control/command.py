@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _LIT: Final = POWERS | COLORS
 """Capabilities that turn a lamp on."""
 
-_MOTIONS: Final = frozenset({"movement", "position", "tilt"})
+_MOTIONS: Final = frozenset({"movement", "position", "tilt", "floor"})
 """Capabilities of motors."""
 
 _LEVELS: Final = ("level", "fan_speed")

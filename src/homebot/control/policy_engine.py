@@ -12,6 +12,7 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.facts import Facts, Verdict
 from homebot.control.policies.house import DETECTION, Detections, House
+from homebot.control.policies.lift import check_lift
 from homebot.control.policies.rights import check_approval, check_grants, client_refusal
 from homebot.control.settings import PolicySettings
 from homebot.control.timelines import Timelines
@@ -214,12 +215,13 @@ class Policies:
         rights: tuple[Policy, ...] = (partial(check_grants, settings.approvals),)
         rights += (check_approval,) if settings.approvals else ()
         self._policies = (*rights, *(table.judge for table in tables))
+        self._policies_of_lifts = (*rights, check_lift, *self._policies[len(rights) :])
         self.needs = Or(tuple(table.needs for table in tables if table.needs is not None))
 
     def check(self, command: IssuedCommand, facts: Facts) -> tuple[Verdict, ...]:
         """Return the verdicts up to and including the first refusal."""
         verdicts: list[Verdict] = []
-        for policy in self._policies:
+        for policy in self._policies_of_lifts if "floor" in command.settings else self._policies:
             verdicts.append(policy(command, facts))
             if not verdicts[-1].allowed:
                 break

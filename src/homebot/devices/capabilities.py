@@ -179,6 +179,14 @@ _CONTROLS = (
         by_state=True,
     ),
     CapabilityType(
+        "floor",
+        "text",
+        "floor where a lift is; set to the one where it is wanted",
+        is_told_once=True,
+        is_set=True,
+        by_state=True,
+    ),
+    CapabilityType(
         "alarm",
         "text",
         "state of the alarm; can be set to disarmed, armed_home, armed_away, …",
@@ -232,6 +240,7 @@ _SETTINGS = (
     CapabilityType("latest_version", "text", "latest available version", 0x002A),
     CapabilityType("image", "text", "a picture is available; it is not transmitted on the graph"),
     CapabilityType("place", "text", "location: home, not_home or a zone"),
+    CapabilityType("session", "text", "who has a lift, such as a robot; empty for nobody"),
     CapabilityType("reachable", "bool", "whether the device can be reached", 0x0039),
 )
 

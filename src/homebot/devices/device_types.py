@@ -24,6 +24,7 @@ class DeviceType(NamedTuple):
 _TYPES = (
     DeviceType("closure", (0x0230,), ("opener", "gate", "garage door", "door", "window", "damper")),
     DeviceType("door_lock", (0x000A,), ("lock",)),
+    DeviceType("x_lift", (), ("lift", "elevator", "stair lift", "stairlift")),
     DeviceType("light", (0x0100, 0x0101, 0x010C, 0x010D), ("lamp", "bulb", "luminaire", "lighting")),
     DeviceType(
         "window_covering",
@@ -93,6 +94,7 @@ CAN_HURT = frozenset(
         "water_valve",
         "x_alarm_panel",
         "x_lawn_mower",
+        "x_lift",
         "x_robot",
     }
 )

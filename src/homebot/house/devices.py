@@ -153,6 +153,67 @@ class CoverMotor(WindowMotor):
     service_type: str = field(default="covers", kw_only=True)
 
 
+@dataclass(eq=False)
+class SimulatedLift(SimulatedDevice):
+    """A lift that takes the name of a floor, and, while it stands, ``open`` and ``close`` for its door.
+
+    It goes nowhere before its door is closed. It reports each floor that it passes, and the states of its door.
+
+    Attributes:
+        floors: The floors from the lowest to the highest.
+        travel_time: Seconds from one floor to the next, above 0.
+        door_time: Seconds in which the door opens or closes, above 0.
+    """
+
+    kind: ClassVar[str] = "lift"
+    floors: tuple[str, ...] = ("ground", "upper")
+    travel_time: float = 8.0
+    door_time: float = 3.0
+    service_type: str = field(default="lifts", kw_only=True)
+    door: str = field(default="closed", init=False)
+
+    def __post_init__(self) -> None:
+        self.floor = self._wanted = self.floors[0]
+        self._acts_at: float | None = None
+
+    def state(self) -> str:
+        """Return the floor where it is, or which it passed last."""
+        return self.floor
+
+    def commands(self) -> tuple[str, ...]:
+        """Return its floors, and the commands of its door."""
+        return (*self.floors, "open", "close")
+
+    def restore(self) -> str:
+        """Return its floor."""
+        return self.floor
+
+    def next_event(self) -> float | None:
+        """Return when it reaches a floor, or its door the end of its way."""
+        return self._acts_at
+
+    def _obey(self, command: str) -> tuple[str, ...]:
+        travels = self.floor != self._wanted
+        if command in self.floors and self.door == "closed":
+            self._wanted = command
+            if not travels and command != self.floor:
+                self._acts_at = self.now + self.travel_time
+        elif command in {"open", "close"} and not travels:
+            self.door, self._acts_at = {"open": "opening", "close": "closing"}[command], self.now + self.door_time
+            return (self.door,)
+        return (self.state(),) if command in self.commands() else ()
+
+    def _on_timer(self) -> tuple[str, ...]:
+        self._acts_at = None
+        if self.floor == self._wanted:
+            self.door = {"opening": "open", "closing": "closed"}.get(self.door, self.door)
+            return (self.door,)
+        at, wanted = self.floors.index(self.floor), self.floors.index(self._wanted)
+        self.floor = self.floors[at + (1 if wanted > at else -1)]
+        self._acts_at = None if self.floor == self._wanted else self.now + self.travel_time
+        return (self.floor,)
+
+
 def _position_text(position: float) -> str:
     return {0.0: "closed", 1.0: "open"}.get(position, number_text(position))
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, final
 
 from homebot.errors import UsageError
-from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.devices import SimulatedLamp, SimulatedLift, SimulatedThermostat, WindowMotor
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import SimulatedDevice, number
 
@@ -33,6 +33,8 @@ class DeviceState:
         celsius: Of a ``thermostat``: the room's temperature.
         target: Of a ``thermostat``: its setpoint.
         heats: Of a ``thermostat``: whether it heats.
+        floor: Of a ``lift``: where it is.
+        door: Of a ``lift``: the state of its door.
     """
 
     text: str
@@ -46,6 +48,8 @@ class DeviceState:
     celsius: float = 20.0
     target: float = 20.0
     heats: bool = False
+    floor: str = ""
+    door: str = ""
 
 
 def state_of(device: SimulatedDevice, text: str) -> DeviceState:
@@ -59,6 +63,9 @@ def state_of(device: SimulatedDevice, text: str) -> DeviceState:
         return _lamp(device, text)
     if isinstance(device, WindowMotor):
         return _motor(device, text)
+    if isinstance(device, SimulatedLift):
+        now = DeviceState(text=text, floor=device.floor, door=device.door)
+        return replace(now, floor=text) if text in device.floors else replace(now, door=text)
     if isinstance(device, SimulatedThermostat):
         return DeviceState(text=text, celsius=device.celsius, target=device.target, heats=device.heats)
     counted = device.kilowatt_hours if isinstance(device, PowerMeter) else 0.0
@@ -94,6 +101,7 @@ class SimulatedDeviceInfo:
 
     Attributes:
         home: First level or levels of the topics.
+        commands: The manual commands that it knows, such as the floors of a lift.
 
     Raises:
         UsageError: The name or service type is empty, or cannot be one level of a topic.
@@ -104,6 +112,7 @@ class SimulatedDeviceInfo:
     device_id: str
     service_type: str
     room: str
+    commands: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for level in (self.device_id, self.service_type):

@@ -215,7 +215,9 @@ class SimulatedHouse:
         kind = unwrap(device).kind
         if kind not in family.kinds:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}, which has no {kind}")
-        return SimulatedDeviceInfo(self._home, kind, device.device_id, device.service_type, placed.room)
+        return SimulatedDeviceInfo(
+            self._home, kind, device.device_id, device.service_type, placed.room, unwrap(device).commands()
+        )
 
     def _bound(self, world: World, infos: Mapping[str, SimulatedDeviceInfo]) -> list[MqttDevice]:
         """Return the bridges of the families with one in this house."""

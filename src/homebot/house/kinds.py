@@ -11,7 +11,14 @@ from typing import Annotated, Any, ClassVar, Final
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from homebot.house import faults
-from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.devices import (
+    CoverMotor,
+    SimulatedDoorLock,
+    SimulatedLamp,
+    SimulatedLift,
+    SimulatedThermostat,
+    WindowMotor,
+)
 from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, PresenceSensor, SimulatedContactSensor
@@ -26,6 +33,7 @@ Moment = Annotated[Seconds, Field(ge=0.1)]
 """Seconds, above 0: an immediate answer would stop virtual time."""
 _Since = Annotated[float, DURATION, Field(ge=0.0, allow_inf_nan=False)]
 _Text = Annotated[str, Field(min_length=1, max_length=200)]
+_Floors = Annotated[tuple[_Text, ...], Field(min_length=2, max_length=100)]
 _Times = Annotated[int, Field(ge=1, le=1000)]
 Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
@@ -96,6 +104,7 @@ KINDS: Final[dict[str, type[KindSettings]]] = {
     "window": _kind(WindowMotor, is_open=bool, travel_time=Seconds),
     "cover": _kind(CoverMotor, is_open=bool, travel_time=Seconds),
     "lock": _kind(SimulatedDoorLock, is_locked=bool, travel_time=Seconds, jams=Fraction),
+    "lift": _kind(SimulatedLift, floors=_Floors, travel_time=Moment, door_time=Moment),
     "contact": _kind(SimulatedContactSensor),
     "motion": _kind(MotionSensor, hold=_Since),
     "presence": _kind(PresenceSensor, hold=_Since),

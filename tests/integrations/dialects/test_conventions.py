@@ -9,7 +9,14 @@ from homebot.conventions.convention import Convention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, DeviceRequest, Publication
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.devices import (
+    CoverMotor,
+    SimulatedDoorLock,
+    SimulatedLamp,
+    SimulatedLift,
+    SimulatedThermostat,
+    WindowMotor,
+)
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo, state_of
 from homebot.house.family import dialects
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, PresenceSensor, SimulatedContactSensor
@@ -35,6 +42,7 @@ KINDS: Mapping[str, Callable[[], SimulatedDevice]] = {
     "window": lambda: WindowMotor("desk"),
     "cover": lambda: CoverMotor("desk"),
     "lock": lambda: SimulatedDoorLock("desk"),
+    "lift": lambda: SimulatedLift("desk"),
     "contact": lambda: SimulatedContactSensor("desk"),
     "motion": lambda: MotionSensor("desk"),
     "presence": lambda: PresenceSensor("desk"),
@@ -90,7 +98,7 @@ class Bench:
 def bench(name: str, kind: str) -> Bench:
     """Let the device be born, and answer what its convention asks it."""
     dialect, device, convention = dialects()[name], KINDS[kind](), CONVENTIONS[name]()
-    plate = SimulatedDeviceInfo("villa", kind, device.device_id, device.service_type, "study")
+    plate = SimulatedDeviceInfo("villa", kind, device.device_id, device.service_type, "study", device.commands())
     bridge = dialect.bridge([plate])
     ahead = [*(bridge.birth if bridge else ()), *dialect.birth(plate)]
     described: dict[str, DeviceAnnounced] = {}
@@ -119,6 +127,7 @@ TYPES = {
     "window": {"closure", "window_covering"},
     "cover": {"window_covering"},
     "lock": {"door_lock"},
+    "lift": {"x_lift"},
     "contact": {"contact_sensor", "x_binary_sensor"},
     "motion": {"occupancy_sensor", "x_binary_sensor"},
     "presence": {"occupancy_sensor"},
@@ -197,6 +206,18 @@ def test_a_lock_reports_and_obeys(name: str, kind: str) -> None:
     assert lock.hear()["lock"] == "locked"
     lock.tell("lock", "unlocked")
     assert (lock.device.state(), lock.hear()["lock"]) == ("unlocked", "unlocked")
+
+
+@pytest.mark.parametrize(("name", "kind"), pairs("lift"))
+def test_a_lift_goes_to_a_floor_with_a_closed_door(name: str, kind: str) -> None:
+    lift = bench(name, kind)
+    assert lift.hear() == {"floor": "ground", "movement": "closed"}
+    lift.tell("movement", "open")
+    lift.tell("floor", "upper")
+    assert lift.hear() == {"floor": "ground", "movement": "open"}
+    lift.tell("movement", "closed")
+    lift.tell("floor", "upper")
+    assert lift.hear() == {"floor": "upper", "movement": "closed"}
 
 
 @pytest.mark.parametrize(("name", "kind"), pairs("thermostat"))

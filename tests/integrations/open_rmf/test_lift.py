@@ -1,7 +1,7 @@
 """A lift for Open-RMF: its state, and sessions of robots in order; in virtual time."""
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -280,3 +280,74 @@ async def test_a_wrong_table_is_refused(lifts: object, problem: str) -> None:
     with pytest.raises(ConfigError, match=problem):
         async with virtual_house_of(config={"apps": lifts}):
             pass
+
+
+async def describe(house: VirtualHouse) -> None:
+    """Announce a lift of three floors with a door without a motor, which says who has it."""
+    properties: dict[str, Any] = {
+        "floor": {"enum": FLOORS, "forms": [{"op": "writeproperty", "mqv:topic": "car/floor/set"}]},
+        "door": {"enum": ["open", "closed", "opening", "closing"], "forms": []},
+        "session": {"forms": []},
+    }
+    for name, one in properties.items():
+        forms = [*one["forms"], {"op": "observeproperty", "mqv:topic": f"car/{name}"}]
+        one |= {"type": "string", "forms": [{"href": "mqtt://broker", **form} for form in forms]}
+    security = {"security": "none", "securityDefinitions": {"none": {"scheme": "nosec"}}}
+    context = {"@context": "https://www.w3.org/2022/wot/td/v1.1", "title": "Car", "@type": "Lift"}
+    await house.says("homebot/things/car/td", json.dumps({**context, **security, "properties": properties}))
+    await house.run_for(5)
+
+
+@asynccontextmanager
+async def described_lift(config: Mapping[str, Any] | None = None) -> AsyncIterator[tuple[VirtualHouse, Handle, Lift]]:
+    async with virtual_house_of(config=config or {}) as house, Node(house.runtime.graph, "person") as person:
+        lift = Lift(house, person, "/adapter_lift_requests")
+        await describe(house)
+        (handle,) = await Devices(person).find(Handle, name="Car")
+        yield house, handle, lift
+
+
+@pytest.mark.rooms("things")
+@pytest.mark.parametrize("door", ["", "open", "closing"])
+async def test_a_lift_is_sent_nowhere_while_its_door_may_be_open(door: str) -> None:
+    async with described_lift() as (house, lift, _):
+        await house.says("car/floor", '"Ground"')
+        if door:
+            await house.says("car/door", json.dumps(door))
+        await house.run_for(2)
+        outcome = await lift.command("floor", "Attic")
+        assert outcome.text == "refused (lift): its door may be open"
+        assert (await lift.command("floor", "Ground")).succeeded  # it is there
+        await house.says("car/door", '"closed"')
+        await house.run_for(2)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(ride, house)
+            outcome = await lift.command("floor", "Attic")
+        assert outcome.succeeded
+
+
+async def ride(house: VirtualHouse) -> None:
+    assert await house.hears("car/floor/set") == '"Attic"'
+    for floor in FLOORS:
+        await anyio.sleep(TRAVEL_S)
+        await house.says("car/floor", json.dumps(floor))
+
+
+@pytest.mark.rooms("things")
+async def test_a_lift_that_somebody_else_has_is_not_sent_and_a_robot_waits_for_it() -> None:
+    async with described_lift({"apps": {"rmf_lift": {"name": "Main", "floor": "Car"}}}) as (house, lift, robots):
+        for name, value in {"floor": "Ground", "door": "closed", "session": "anna"}.items():
+            await house.says(f"car/{name}", json.dumps(value))
+        await house.run_for(5)
+        assert (await lift.command("floor", "First")).text == "refused (lift): anna has the lift"
+        assert robots.now() == ("Ground", "Ground", CLOSED, STOPPED, "anna")
+        assert list(robots.states[-1].available_floors) == FLOORS
+        await robots.ask("rosie", "First")
+        await house.run_for(90)
+        assert robots.now() == ("Ground", "First", CLOSED, UP, "rosie")
+        await house.says("car/session", '""')
+        assert await house.hears("car/floor/set", within="5s") == '"First"'
+        await house.says("car/floor", '"First"')
+        await house.says("car/door", '"open"')
+        await house.run_for(5)
+        assert robots.now() == ("First", "First", OPEN, STOPPED, "rosie")

@@ -69,7 +69,8 @@ def _phrase_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
 
 def _option_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     for name, capability in settable.items():
-        if text in settable_options(name, capability.options) or name == "text":
+        is_free = name == "text" or (name == "floor" and not capability.options)
+        if is_free or text in settable_options(name, capability.options):
             return name, text
     for name, capability in settable.items():
         for option in settable_options(name, capability.options):

@@ -22,7 +22,10 @@ _FLAG = {"datatype": "boolean", "settable": True}
 _WATCHED = {"datatype": "boolean"}
 _PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
 _DIRECTION = {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False}
+_FLOOR = {"datatype": "enum", "settable": True}
+_DOOR = {"datatype": "enum", "format": "open,closed,opening,closing", "settable": True}
 _ACTIONS = {"up": "open", "down": "close", "stop": "stop", "lock": "lock", "unlock": "unlock"}
+_DOOR_ORDERS = {"open": "open", "closed": "close"}
 _TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable": True}
 _WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
 
@@ -53,6 +56,10 @@ ROWS: Mapping[str, tuple[_Row, ...]] = {
     "window": _MOTOR,
     "cover": _MOTOR,
     "lock": (("lock", "state", _FLAG, lambda lock: _boolean(lock.text == "locked")),),
+    "lift": (
+        ("lift", "floor", _FLOOR, lambda lift: lift.floor),
+        ("lift", "door", _DOOR, lambda lift: lift.door),
+    ),
     "contact": (("contact", "state", _WATCHED, lambda door: _boolean(door.text == "open")),),
     "motion": (("motion", "motion", _WATCHED, lambda room: _boolean(room.text == "motion")),),
     "lux": (("illuminance", "illuminance", _measured("lx"), lambda lux: number_text(lux.value)),),
@@ -81,6 +88,9 @@ class HomieDialect(Dialect):
         for node, _, _, _ in ROWS[device.kind]:
             properties = {prop: form for owner, prop, form, _ in ROWS[device.kind] if owner == node}
             nodes[node] = {"type": f"{PROFILE}/{node}", "properties": properties}
+        if device.kind == "lift":  # of which the profile has none
+            floors = ",".join(command for command in device.commands if command not in _DOOR_ORDERS.values())
+            nodes["lift"] = {"type": "lift", "properties": {"floor": {**_FLOOR, "format": floors}, "door": _DOOR}}
         description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": nodes}
         return (
             OutgoingMessage(f"{base}/$state", b"init", retain=True),
@@ -104,6 +114,9 @@ class HomieDialect(Dialect):
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the command in the value of a property."""
         property_id, text = topic.split("/")[-2], as_text(payload)
+        if device.kind == "lift":
+            order = _DOOR_ORDERS.get(text) if property_id == "door" else text
+            return (order,) if order in device.commands else ()
         flag = {"true": True, "false": False}.get(text) if property_id == "state" else None
         action = _ACTIONS.get(text, "") if property_id == "action" else ""
         return device_orders(

@@ -1,7 +1,7 @@
 """Open-RMF: lifts for the robots of a fleet.
 
-Reads: the floor and the door of a lift, from any device that takes a floor: a choice, a number, or a motor of two ends,
-as of a stair lift or of one in a garage. ``/lift_states`` has them once a second.
+Reads: the floor and the door of a lift, or of another device that takes a floor: a choice, a number, or a motor of two
+ends, as of a stair lift or of one in a garage. ``/lift_states`` has them once a second.
 
 Commands: requests of robots on ``/adapter_lift_requests``, or ``/lift_requests`` beside a lift supervisor, one session
 after the other: the lift goes to the floor with its door closed, and both are held for the session.

@@ -3,7 +3,7 @@
 Source: ``rmf_lift_msgs`` of rmf_internal_msgs, and ``lift_supervisor`` of rmf_ros2, without which this app is one.
 """
 
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Final, Self, TypeAlias, final
@@ -13,6 +13,8 @@ from pydantic import Field, model_validator
 
 from homebot.apps.base import App, AppSettings
 from homebot.devices.handles.handle import Handle
+from homebot.devices.lift import DOOR, is_open, why_it_stays
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
@@ -38,10 +40,8 @@ _END, _AGV, _HUMAN = range(3)
 _CLOSED, _MOVING, _OPEN = range(3)
 _STOPPED, _UP, _DOWN, _UNKNOWN = range(4)
 _NO_MODE, _BY_PERSONS, _BY_ROBOT, _, _OFFLINE = range(5)
-_DOORS: Final = {"closed": _CLOSED, "open": _OPEN, False: _CLOSED, True: _OPEN, 100.0: _OPEN}  # False is 0, too
-_FLOOR_RANKS: Final = ("option", "number", "movement")
-_DOOR_RANKS: Final = ("movement", "position", "contact")
-"""The capabilities by which a part is the one, best first."""
+_FLOOR_RANKS: Final = ("floor", "option", "number", "movement")
+"""The capabilities by which a part takes the floor, best first."""
 
 _ENDS: Final = ("closed", "open")
 
@@ -51,8 +51,8 @@ class LiftSettings(AppSettings):
 
     Attributes:
         name: The name of the lift for robots; by default that of the app.
-        floor: The device that takes the floor: as a choice, as a number counted from the lowest floor as 0, or, of a
-            lift with two floors, as ``closed`` and ``open``.
+        floor: The lift, or another device that takes the floor: as a choice, as a number counted from the lowest floor
+            as 0, or, of a lift with two floors, as ``closed`` and ``open``.
         floors: The floors from the lowest to the highest, as robots name them; by default the choices.
         at: A device that reports the floor where the lift is, if ``floor`` reports the one to which it was sent.
         door: The motor of its door, or a contact of a door that moves by itself; by default that of the device, if it
@@ -137,7 +137,7 @@ class RmfLift(App[LiftSettings]):
 
     async def _follow(self, role: str, name: str) -> None:
         """Keep the part that *name* means: of a device with several the one that a lift needs there."""
-        ranks = _FLOOR_RANKS if role == "floor" else _DOOR_RANKS if role != "at" else ()
+        ranks = _FLOOR_RANKS if role == "floor" else DOOR if role != "at" else ()
         async for change in self.devices.follow(Handle, name=name):
             handle, known = change.handle, self._parts.get(role)
             if change.kind == "removed":
@@ -156,13 +156,15 @@ class RmfLift(App[LiftSettings]):
         return self._parts.get("floor")
 
     def _floors(self) -> tuple[str, ...]:
-        options = () if self._car is None else next((one.options for one in self._car.capabilities if one.options), ())
+        car = () if self._car is None else self._car.capabilities
+        options = next((one.options for one in car if one.name in _FLOOR_RANKS and one.options), ())
         return self._settings.floors or options
 
     def _current(self) -> str:
         """Return the floor where the lift is, else the last one."""
         handle, floors = self._parts.get("at" if self._settings.at else "floor"), self._floors()
-        values = () if handle is None else [handle.value(one.name) for one in handle.capabilities if one.readable]
+        has = [] if handle is None else [one.name for one in handle.capabilities if one.readable]
+        values = () if handle is None else map(handle.value, ["floor"] if "floor" in has else has)
         for value in values:
             index = _ENDS.index(value) if value in _ENDS and len(floors) == len(_ENDS) else value
             if value in floors:
@@ -178,20 +180,21 @@ class RmfLift(App[LiftSettings]):
         return {"number": str(index), "movement": ("close", "open")[min(index, 1)]}.get(kind, floor)
 
     def _door(self, floor: str) -> Handle | None:
+        """Return the door at *floor*; None if it has none, as a motor that is the lift itself."""
         door = self._parts.get(floor if floor in self._settings.doors else "door")
-        return None if door == self._car else door
+        return None if door is None or (door == self._car and not door.can("floor")) else door
 
     def _door_state(self) -> int:
         """Return the state of the door where the lift is; one without a door is open while it stands still.
 
         A door of which nothing is known is neither open nor closed.
         """
-        door = self._door(self._current())
-        if door is None:
-            return _CLOSED if self._direction() else _OPEN
-        has = {one.name for one in door.capabilities}
-        known = [door.value(name) for name in ("position", "movement", "contact") if name in has]
-        return next((_DOORS.get(value, _MOVING) for value in known if value is not None), _MOVING)
+        if door := _values(self._door(self._current()), DOOR):
+            return {False: _CLOSED, True: _OPEN, None: _MOVING}[is_open(door)]
+        return _CLOSED if self._direction() else _OPEN
+
+    def _may_go(self) -> bool:
+        return not why_it_stays(_values(self._car, ("session",)), _values(self._door(self._current()), DOOR))
 
     def _direction(self) -> int:
         """Return whether the lift moves, and where to."""
@@ -222,7 +225,7 @@ class RmfLift(App[LiftSettings]):
             motion_state=_UNKNOWN if is_away else self._direction(),
             available_modes=bytes((_BY_PERSONS, _BY_ROBOT)),
             current_mode=mode,
-            session_id="" if first is None else first.id,
+            session_id=first.id if first else str(_values(car, ("session",)).get("session") or ""),
         )
         return state
 
@@ -265,14 +268,14 @@ class RmfLift(App[LiftSettings]):
                     except RefusedError as exc:
                         self._warn(f"it is not moved for {session.id}: {exc}")
                         await anyio.sleep(_REFUSED)
-            await self._close_door()
+            await self._make_ready()
 
     async def _carry(self, session: _LiftSession, floor: str) -> None:
         """Bring the lift to *floor*, and hold it and its door there until the session wants another one."""
         while (car := self._car) is None:
             await self._changed.wait()
         if self._current() != floor:
-            await self._close_door()
+            await self._make_ready()
         async with car.hold(self._word(floor), by=session.id):
             with anyio.move_on_after(_AGAIN):
                 while self._current() != floor and session.floor == floor:
@@ -290,7 +293,7 @@ class RmfLift(App[LiftSettings]):
         if door is None or not _has_motor(door):
             yield
         elif not session.is_open:
-            await self._close_door()
+            await self._make_ready()
             yield
         else:
             async with door.hold("open", by=session.id) as hold:
@@ -298,16 +301,16 @@ class RmfLift(App[LiftSettings]):
                     self._warn(f"the door is not open for {session.id}: {hold.outcome.text}")
                 yield
 
-    async def _close_door(self) -> None:
-        """Close the door where the lift is, and return when it is closed: with an open door it is sent nowhere."""
-        door = self._door(self._current())
-        while door is not None and self._door_state() != _CLOSED:
+    async def _make_ready(self) -> None:
+        """Close the door where the lift is, and return when nothing is in the way of the lift."""
+        while not self._may_go():
             with anyio.move_on_after(_AGAIN):
-                if _has_motor(door):
+                door = self._door(self._current())
+                if door is not None and _has_motor(door) and self._door_state() != _CLOSED:
                     with suppress(RefusedError):
                         by_movement = door.can("movement")
                         await door.command(*(("movement", "closed") if by_movement else ("position", 0.0)))
-                while self._door_state() != _CLOSED:
+                while not self._may_go():
                     await self._changed.wait()
 
     def _warn(self, message: str) -> None:
@@ -315,9 +318,14 @@ class RmfLift(App[LiftSettings]):
 
 
 def _rank(handle: Handle, ranks: tuple[str, ...]) -> int:
-    """Return the first of *ranks* that the part has, or can set if it is no contact; their number for none."""
-    has = {one.name for one in handle.capabilities if one.settable or one.name == "contact"}
+    """Return the first of *ranks* that the part has, and can set if it is no door; their number for none."""
+    has = {one.name for one in handle.capabilities if one.settable or ranks is DOOR}
     return next((rank for rank, name in enumerate(ranks) if name in has), len(ranks))
+
+
+def _values(part: Handle | None, names: Iterable[str]) -> dict[str, PlainValue]:
+    """Return the values of *part* among the capabilities *names*, None for unknown ones."""
+    return {} if part is None else {one.name: part.value(one.name) for one in part.capabilities if one.name in names}
 
 
 def _has_motor(door: Handle) -> bool:

@@ -36,6 +36,7 @@ _SETTABLE: Mapping[str, tuple[str, ...]] = {
     "window_covering": _OPENING,
     "closure": _OPENING,
     "door_lock": ("lock",),
+    "x_lift": ("floor", "movement"),
     "water_valve": ("valve", "position"),
     "thermostat": ("heating_setpoint",),
 }

@@ -13,6 +13,7 @@ class ThesisDialect(Dialect):
             "window",
             "cover",
             "lock",
+            "lift",
             "contact",
             "motion",
             "presence",

@@ -1,1 +1,1 @@
-import"./chunk-2T56ZRX5.js";
+import"./chunk-CULHXJ74.js";

@@ -7,7 +7,7 @@ import { Sign } from "./icons.js";
 import { Keypad } from "./keypad.js";
 import { say } from "./language.js";
 import { HoldButton } from "./touch.js";
-import { capital, label, valueText } from "./words.js";
+import { capital, label, textOf, valueText } from "./words.js";
 
 export function ActButton({ device, act, sign, name = "" }) {
   const [asks, setAsks] = useState(false);
@@ -21,6 +21,12 @@ export function ActButton({ device, act, sign, name = "" }) {
   if (kind) return html`<button type="button" class=${name} onClick=${() => setAsks(true)}>${capital(text)} …</button>`;
   if (isGuarded(device, act)) return html`<${HoldButton} text=${text} name=${name} onHeld=${() => perform(device, act, { isHeld: true })} />`;
   return html`<button type="button" class=${name} aria-label=${`${device.name}: ${text}`} onClick=${() => perform(device, act)}>${sign ? html`<${Sign} path=${sign} size=${28} />` : capital(text)}</button>`;
+}
+
+/** A button for each option of a capability. */
+export function Choice({ device, capability, options }) {
+  const now = read(device, capability);
+  return html`<div class="modes" role="group" aria-label=${label(capability)}>${options.map((one) => html`<button key=${one} type="button" aria-pressed=${String(one === now)} onClick=${() => one !== now && perform(device, setting("", capability, one))}>${capital(textOf(capability, one))}</button>`)}</div>`;
 }
 
 /** A number of per cent with a slider. */

@@ -84,7 +84,7 @@ const USUAL = {
   x_unknown: [mdi.mdiDevices, mdi.mdiDevices],
 };
 /** Things whose icons are loaded when the first is shown. */
-const RARE = new Set("dishwasher washer fridge coffee fan pump siren x_humidifier shutter curtain awning garage_door gate water_valve room_air_conditioner water_heater rain_sensor water_freeze_detector x_alarm_panel robotic_vacuum_cleaner x_lawn_mower camera doorbell air_quality_sensor soil_sensor pressure_sensor flow_sensor x_scene x_person x_household x_tracker x_battery x_setting x_update".split(" "));
+const RARE = new Set("dishwasher washer fridge coffee fan pump siren x_humidifier shutter curtain awning garage_door gate water_valve room_air_conditioner water_heater rain_sensor water_freeze_detector x_alarm_panel robotic_vacuum_cleaner x_lawn_mower x_lift camera doorbell air_quality_sensor soil_sensor pressure_sensor flow_sensor x_scene x_person x_household x_tracker x_battery x_setting x_update".split(" "));
 const rare = signal(null);
 let isAsked = false;
 

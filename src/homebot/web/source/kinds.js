@@ -3,6 +3,7 @@ import { alarm } from "./kinds/alarm.js";
 import { climate, humidifier } from "./kinds/climate.js";
 import { closure, cover, valve } from "./kinds/cover.js";
 import { contact, lock } from "./kinds/door.js";
+import { lift } from "./kinds/lift.js";
 import { light } from "./kinds/light.js";
 import { media } from "./kinds/media.js";
 import { mower, vacuum } from "./kinds/robot.js";
@@ -14,7 +15,7 @@ import { say } from "./language.js";
 import { iconOf } from "./layout.js";
 import { capital, sinceText } from "./words.js";
 
-const KINDS = new Map([alarm, climate, closure, contact, cover, hazard, humidifier, light, lock, media, motion, mower, switched, vacuum, valve].flatMap((kind) => kind.types.map((type) => [type, kind])));
+const KINDS = new Map([alarm, climate, closure, contact, cover, hazard, humidifier, lift, light, lock, media, motion, mower, switched, vacuum, valve].flatMap((kind) => kind.types.map((type) => [type, kind])));
 
 /** Types that a room shows only when asked for, and those that are no tiles. */
 const ASIDE = new Set(["x_scene", "x_setting", "x_battery", "x_update", "generic_switch", "x_tag", "x_tag_reader", "x_unknown"]);

@@ -1,10 +1,9 @@
 // The white of a lamp, its color, and its effects, as large buttons.
-import { useEffect, useState } from "preact/hooks";
 import { perform, setting } from "./acts.js";
-import { call } from "./door.js";
 import { read, takes } from "./house.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
+import { useOptions } from "./options.js";
 import { capital } from "./words.js";
 
 const WHITES = [["candle", 2200, "#ffb46b"], ["warm", 2700, "#ffd0a1"], ["neutral", 4000, "#fff0dd"], ["daylight", 6000, "#e8f1ff"]];
@@ -13,12 +12,7 @@ const NEAR = 150; // kelvin
 const COLORS = [["red", 0, 95], ["orange", 28, 95], ["yellow", 52, 90], ["green", 120, 85], ["blue", 225, 90], ["violet", 275, 80], ["pink", 320, 60]];
 
 export function Swatches({ device }) {
-  const [effects, setEffects] = useState([]);
-  const hasEffects = takes(device, "effect");
-  useEffect(() => {
-    if (!hasEffects) return;
-    call("/discovery/find_devices", { ids: [device.id] }).then(({ devices }) => setEffects(devices[0]?.parts.flatMap(({ part }) => part.capabilities).find((one) => one.name === "effect")?.options ?? []), () => {});
-  }, [device.id, hasEffects]);
+  const effects = useOptions(device, "effect");
   const kelvin = read(device, "color_temperature");
   const [hue, saturation] = read(device, "color") ?? [];
   return html`

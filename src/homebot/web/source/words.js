@@ -20,10 +20,11 @@ export const titled = (name) => spoken(name).replace(/^./u, (first) => first.toU
 /** A text with a capital at its begin. */
 export const capital = (text) => text.replace(/^./u, (first) => first.toLocaleUpperCase(locale.value));
 
+const TOLD = ["alarm", "lock", "mower", "movement", "place", "thermostat_action", "vacuum", "valve"];
 /** Capabilities with texts of the vocabulary. */
-const SPOKEN = new Set(["alarm", "direction", "lock", "mower", "movement", "place", "playback", "thermostat_action", "thermostat_mode", "vacuum", "valve"]);
+const SPOKEN = new Set([...TOLD, "direction", "playback", "thermostat_mode"]);
 /** Capabilities whose value needs no name beside it. */
-const PLAIN = new Set(["alarm", "movement", "lock", "valve", "vacuum", "mower", "thermostat_action", "place", "value", "state", "scan", "press"]);
+const PLAIN = new Set([...TOLD, "floor", "value", "state", "scan", "press"]);
 /** Those of the summary too, as the unit tells the capability. */
 const BY_UNIT = new Set(["level", "position", "temperature", "local_temperature", "illuminance", "power", "energy", "voltage", "current"]);
 /** Capabilities that only the name of their part tells. */
@@ -53,7 +54,7 @@ export function valueText(capability, value, unit = "", step = 0) {
 }
 
 /** Names that are written otherwise. */
-const WRITTEN = { on_off: "on/off", pm1: "PM1", pm10: "PM10", pm25: "PM2.5" };
+const WRITTEN = { floor: "floor|lift", on_off: "on/off", pm1: "PM1", pm10: "PM10", pm25: "PM2.5" };
 
 /** The name of a capability, a type or a count, as text. */
 export const label = (name) => say(WRITTEN[name] ?? name.replace(/^x_/, "").replaceAll("_", " "));

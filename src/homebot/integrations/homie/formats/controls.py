@@ -63,6 +63,13 @@ def add_cover(part: BytesPart, props: Props) -> None:
         part.add_capability("movement", readable=state is not None, writer=writer, options=_OPENINGS)
 
 
+def add_lift(part: BytesPart, props: Props) -> None:
+    """Add the capabilities of a lift, whose door has one property for its state and its commands."""
+    add_properties(part, props, "floor", "session")
+    if (door := props.get("movement")) is not None:
+        add_cover(part, {"movement": door, "move": door} if door.is_settable else {"movement": door})
+
+
 def _read_movement(state: HomieProperty, payload: bytes) -> Readings:
     value = read_plain(state, payload)
     movement = value.casefold() if isinstance(value, str) else ""

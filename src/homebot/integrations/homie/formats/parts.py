@@ -18,6 +18,7 @@ from homebot.integrations.homie.formats.controls import (
     add_alarm,
     add_cover,
     add_fan,
+    add_lift,
     add_light,
     add_lock,
     build_vacuum,
@@ -71,6 +72,7 @@ _ADDERS: Mapping[str, Callable[[BytesPart, Mapping[str, HomieProperty]], None]] 
     "door_lock": add_lock,
     "fan": add_fan,
     "light": add_light,
+    "x_lift": add_lift,
 }
 """Adders of controls that are more than their single properties."""
 
@@ -135,6 +137,7 @@ _NEEDED: Mapping[str, frozenset[str]] = {
     "window_covering": frozenset({"position", "tilt", "movement", "move"}),
     "closure": frozenset({"position", "movement", "move"}),
     "door_lock": frozenset({"lock", "lock_action"}),
+    "x_lift": frozenset({"floor"}),
     "water_valve": frozenset({"valve"}),
     "thermostat": THERMOSTAT_ROLES,
     "fan": frozenset({"fan_mode", "fan_speed", "on_off"}),

@@ -45,6 +45,7 @@ KINDS: Mapping[str, Kind] = {
     "shutter": Kind("window_covering", {"position": "position", "tilt": "tilt", "action": "move"}, tag="shutter"),
     "garage-door": Kind("closure", {"state": "movement", "action": "move"}, tag="garage"),
     "lock": Kind("door_lock", {"state": "lock", "action": "lock_action"}),
+    "lift": Kind("x_lift", {"floor": "floor", "door": "movement", "session": "session"}),
     "valve": Kind("water_valve", {"state": "valve"}),
     "thermostat": Kind(
         "thermostat",
@@ -258,6 +259,8 @@ Source of the flags of breakers, valves and contacts: see ``node_reader``.
 CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
     | {
+        "floor",
+        "session",
         "alarm",
         "arm",
         "valve",
@@ -366,7 +369,8 @@ _DATATYPES: Mapping[str, frozenset[str]] = {
     **dict.fromkeys(("on_off", "lock", "valve", "battery_low"), _BOOLEAN),
     **dict.fromkeys(("level", "color_temperature", "position", "tilt", "fan_speed", "battery"), _NUMBER),
     **dict.fromkeys(("heating_setpoint", "cooling_setpoint", "local_temperature"), _NUMBER),
-    **dict.fromkeys(("move", "lock_action", "thermostat_mode", "fan_mode", "movement"), _ENUM),
+    **dict.fromkeys(("move", "lock_action", "thermostat_mode", "fan_mode", "movement", "floor"), _ENUM),
+    "session": frozenset({"string"}),
     "color": _COLOR,
     "press": frozenset({"enum", "string"}),
 }

@@ -204,6 +204,10 @@ def _in_context(capability: str, main: str) -> str:
     """Return a capability in context: a thermostat's temperature is measured; a level may be an opening."""
     if main == "thermostat" and capability == "temperature":
         return "local_temperature"
+    if main == "x_lift" and capability == "door":
+        return "movement"
+    if main != "x_lift" and capability in {"floor", "session"}:
+        return ""
     if main == "window_covering" and capability == "level":
         return "position"
     if main not in {"", *_OPENINGS} and capability == "position":
@@ -211,7 +215,7 @@ def _in_context(capability: str, main: str) -> str:
     return capability
 
 
-_OPENINGS = frozenset({"window_covering", "closure", "water_valve"})
+_OPENINGS = frozenset({"window_covering", "closure", "water_valve", "x_lift"})
 
 
 def _suits(capability: str, schema: DataSchema) -> bool:

@@ -19,6 +19,7 @@ THING_TYPES: Mapping[str, str] = _by_word(
         "light": "Light ColorControl LightSwitch",
         "plug": "SmartPlug",
         "door_lock": "Lock",
+        "x_lift": "Lift Elevator StairLift",
         "thermostat": "Thermostat",
         "contact_sensor": "DoorSensor",
         "occupancy_sensor": "MotionSensor",
@@ -76,6 +77,7 @@ OWNED: Mapping[str, frozenset[str]] = {
         "plug": "on_off level",
         "switch": "on_off level",
         "door_lock": "lock",
+        "x_lift": "floor movement position contact session",
         "window_covering": "position tilt movement",
         "closure": "position movement",
         "thermostat": "local_temperature heating_setpoint cooling_setpoint thermostat_mode "

@@ -1,10 +1,11 @@
 // What heats and cools: the measured temperature, and a large one that is set.
-import { act, perform, setting } from "../acts.js";
+import { act, perform } from "../acts.js";
+import { Choice } from "../buttons.js";
 import { read, readingOf, takes } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
 import { Stepper, stepped } from "../stepper.js";
-import { capital, label, textOf, valueText } from "../words.js";
+import { capital, textOf, valueText } from "../words.js";
 import { switched } from "./switch.js";
 
 const WARM = new Set(["heating", "preheating"]);
@@ -35,7 +36,7 @@ function Main({ device }) {
       ${reading ? html`<${Stepper} device=${device} reading=${reading} isLarge />` : html`<output><b>${state(device)}</b></output>`}
       <p>${[measured(device) && say("now {value}", { value: state(device) }), action(device) && textOf("thermostat_action", action(device))].filter(Boolean).join(" · ")}</p>
     </div>
-    ${known.length > 1 && html`<div class="modes" role="group" aria-label=${label(capability)}>${known.map((one) => html`<button key=${one} type="button" aria-pressed=${String(one === mode)} onClick=${() => one !== mode && perform(device, setting("", capability, one))}>${capital(textOf(capability, one))}</button>`)}</div>`}
+    ${known.length > 1 && html`<${Choice} device=${device} capability=${capability} options=${known} />`}
     ${takes(device, "on_off") && known.length < 2 && html`<div class="solo"><button type="button" class="chief" role="switch" aria-checked=${String(Boolean(read(device, "on_off")))} onClick=${() => perform(device, act("", read(device, "on_off") ? "off" : "on", "on_off", true))}>${capital(say(read(device, "on_off") ? "on" : "off"))}</button></div>`}`;
 }
 

@@ -1,29 +1,24 @@
 // Vacuums and lawn mowers: start, pause, back to the dock; and robots, which go by the plan.
-import { useEffect, useState } from "preact/hooks";
 import { perform, setting } from "../acts.js";
-import { call } from "../door.js";
 import { read, takes } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign } from "../icons.js";
 import { say } from "../language.js";
+import { useOptions } from "../options.js";
 import { textOf, valueText } from "../words.js";
 
 const WORKS = new Set(["cleaning", "mowing", "spot"]);
-const BUTTONS = [["start", "play", "cleaning", "mowing"], ["pause", "pause", "paused", "paused"], ["return to dock", "dock", "returning", "returning"]];
+const BUTTONS = [["start", "play", "cleaning", "mowing"], ["pause", "pause", "paused"], ["return to dock", "dock", "returning"]];
 
-const capabilityOf = (device) => (device.type === "x_lawn_mower" ? "mower" : "vacuum");
+const isMower = (device) => device.type === "x_lawn_mower";
+const capabilityOf = (device) => (isMower(device) ? "mower" : "vacuum");
 const stateOf = (device) => read(device, capabilityOf(device));
-const startWord = (device) => (device.type === "x_lawn_mower" ? "mowing" : "cleaning");
+const startWord = (device) => (isMower(device) ? "mowing" : "cleaning");
 
 function Main({ device }) {
   const capability = capabilityOf(device);
-  const [options, setOptions] = useState([]);
-  useEffect(() => {
-    call("/discovery/find_devices", { ids: [device.id] }).then(({ devices }) => {
-      setOptions(devices[0]?.parts.flatMap(({ part }) => part.capabilities).find((one) => one.name === capability)?.options ?? []);
-    }, () => {});
-  }, [device.id]);
-  return html`<div class="media">${BUTTONS.map(([text, sign, ...words]) => [text, sign, words[Number(device.type === "x_lawn_mower")]])
+  const options = useOptions(device, capability);
+  return html`<div class="media">${BUTTONS.map(([text, sign, ...words]) => [text, sign, words[Number(isMower(device))] ?? words[0]])
     .filter(([, , word]) => options.includes(word))
     .map(([text, sign, word]) => html`<button key=${word} type="button" class=${sign === "play" ? "chief" : ""} aria-label=${say(text)} onClick=${() => perform(device, setting(text, capability, word))}><${Sign} path=${SIGNS[sign]} size=${28} /></button>`)}</div>`;
 }

@@ -1,4 +1,4 @@
-var n=`24e 5rm 1ts 2h3 1j0 y4 2lm 2gq 5up d1 1c9 25s 3k4 il 1ow 109 1qe 44w 3z id 7yk 5qv 1nc 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 3gk 1 1qf 390 312 1on 84 93w 56y 5g 1sr 1 7lm 7i6 nf 6pu hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 2ec 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt jf 6vj 1al 2a4 71r 64j 38b 3b2 43 1z3 17l 6k gl7 58 1im 2ep 16z 2l3 uh 3s3 11j 3yo 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 557 8li 233 5kk 463 101 1lp 2vn 2u5 41m 11l 58d 23v o3 4qd 5r8 6j6 18j sp 2kd 1qy 10u 1fh 5gx 5ks hh 4e rd 1ei 1c3 h6 6n 6tg 19i ij 243 us ss 1ek md 4ku 353 2h1 z1 4ys 6nt 2xg 9nj 88c ji f2 gv eri py 29q 2os 38b 18q 5pk 66n 9jc 5hk 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 1dm 1lb 9ib 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 1c6 9nf 8bs 6lu 2vv y2 7xl 1cg d4j 2hy 1yk kc vp 8i9 3mx 70 1cw xs 507 24o 1n8 1lj 1wx 8oj fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 2y9 ge 72 3y7 7am 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 40z bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 3jn hyb ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 1to 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np 7db 2ms 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1oh 3ne 18n 3yv 2la 16 2sf 2hs aw6 2qa 61h 2jx 2a2 7u x5 1vg 2m 3x0 2t1 c0 3 d6 b9 219 4be 2r2 3uo 39k 269 oi 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 2b6 7o 6ev 3ei 2xk 3ug 35n jv 1vd 85 52v 19o 1af 1fn 6z ow 3r9 1qr el rb 2ih 5lr 1xu 5y3 1hy 4l2 cej lr 45a 91 9r 1hy dfu 2gz 4dd 6i4 811 2kh 57s 2wp 2eh 38c 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 8v0 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 3pq 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o a9q 4xi 2gj 3m1 2de 19f 203 ea 2te 5x2 7nh i2 9h8 3gv 9kb 27p 2si 57f 2xy k2 3le 1vj 439 9w 2fr 3 5tk 6u b34 8dt 237 4nc 6it nr 3gq 26v 38l 1pl 3u8 rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 1o0 1s5 w0 1ax cx 1nh ih 3q3 6h 20h al 4n8 1fo 2wz 1df 6qm 5c1 1xq a8p ca 13y 10c 4rg 35s 2xg z0 1tx 2aw 2kn 3ps 29h 1d6 1ri 3w6 22k e oe aor 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
+var n=`24e 5rm 1ts 2h3 1j0 y4 2lm 2gq 5up d1 1c9 25s 3k4 il 1ow 109 1qe 44w 3z id 7yk 5qv 1nc 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 3gk 1 1qf 390 312 1on 84 93w 56y 5g 1sr 1 7lm 7i6 nf 6pu hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 2ec 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt jf 6vj 1al 2a4 71r 64j 38b 3b2 43 1z3 17l 6k gl7 58 1im 2ep 16z 2l3 uh 3s3 11j 3yo 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 557 8li 233 5kk 463 101 1lp 2vn 2u5 41m 11l 58d 23v o3 4qd 5r8 6j6 18j sp 2kd 1qy 10u 1fh 5gx 5ks hh 4e rd 1ei 1c3 h6 6n 6tg 19i ij 243 us ss 1ek md 4ku 353 2h1 z1 4ys 6nt 2xg 9nj 88c ji f2 gv eri py 29q 2os 38b 18q 5pk 66n 9jc 5hk 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 9ib 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 1c6 9nf 8bs 6lu 2vv y2 7xl 1cg d4j 2hy 1yk kc vp 8i9 3mx 70 1cw xs 507 24o 1n8 1lj 1wx 8oj fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 2y9 ge 72 3y7 7am 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 40z bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 3jn hyb ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 1to 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np 7db 2ms 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1oh 3ne 18n 3yv 2la 16 2sf 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1vg 2m 3x0 2t1 c0 3 d6 b9 219 4be 2r2 3uo 39k 269 oi 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 2b6 7o 6ev 3ei 2xk 3ug 35n jv 1vd 85 52v 19o 1af 1fn 6z ow 3r9 1qr el rb 2ih 5lr 1xu 5y3 1hy 4l2 cej lr 45a 91 9r 1hy dfu 2gz 4dd 6i4 811 2kh 57s 1k9 1cg 2eh 38c 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 8v0 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 3pq 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o a9q 4xi 2gj 3m1 2de 19f 203 ea 2te 5x2 7nh i2 9h8 3gv 9kb 27p 2si 57f 2xy k2 3le 1vj 1lf 2hu 9w 2fr 3 5tk 6u b34 8dt 237 4nc 6it nr 3gq 26v 38l 1pl 3u8 rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 1o0 1s5 w0 1ax cx 1nh ih 3q3 6h 20h al 4n8 1fo 2wz 1df 6qm 5c1 1xq a8p ca 13y 10c 4rg 35s 2xg z0 1tx 2aw 2kn 3ps 29h 1d6 1ri 3w6 22k e oe aor 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
 planta
 el c\xF3digo es incorrecto
 tiene la etiqueta always_ask
@@ -201,6 +201,7 @@ h\xFAmedo desde
 oscuro bajo
 d\xEDas
 imagen de {name}
+usuario
 {energy} devueltos
 cambiar
 Cada dispositivo tiene una habitaci\xF3n.
@@ -347,6 +348,7 @@ detector
 Pasillo
 aprobar {name}
 demasiados c\xF3digos incorrectos; descon\xE9ctalo un momento
+puerta quiz\xE1 abierta
 enclavamiento
 Sin medidor propio
 Todo est\xE1 bien. A tener en cuenta:
@@ -417,6 +419,7 @@ Cargando las rutinas \u2026
 espera un minuto y mira el registro de homebot
 varios nombres para un identificador: quiz\xE1 varios dispositivos
 hogar
+planta
 el dispositivo solo puede apagarse, como una placa por seguridad
 a\xFAn sin conexi\xF3n
 La aprobaci\xF3n permite estas \xF3rdenes:
@@ -487,6 +490,7 @@ da a cada dispositivo un identificador propio en sus anuncios; mientras, sus par
 todos en casa
 fuga de agua
 abierto mucho tiempo
+ascensor
 sensor de presencia
 topics rechazados
 mirar
