@@ -48,8 +48,9 @@ def check_routine_name(app: str, table: Mapping[str, object], source: str) -> No
     """
     name = table.get("name")
     if (expected := app_of_routine(name)) != app:
-        problem = f"{name!r} is also the name of another routine or app; choose another one"
-        reason = problem if expected else f"must be a name, such as 'Hall light', got {name!r}"
+        reason = f"{name!r} is also the name of another routine or app; choose another one"
+        if not expected:
+            reason = f"must be a name: write [[routines]], and below it name = 'Hall light'; got {name!r}"
         raise ConfigError(source, f"routines.{app}.name", reason)
 
 
