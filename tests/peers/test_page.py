@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
@@ -18,6 +19,7 @@ from anyio.abc import SocketAttribute, SocketStream
 from tests.hanging_link import HangingLink
 from tests.peers.chromium import NEVER_LATER, Page, axe_program, chromium, opened_page
 from tests.peers.node_package import node_folder
+from tests.web.told_messages import told_messages
 
 from homebot.apps import App
 from homebot.house import SimulatedLamp, World
@@ -30,6 +32,7 @@ from homebot.mqtt.options import MqttOptions
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 BUILT = SOURCE.parent / "page"
+TABLES = ("languages.json", "told.json", "reasons.json")
 MARKUP = "<img src=x onerror=alert(1)><b>lamp"
 LAMP = "#/device/lights%2Froomlights405"
 SWITCH = ".tile [role=switch][aria-label*=philips165]"
@@ -726,10 +729,24 @@ async def test_the_reason_of_a_refusal_is_said_in_the_language_of_the_page() -> 
     ]
 
 
-async def printed_by(script: str) -> str:
-    """Return what a *script* prints that imports modules of the page."""
+async def test_nothing_that_homebot_says_of_a_refusal_stays_english() -> None:
+    """160 messages did: each has a row of reasons.json. Here a row is • and its values; other words are English."""
+    script = f"""
+        const {{ choose, sayReason }} = await import("./language.js");
+        await choose("de");
+        for (const one of {json.dumps(sorted(told_messages()))})
+            if (/[a-z]{{2}}/.test(sayReason(one).replace("homebot pair", ""))) console.log(one, "|", sayReason(one));"""
+    assert await printed_by(script, lambda text: " ".join(["•", *re.findall(r"\{\w+\}", text)])) == ""
+
+
+async def printed_by(script: str, worded: Callable[[str], str] | None = None) -> str:
+    """Return what a *script* prints that imports modules of the page, in whose tables German texts are as *worded*."""
     home = node_folder(SOURCE)
     shutil.copytree(SOURCE, home, dirs_exist_ok=True)
+    if worded is not None:
+        for table in TABLES:
+            rows = json.loads((SOURCE / table).read_text())
+            (home / table).write_text(json.dumps({text: [worded(text), *own[1:]] for text, own in rows.items()}))
     own = os.environ | {"TZ": "UTC", "FEATURES": str(SOURCE.parents[1] / "features")}
     run = partial(subprocess.run, cwd=home, env=own, check=True, capture_output=True, text=True)
     await to_thread.run_sync(run, ("node", "collect.js"))

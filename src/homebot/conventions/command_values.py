@@ -66,7 +66,8 @@ def require_moment(kind: str, value: PlainValue, *, zoned: bool = True) -> str:
     if moment is None:
         raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format")
     if kind == "datetime" and (datetime.fromisoformat(moment).tzinfo is not None) is not zoned:
-        raise RefusedError(f"text {shown(value)}", f"it takes a datetime {'with' if zoned else 'without'} a time zone")
+        problem = "it takes a datetime with a time zone" if zoned else "it takes a datetime without a time zone"
+        raise RefusedError(f"text {shown(value)}", problem)
     return moment
 
 

@@ -1,1 +1,1 @@
-import"./chunk-CULHXJ74.js";
+import"./chunk-W2NWREQT.js";

@@ -66,16 +66,16 @@ function patternsOf(lines) {
   return known.map((text, at) => [forms[at], new RegExp(`^${text.replace(/[()[\].?]/g, "\\$&").replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
 }
 
-/** A reason that homebot gives in English, in the language of the page: by its form, as a whole, or clause by clause. */
+/** A reason that homebot gives in English, in the language of the page: as a whole, by its form, or clause by clause. */
 export function sayReason(text) {
+  const whole = say(text);
+  if (whole !== text) return whole;
   for (const [own, pattern] of patterns) {
     const found = pattern.exec(text);
     if (!found) continue;
     const { value, reason, list, ...others } = found.groups;
     return fill(own, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason), list: list?.split(", ").map(sayReason).join(", ") });
   }
-  const whole = say(text);
-  if (whole !== text) return whole;
   return text.replace(/^(.+?)(; |: )(.+)$/, (all, first, sign, others) => (sign === ": " ? first : sayReason(first)) + sign + sayReason(others)); // a name is no reason
 }
 

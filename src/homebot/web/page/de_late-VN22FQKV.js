@@ -1,4 +1,4 @@
-var e=`24e 5rm 1ts 2h3 1j0 y4 2lm 2gq 5up d1 1c9 25s 3k4 il 1ow 109 1qe 44w 3z id 7yk 5qv 1nc 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 3gk 1 1qf 390 312 1on 84 93w 56y 5g 1sr 1 7lm 7i6 nf 6pu hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 2ec 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt jf 6vj 1al 2a4 71r 64j 38b 3b2 43 1z3 17l 6k gl7 58 1im 2ep 16z 2l3 uh 3s3 11j 3yo 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 557 8li 233 5kk 463 101 1lp 2vn 2u5 41m 11l 58d 23v o3 4qd 5r8 6j6 18j sp 2kd 1qy 10u 1fh 5gx 5ks hh 4e rd 1ei 1c3 h6 6n 6tg 19i ij 243 us ss 1ek md 4ku 353 2h1 z1 4ys 6nt 2xg 9nj 88c ji f2 gv eri py 29q 2os 38b 18q 5pk 66n 9jc 5hk 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 9ib 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 1c6 9nf 8bs 6lu 2vv y2 7xl 1cg d4j 2hy 1yk kc vp 8i9 3mx 70 1cw xs 507 24o 1n8 1lj 1wx 8oj fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 2y9 ge 72 3y7 7am 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 40z bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 3jn hyb ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 1to 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np 7db 2ms 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1oh 3ne 18n 3yv 2la 16 2sf 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1vg 2m 3x0 2t1 c0 3 d6 b9 219 4be 2r2 3uo 39k 269 oi 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 2b6 7o 6ev 3ei 2xk 3ug 35n jv 1vd 85 52v 19o 1af 1fn 6z ow 3r9 1qr el rb 2ih 5lr 1xu 5y3 1hy 4l2 cej lr 45a 91 9r 1hy dfu 2gz 4dd 6i4 811 2kh 57s 1k9 1cg 2eh 38c 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 8v0 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 3pq 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o a9q 4xi 2gj 3m1 2de 19f 203 ea 2te 5x2 7nh i2 9h8 3gv 9kb 27p 2si 57f 2xy k2 3le 1vj 1lf 2hu 9w 2fr 3 5tk 6u b34 8dt 237 4nc 6it nr 3gq 26v 38l 1pl 3u8 rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 1o0 1s5 w0 1ax cx 1nh ih 3q3 6h 20h al 4n8 1fo 2wz 1df 6qm 5c1 1xq a8p ca 13y 10c 4rg 35s 2xg z0 1tx 2aw 2kn 3ps 29h 1d6 1ri 3w6 22k e oe aor 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
+var e=`24e 5rm 1ts 2h3 1j0 y4 2lm 2gq 5up d1 1c9 25s 2nx w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 21p 727 56y 5g 1sr 1 62v 1ir 1gj 61n nf 6pu hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 2ec 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 1zo 43 1z3 17l 6k kt f38 x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 3yo 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 6j6 18j sp 2kd 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv d5u 1lo py 29q 2os 38b 18q 5pk 66n 9jc 5hk 8l1 51 9m 32g 3b8 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 1c6 9nf 8bs 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 2hy 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 8oj fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 2y9 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 40z bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu gyh ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 2ms 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 3ne 18n 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1vg 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 1fn 6z ow 3j0 89 1qr el rb 1vc n5 5lr 1xu 5y3 1hy 4l2 cej lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 811 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o a9q 4xi 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 2xy k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 237 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 1o0 1s5 w0 1ax cx 1nh ih 2hh 18m 6h 20h al 4n8 1fo 2wz 1df 6qm 5c1 k9 1dh a8p ca 13y 10c 4rg 35s 2xg z0 1tx 2aw 2kn 3ps 29h 1d6 1ri 3w6 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
 Pflanze
 der Code ist falsch
 es tr\xE4gt das Kennzeichen always_ask
@@ -11,6 +11,7 @@ neu beginnen
 {name} ist heruntergeladen ({size} kB).
 Es hat noch keine \xC4nderung gemeldet.
 Durchflusssensor
+das Ger\xE4t sendet nur
 anmelden
 Luftqualit\xE4t
 abgelehnte Ank\xFCndigungen
@@ -21,6 +22,7 @@ l\xE4uft homebot schon, frage es: homebot doctor
 behalten
 Datei mit Daten
 Hinzuf\xFCgen
+nimmt mehr als 0 und bis 100 %
 Terrasse
 Meldungen
 Protokoll
@@ -44,19 +46,24 @@ hei\xDF ab
 Noch gibt es weder Schloss noch Kontakt noch Alarm.
 niedrig
 jetzt
+der Matter-Server hat kein Bluetooth; er erreicht nur Ger\xE4te im Netz
 lief
 Rohdaten
 Tag
+sein Gateway kodiert seine Nachrichten
 ohne Token weiter
 {issuer} wollte {values}
 Fernseher
 Feinstaub PM10
+nimmt einen Text
 du hast es {time} vorher getan
 wird gesendet \u2026
 Verlauf
 die Kopplungen mit Apple Home
 ein unbekanntes Programm
+der Matter-Server wurde beendet
 das Recht geben
+keine Szene bewahrt einen auf
 ein Matter-Code hat 11 oder 21 Ziffern oder ist ein QR-Code, der mit MT: beginnt
 tu
 es wurde abgebrochen
@@ -84,21 +91,28 @@ Batterie, Strom, Reichweite?
 Nicht verstanden um {time}:
 Bewegung
 Diagnose
+es l\xE4sst sich nicht als UTF-8 kodieren
 Anwesenheit
 die letzten 24 Stunden
 Ein Server auf diesem Rechner
 Titel
+kein TCP-Port ist frei f\xFCr den eigenen Broker
+seine Vorlage scheitert an diesem Code
 Verbindung
 Ein L\xFCfter l\xE4uft, solange das Bad feucht ist.
 verlorene R\xFCckmeldungen
+n\xF6tig sind Sekunden, 0 oder mehr
 homebot neu starten
 Es gibt kein Ger\xE4t {name} (mehr).
 von Hand oder von selbst
 homebot why GER\xC4T zeigt die Meldungen
 homebot l\xE4uft zur Probe und sendet nichts
+die Wirkung h\xE4lt nicht an
+seine Vorlage ergibt daf\xFCr nichts
 Benutzer
 es hat sich seitdem ver\xE4ndert; sieh es noch einmal an
 gesendet in einer Nachricht an die Gruppe {name}
+die Verbindung zu Home Assistant ging verloren
 endet
 Befehle
 Z\xE4hler
@@ -116,9 +130,11 @@ Plan mit {count} Raum
 dort antwortet kein Programm: starte es, oder berichtige die Adresse
 Rauch- oder CO-Melder
 Frostmelder
+es ist keine Hue Bridge; verbinde die Bridge, zu der es geh\xF6rt
 es hat sich seit deiner Freigabe ver\xE4ndert
 {what} im Lauf der Zeit, {count} Punkte
 Noch ist nichts geschehen.
+dieses Protokoll nimmt keine rohen Befehle; nimm eine Textadresse
 Licht, solange sich jemand bewegt und es dunkel ist; eine Lampe, die schon an ist oder die jemand inzwischen schaltet, bleibt wie sie ist.
 Wer sie jetzt braucht
 nicht verf\xFCgbar
@@ -127,7 +143,10 @@ K\xFChler, wenn niemand zu Hause ist, wieder warm mit dem Ersten, der kommt.
 , durch einen Menschen
 Wie ntfy://TOPIC oder mailto://USER:PASSWORD@HOST; appriseit.com nennt alle.
 die Verbindung wurde beendet
+nimmt einen Zeitpunkt von 1970 bis 2106
 nichts tun
+nimm ein Verzeichnis auf diesem Computer, oder trage seine Adresse ein
+die Tabelle eines Gateways hat Geheimnisse, keine Seite liest sie
 Einstellung
 das neuere homebot wieder installieren oder: homebot restore BACKUP
 Eine Nachricht, wenn die Garage offen bleibt, und immer wieder.
@@ -140,9 +159,11 @@ Alarme und Fragen gehen \xFCber diese Adressen an Handys, Chats und E-Mail.
 die Steuerung l\xE4uft nicht; sie startet von selbst neu, siehe System
 gescheiterte Befehle
 \u2026 und {count} weitere
+es kommen keine Ereignisse mehr
 mit diesem Code wurde kein Ger\xE4t gefunden; ist es bereit zum Verbinden, in diesem Netz und noch nirgends verbunden?
 Gekoppelt mit {count} Steuerger\xE4ten.
 erlaubt
+nimmt Zahlen von 0 bis 360, 0 bis 100
 {name} verwenden
 Wartet auf deine Freigabe
 Sabotage
@@ -154,6 +175,7 @@ fr\xFCher
 gespeichert
 , weil die Szene {scene} r\xFCckg\xE4ngig gemacht wurde
 seit {time}
+nimmt nur true
 der Name des Rechners ist unbekannt: berichtige die Adresse
 Breite
 im Haus verbergen
@@ -162,12 +184,15 @@ Zeilen erscheinen hier, sobald sie kommen.
 beginnt mit {view}
 Wohnzimmer
 den Absender richten oder entfernen
+nimmt einen Zeitpunkt mit Zeitzone
 N\xF6tig ist: {what}
+Tags nehmen keine Befehle
 Hier erscheinen die Ger\xE4te dazu.
 Noch meldet kein Ger\xE4t eine Temperatur.
 Der Sauger reinigt einmal am Tag, wenn alle gegangen sind.
 Regensensor
 Eine Heizung ruht, solange ihr Fenster offen ist.
+nimmt keine
 neueste Version
 Modell
 if: was dann alles gelten muss
@@ -181,6 +206,7 @@ Bodenfeuchte
 jeder Schritt
 Dieses Bild ist nicht mehr neu.
 Ank\xFCndigungen: Bytes im Speicher
+nimmt on oder off
 wann
 nach
 Quarant\xE4nen
@@ -204,6 +230,7 @@ Bild von {name}
 Nutzer
 {energy} eingespeist
 \xE4ndern
+homebot l\xE4uft ohne Datei; starte es in einem Ordner mit homebot.toml
 Jedes Ger\xE4t hat einen Raum.
 Uhrzeit
 Schlafzimmer
@@ -226,9 +253,11 @@ Kein Ger\xE4t dieses Hauses passt: {what}
 weiter
 gefunden und noch nicht benutzt
 Graph
+nichts davon ist bekannt, was eine Szene zur\xFCckholen k\xF6nnte
 Dieser Bildschirm
 Keller
 es ist schon anderswo verbunden; entferne es dort oder setze es zur\xFCck
+eine Bridge hat keinen Code: dr\xFCcke ihren Knopf
 Er darf
 verworfen f\xFCr Abwesende
 zur\xFCckgewiesen
@@ -237,6 +266,7 @@ Zu zwei Dritteln herunter, solange es hei\xDF ist.
 Eine Nachricht, wenn ein Fenster offen bleibt, w\xE4hrend es drau\xDFen kalt ist.
 Eine Nachricht, wenn eine Weile viel Strom verbraucht wird.
 in Ruhe
+eine Szene hat Werte, die bleiben; f\xFCr Einmaliges nimm eine Routine
 Plan wird geladen \u2026
 schlie\xDFen
 Betriebsart
@@ -245,6 +275,7 @@ erreicht \xFCber
 es steht in der Konfiguration; \xE4ndere dort [places]
 , wegen {what}
 Mehr Bedienung
+es leitet zu oft um
 Name, Raum und Stichw\xF6rter
 Bild
 Zeitzone
@@ -264,6 +295,7 @@ Name
 andere
 Nachts k\xFChler.
 Eine Nachricht, wenn eine Pflanze Wasser braucht.
+nenne ein Ger\xE4t, oder suche wie 'light in hall'
 vorgeschlagen von {name}
 Tag-Leser
 als N\xE4chstes
@@ -291,7 +323,9 @@ Morgens und abends warm.
 Farbtemperatur
 Jeder Bildschirm hat ein eigenes Token, das man ihm nehmen kann.
 wartende und verlorene Nachrichten
+es leitet zu einem anderen Rechner um, dem wird nicht gefolgt
 verworfene Anfragen
+das Verzeichnis ist noch nicht gelesen
 Energie je Tag
 hat ausgel\xF6st
 Erdgeschoss
@@ -305,6 +339,7 @@ Fehler der Ger\xE4teliste
 Ank\xFCndigungen: Bytes zu viel
 Ein Taster schaltet eine Lampe.
 speichern
+nimmt true oder false
 Werte
 gesendet
 aufgeschobene Ank\xFCndigungen
@@ -318,6 +353,7 @@ dieses Ger\xE4t gibt es nicht
 es hat keines
 Die ersten Werte kommen in zwei Sekunden.
 Wasser
+seine Beschreibung nennt den Parameter nicht
 Brennt es? Verlasst das Haus und ruft die Feuerwehr
 abgeleitete Ank\xFCndigungen
 Ein Klingeln wird gemeldet und macht im Dunkeln Licht am Eingang.
@@ -337,12 +373,15 @@ harmlos
 Wasser abstellen
 das Protokoll hat jeden mit seiner Spur: melden oder beheben
 kein Weg zu diesem Rechner
+es ist kein Bluetooth-Proxy; erg\xE4nze "bluetooth_proxy:" in seiner ESPHome-Konfiguration
 Bad
 der Broker
 Eine Nachricht, wenn ein Gefrierschrank eine Weile zu warm ist.
+nichts wurde damit vereint
 Verborgen
 ist offen
 Das steht jetzt in homebot.toml:
+es hat keinen Auftrag; nenne ihm ein Ziel
 Ereignisschleife
 Melder
 Flur
@@ -361,12 +400,15 @@ verbergen
 hoch
 es wurde erst nach der Freigabe angek\xFCndigt
 du hast es nicht getan
+es hat keines angek\xFCndigt
 jetzt ausf\xFChren
 Der Code, den homebot run ausgibt, l\xE4sst den ersten Bildschirm ein.
 eingespeiste Energie
 gescheiterte Anmeldungen
 niemand hat es erfahren; [notify] und das Log sagen, warum
+nur die Tabelle eines Gateways nimmt Passwort oder Token
 Bildschirme
+der Roboter hat einen Auftrag; setze seine Option zuerst auf idle
 abgelehnte Werte
 Es war so bei der ersten Meldung.
 Die Testnachricht ist verschickt.
@@ -380,11 +422,14 @@ Sie enth\xE4lt alles, was homebot aufbewahrt, aber keine Passw\xF6rter.
 in diesem Modus gibt es diesen Sollwert nicht
 Ein voller Punkt ist an, offen oder belegt.
 Zum Zur\xFCckspielen:
+dieses homebot bewahrt nichts auf
 homebot show GER\xC4T
 Ordner f\xFCr Daten
+dazu geh\xF6ren zwei verschiedene Ger\xE4te
 Sieben Tage
 Ortung
 von Hand
+Home Assistant hat die Verbindung beendet
 der Code ist falsch; wenn du dir sicher bist, versuche es noch einmal
 gek\xFCrzte Kennungen
 das Gateway beobachtet nur; erlaube ihm Befehle unter System, Ger\xE4te
@@ -396,10 +441,12 @@ meldet ein Problem
 es gibt nichts zur\xFCckzunehmen, oder die Datei wurde seitdem ge\xE4ndert
 suche \u2026
 Sein letztes Ereignis, das kein Zustand ist:
+es geschieht einmal und h\xE4lt nicht an
 zum Haus
 waagrechtes Schwenken
 \xD6ffne das einmal auf dem Bildschirm; es wird nur jetzt gezeigt:
 Der Ort ergibt Sonnenaufgang und Sonnenuntergang; er bleibt hier.
+der Roboter hat seinen Zustand noch nicht gemeldet
 Voreinstellung
 es schaltet den Alarm unscharf
 Sensor
@@ -414,14 +461,18 @@ bleibt
 Person
 verworfen (QoS 0)
 Helligkeit
+since muss vor until liegen
 Keine App l\xE4uft.
+nimmt einen Zeitpunkt ohne Zeitzone
 Routinen werden geladen \u2026
 eine Minute warten, dann das Protokoll ansehen
 mehrere Namen f\xFCr eine Kennung: vielleicht mehrere Ger\xE4te
+es verlangt mehrere zugleich, das geht nicht
 Haushalt
 Stockwerk
 das Ger\xE4t l\xE4sst sich nur ausschalten, wie ein Herd zur Sicherheit
 noch nicht verbunden
+das Profil des Ger\xE4ts hat daf\xFCr keinen Rahmen
 Die Freigabe erlaubt diese Befehle:
 das Token gilt nicht mehr, oder f\xFCr etwas anderes
 durch ein anderes Programm
@@ -445,6 +496,7 @@ berichtigen, dann: homebot config check
 Signalst\xE4rke
 Nach f\xFCnf Minuten zeigt er eine dunkle Uhr und was offen ist. Die Adresse dieses Bildschirms:
 Es ist so, seit homebot davon wei\xDF.
+es wurde nicht gesendet
 Stromz\xE4hler
 au\xDFer Betrieb
 Rollladen oder Vorhang
@@ -456,6 +508,7 @@ gesendet in einer Nachricht an die Szene {name}
 noch wurde nichts ge\xE4ndert
 L\xFCfterstufe
 Alles ist in Ordnung.
+nimmt eine Zahl, die sein Format kennt
 Es heizt bei offenem Fenster
 es ist kein JPEG, PNG, GIF oder WebP bis 2 MiB
 vor {time}
@@ -476,10 +529,12 @@ neue Routine
 Frequenz
 Suchen
 abgelehnte Befehle
+der Matter-Server ist zu langsam
 danach
 versp\xE4tet um
 strittig
 {name} darf Ger\xE4te schalten
+gib eines an, wie level 40
 Druck
 jedes Mal
 Wassermelder
@@ -493,10 +548,12 @@ lange offen
 Aufzug
 Bewegungsmelder
 abgelehnte Topics
+kein Befehl schickt Leute nach Hause
 zusehen
 verloren
 Antworten
 Jetzt den Knopf dr\xFCcken: noch {count} s
+CoAP kennt diese Methode nicht
 Zuletzt hier
 do: ihre Schritte, je eine Zeile
 Plan mit {count} R\xE4umen
@@ -507,6 +564,7 @@ Licht und eine Nachricht, wenn Wasser ist, wo keines sein soll.
 {name} entfernen
 Drucksensor
 Sicherung erstellen
+es hat keine Adresse
 abgelehnte Nachrichten
 {nodes} Knoten und {topics} Themen
 mehrdeutige Ank\xFCndigungen
@@ -532,6 +590,7 @@ homebot erkennt an Handys im Netz und an Trackern, wer zu Hause ist.
 abwesend
 Lampen gehen abends an und aus, wenn niemand zu Hause ist.
 Eine Nachricht, wenn die Waschmaschine fertig ist.
+seine Konvention ist ausgefallen
 abgesenkt
 , durch das Ger\xE4t oder einen Menschen
 in diesem Browser behalten
@@ -542,6 +601,7 @@ Arbeitszimmer
 Warteschlangen und Verluste
 Nichts Gemessenes l\xE4uft.
 Was du hier \xE4nderst, zeigt jeder Bildschirm.
+die Lamellen gehen nur auf (100) und zu (0)
 verworfen, da zu viele
 dunkel
 Ohne TLS installiert ein Browser keine App: tls = true in [door].
@@ -562,6 +622,7 @@ erneut gesendet
 zeigen, was die Freigabe von {name} erlaubt
 homebot sucht im Verlauf von vier Wochen, was du immer wieder tust, und beobachtet es eine Woche, bevor es das vorschl\xE4gt.
 die Ger\xE4te des Hauses sind noch nicht bekannt
+es l\xE4sst sich nicht beobachten
 Rauch, Wasser, Bewegung
 K\xFCche
 Alle Lichter gehen aus, sobald alle gegangen sind.
@@ -592,7 +653,71 @@ einer seiner Werte ist unbekannt
 ein anderes Ger\xE4t wird gerade verbunden
 In der App Home: +, Ger\xE4t hinzuf\xFCgen, und dies scannen oder den Code eingeben.
 homebot place GER\xC4T RAUM
-Ank\xFCndigungen`,n=`gateway {name} is away: {reason}
+Ank\xFCndigungen`,n=`a person must agree: {reason}
+whether {name} is on is unknown; say on or off
+no device fits {name}; {reason}
+did you mean {name}?
+nothing near {name} may be commanded; left out: {what}
+not while {condition}: {name} is unknown
+it takes a text that matches {what}
+it takes a {what} in ISO 8601 format
+a command has 1 to {count}
+it must be a text of {count} characters at most
+there are {count} already; take some back
+no import stated it; {reason}
+there are {count} decisions already; undo some
+it has no announcement {name}; it has {what}
+the bridge for HomeKit cannot listen on {name}: {reason}
+{reason}; \`at_night\` (\`--night\`) allows it
+somebody sleeps in {room} now
+nothing was changed, as the values to put back cannot be kept: {reason}
+there is no device or picture {name}
+no connection was made within {count} seconds
+it has no characteristic {name}
+no device is reachable: {reason}
+another proxy has its address {name}
+the interface {name} cannot be used for {value} multicast: {reason}
+no CoAP endpoint can be opened: {reason}
+no {value} multicast on the interface {name}: {reason}
+mDNS cannot be used on {name}: {reason}
+it did not announce {name} as a command topic
+the embedded broker cannot listen: {reason}
+it wants another encryption; {reason}
+it wants {what}, and {name} is configured
+it wants {what}, which is not supported
+it wants encryption; {reason}
+it wants another password; {reason}
+it wants {what}; {reason}
+it does not encrypt; {reason}
+it takes a text of {least} to {most} characters
+it takes a text of at most {count} characters
+it takes a text of at most {what}
+its template failed: {what}
+its template {what}
+it cannot be encoded as {what}
+Home Assistant did not greet within {count} s
+it would heat to {least} \xB0C, and cool to {most} \xB0C
+HAP status {count}
+the bridge of {name} is not connected
+node {count} was commissioned, but the gateway has max_nodes already
+the Matter gateway has no device {name}
+the device answered with the status {what}
+the device answered error {what}
+the address {name} is unknown: {reason}
+the content type {name} is not understood
+the observation of {name} ended
+no copies can be made in {name}: {reason}
+it takes {what}, and no change
+it offers no {what}
+it has no script {name}; a table [[gateways.ble.proxies]] installs it
+the robot takes no orders in its mode {what}
+the table {name} is not among those that a page may change: {what}
+the key {name} loads a program or a file; only a person writes it into the file
+the right {name} is none that you may give; use: homebot token new
+no backup has a byte {count}; begin with 0, which makes one
+the change {name} of the layout has no names
+the address {name} is not in the file any more; look at it again
+gateway {name} is away: {reason}
 service {name} did not answer within {count} s; whether it acted is unknown
 refused ({value}): {reason}
 changed back after {count} s, {value}
@@ -732,6 +857,106 @@ added {name}
 {name} said yes
 {name} does not answer
 {name} did not answer
+{name} takes no commands that homebot knows
+{count} devices fit {name}; at most {most} may be commanded
+{what} was not sent to {name}: {reason}
+{what} was sent to {name}: {reason}
+{what} of {name}: {reason}
+{name} has {what} already
+{name} has no part
+{name} cannot be reached with TLS: {reason}
+{count} Bluetooth proxies are connected already
+{name} takes longer than {count} s for one answer
+{name} is not known at any endpoint
+{name} has no address of HTTP
+{name} has no address
+{name} answers no requests
+{name} takes no message
+{name} ended the stream of events
+{name} cannot be announced as {what}: {reason}
+{name}: {count} commands are waiting for {what} already
+{name} cannot be opened: {reason}; {what}
+{name} cannot be opened: {reason}
+{name} was not set: {reason}
+{name} is paired by the code on it: {what}
+{name} is commissioned already
+{name} is behind the bridge {what} ({id}); only the bridge can be removed
+{name} does not answer the Matter server
+{name} has not described itself yet
+{what} of {name} cannot be set
+{name} cannot be written: {reason}
+{name} cannot be moved aside: {reason}
+{name} is not open
+{name} cannot be copied: {reason}
+{name} cannot be recreated: {reason}
+{name} of {what} cannot be kept in a file of its own
+{name} = {what} is no value of TOML; texts need quotes
+{name} cannot be a name: give up to {count} printable characters
+{name} cannot be {what}: {reason}
+jemand muss zustimmen: {reason}
+ob {name} an ist, ist unbekannt; sage on oder off
+kein Ger\xE4t passt zu {name}; {reason}
+meintest du {name}?
+nahe {name} l\xE4sst sich nichts steuern; ausgelassen: {what}
+nicht, solange gilt {condition}: {name} ist unbekannt
+nimmt einen Text der Form {what}
+nimmt {what} nach ISO 8601
+ein Befehl hat 1 bis {count}
+n\xF6tig ist ein Text von h\xF6chstens {count} Zeichen
+es gibt schon {count}; nimm welche zur\xFCck
+kein Import nennt es; {reason}
+es gibt schon {count} Entscheidungen; mache welche r\xFCckg\xE4ngig
+es hat keine Ank\xFCndigung {name}; es hat {what}
+die Bridge f\xFCr HomeKit kann {name} nicht \xF6ffnen: {reason}
+{reason}; \`at_night\` (\`--night\`) erlaubt es
+in {room} schl\xE4ft gerade jemand
+nichts wurde ge\xE4ndert, denn die alten Werte lassen sich nicht aufbewahren: {reason}
+es gibt kein Ger\xE4t oder Bild {name}
+keine Verbindung in {count} s
+es hat keine Eigenschaft {name}
+kein Ger\xE4t ist erreichbar: {reason}
+ein anderer Proxy hat seine Adresse {name}
+die Schnittstelle {name} taugt nicht f\xFCr {value}-Multicast: {reason}
+kein CoAP-Endpunkt l\xE4sst sich \xF6ffnen: {reason}
+kein {value}-Multicast an der Schnittstelle {name}: {reason}
+mDNS geht nicht an {name}: {reason}
+es hat {name} nicht als Thema f\xFCr Befehle angek\xFCndigt
+der eigene Broker kann keinen Port \xF6ffnen: {reason}
+es verlangt eine andere Verschl\xFCsselung; {reason}
+es verlangt {what}, eingetragen ist {name}
+es verlangt {what}, das geht nicht
+es verlangt Verschl\xFCsselung; {reason}
+es verlangt ein anderes Passwort; {reason}
+es verlangt {what}; {reason}
+es verschl\xFCsselt nicht; {reason}
+nimmt einen Text von {least} bis {most} Zeichen
+nimmt einen Text von h\xF6chstens {count} Zeichen
+nimmt einen Text von h\xF6chstens {what}
+seine Vorlage scheitert: {what}
+seine Vorlage {what}
+es l\xE4sst sich nicht als {what} kodieren
+Home Assistant hat sich in {count} s nicht gemeldet
+es w\xFCrde bis {least} \xB0C heizen und bis {most} \xB0C k\xFChlen
+HAP-Status {count}
+die Bridge von {name} ist nicht verbunden
+Knoten {count} ist in Betrieb, aber der Gateway hat schon max_nodes
+der Matter-Gateway hat kein Ger\xE4t {name}
+das Ger\xE4t antwortet mit dem Status {what}
+das Ger\xE4t antwortet mit dem Fehler {what}
+die Adresse {name} ist unbekannt: {reason}
+der Inhaltstyp {name} wird nicht verstanden
+die Beobachtung von {name} ist zu Ende
+in {name} lassen sich keine Kopien anlegen: {reason}
+nimmt {what}, und keine \xC4nderung
+es bietet nicht: {what}
+es hat kein Skript {name}; eine Tabelle [[gateways.ble.proxies]] installiert es
+der Roboter nimmt im Modus {what} keine Auftr\xE4ge
+die Tabelle {name} darf eine Seite nicht \xE4ndern, nur: {what}
+der Schl\xFCssel {name} l\xE4dt ein Programm oder eine Datei; trage ihn selbst ein
+das Recht {name} darfst du nicht geben; nimm: homebot token new
+keine Sicherung hat ein Byte {count}; beginne bei 0
+die \xC4nderung {name} nennt nichts
+die Adresse {name} steht nicht mehr in der Datei; sieh noch einmal nach
 Gateway {name} ist weg: {reason}
 {name} hat in {count} s nicht geantwortet; ob es geschah, ist unbekannt
 abgelehnt ({value}): {reason}
@@ -871,4 +1096,40 @@ den Raum {name} gibt es schon
 {name} ist hinzugef\xFCgt
 {name} hat ja gesagt
 {name} antwortet nicht
-{name} hat nicht geantwortet`;export{n as reasons,e as texts};
+{name} hat nicht geantwortet
+{name} nimmt keine Befehle, die homebot kennt
+{count} Ger\xE4te passen zu {name}; h\xF6chstens {most} gehen auf einmal
+{what} wurde nicht an {name} gesendet: {reason}
+{what} wurde an {name} gesendet: {reason}
+{what} von {name}: {reason}
+{name} hat schon {what}
+{name} hat keinen Teil
+{name} ist mit TLS nicht erreichbar: {reason}
+{count} Bluetooth-Proxys sind schon verbunden
+{name} braucht l\xE4nger als {count} s f\xFCr eine Antwort
+{name} ist an keinem Endpunkt bekannt
+{name} hat keine HTTP-Adresse
+{name} hat keine Adresse
+{name} beantwortet keine Anfragen
+{name} nimmt keine Nachricht
+{name} hat die Ereignisse beendet
+{name} l\xE4sst sich nicht als {what} ank\xFCndigen: {reason}
+{name}: {count} Befehle warten schon auf {what}
+{name} l\xE4sst sich nicht \xF6ffnen: {reason}; {what}
+{name} l\xE4sst sich nicht \xF6ffnen: {reason}
+{name} wurde nicht gesetzt: {reason}
+{name} wird mit dem Code darauf verbunden: {what}
+{name} ist schon in Betrieb genommen
+{name} geh\xF6rt zur Bridge {what} ({id}); nur die Bridge l\xE4sst sich entfernen
+{name} antwortet dem Matter-Server nicht
+{name} hat sich noch nicht beschrieben
+{what} von {name} l\xE4sst sich nicht setzen
+{name} l\xE4sst sich nicht schreiben: {reason}
+{name} l\xE4sst sich nicht beiseitelegen: {reason}
+{name} ist nicht offen
+{name} l\xE4sst sich nicht kopieren: {reason}
+{name} l\xE4sst sich nicht neu anlegen: {reason}
+{name} von {what} passt in keine eigene Datei
+{name} = {what} ist kein Wert von TOML; Texte brauchen Anf\xFChrungszeichen
+{name} geht nicht als Name: nimm bis {count} druckbare Zeichen
+{name} geht nicht ({what}): {reason}`;export{n as reasons,e as texts};
