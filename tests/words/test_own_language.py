@@ -155,7 +155,7 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "notify {temperature of Flur}, that is cold: 7:00",
         "scene Film",
         "scene Film, over 5s",
-        "notify {name of it} in {room of it}, {time}",
+        "notify {name of it} in {room of it}, {time}, {before}",
         "it on",
         "Modus option night",
         "Flur {level of Bad + 10} %",

@@ -99,6 +99,11 @@ class DeviceView:
                 return state
         return None
 
+    def value_before(self, change: StateChange, reading: Reading) -> PlainValue:
+        """Return the value that *reading* of *change* replaced; None if it was unknown, or has changed again since."""
+        new = self._newer.get((reading.part, reading.capability))
+        return None if new is None or new[0].sequence != change.sequence else new[3].plain()
+
     def only_value(self, capability: str) -> PlainValue:
         """Return the latest value of the only part with *capability*; None if none or several have it."""
         parts = [

@@ -255,6 +255,18 @@ Trigger: TypeAlias = (
 )
 
 
+def capabilities_of(trigger: Trigger) -> frozenset[str]:
+    """Return the capabilities whose values *trigger* names; none if it names none."""
+    match trigger:
+        case Becomes():
+            return trigger.capabilities
+        case Changes(capability=name):
+            return frozenset({name} - {""})
+        case ValuePasses(comparison=comparison):
+            return frozenset({comparison.first.capability})
+    return frozenset()
+
+
 @lru_cache(maxsize=2000)  # read for each check of each routine
 def read_trigger(text: str) -> Trigger:
     """Return the trigger *text*.

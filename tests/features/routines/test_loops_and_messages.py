@@ -53,6 +53,9 @@ WAIT = "wait until hall lamp on, at most 1m"
         (("turn off routine other", "turn on the routine Other"), [], True),
         (("run routine other", "wait until hall lamp on, at most 1m, then stop", "notify Two"), ["Two"], True),
         (("notify One", "start the routine Visit"), ["One"], True),
+        (("wait 1m", "notify {before}"), ["clear"], True),
+        (("wait for hall lamp on or 23:00, at most 1h", "if wait ended by 23:00: stop", "notify Two"), ["Two"], True),
+        (("wait for hall lamp on or 23:00, at most 1m", "if wait ended by hall lamp on: notify Two"), [], True),
         (
             ("notify {hall lamp level}: {name}, {room}, {routine} at {time}; {temperature of hall}",),
             ["100 %: hall_motion, hall, Visit at 08:01; unknown"],

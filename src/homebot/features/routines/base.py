@@ -19,10 +19,12 @@ from homebot.apps.jobs import Job
 from homebot.apps.run_modes import HandlerRuns
 from homebot.devices import Device
 from homebot.devices.command_messages import CommandDevices
+from homebot.devices.device import StateChange
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
+from homebot.devices.wording.values import value_text
 from homebot.features.routines.run import RoutineRun, RoutineRunFacts, RunPlace
 from homebot.features.routines.watches import (
     MessageWatches,
@@ -65,6 +67,7 @@ from homebot.words.triggers import (
     SunAngle,
     Trigger,
     ValuePasses,
+    capabilities_of,
     read_trigger,
 )
 
@@ -113,6 +116,17 @@ class RoutineBase(App[SettingsT_co]):
                 self.start_task(partial(self._follow, trigger, partial(on_start, text), self.store))
             else:
                 self._watch(trigger, partial(on_start, text), text)
+
+    def facts_of(self, trigger: str, cause: object) -> RoutineRunFacts:
+        """Return the facts of a run that *trigger* starts with the change *cause*."""
+        if not isinstance(cause, StateChange) or (known := HouseView.of(self.node).get(cause.device)) is None:
+            return RoutineRunFacts(trigger)
+        named = capabilities_of(read_trigger(trigger))
+        for reading in cause.readings:
+            before = known.value_before(cause, reading)
+            if reading.capability in named or (not named and before != reading.value.plain()):
+                return RoutineRunFacts(trigger, value_text(reading.capability, before))
+        return RoutineRunFacts(trigger)
 
     async def wait_for(self, triggers: Sequence[Trigger]) -> int:
         """Wait for the next of *triggers*, and return its place."""

@@ -53,9 +53,8 @@ class Routine(RoutineBase[RoutineSettings]):
                 self.log_stop(one["step"], "homebot ended, and whether it was done is unknown, so it is not done again")
             else:
                 turns = tuple(one.get("turns", ()))
-                facts = RoutineRunFacts(
-                    one.get("started_by", ""), one.get("has_timed_out", False), one.get("ended_by", ""), turns
-                )
+                known = {key: one[key] for key in RoutineRunFacts._fields if key in one}
+                facts = RoutineRunFacts(**known | {"turns": turns})
                 self._runs.start(partial(self._perform, facts, one["place"], one["until"], dict(one["before"])))
         await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 
@@ -112,7 +111,7 @@ class Routine(RoutineBase[RoutineSettings]):
 
     def _start(self, trigger: str, cause: object) -> None:
         if self.is_enabled:
-            perform = partial(self._perform, RoutineRunFacts(trigger))
+            perform = partial(self._perform, self.facts_of(trigger, cause))
             self.start_if(self._conditions, partial(self._runs.start, perform), cause, trigger)
 
     async def _perform(

@@ -87,7 +87,7 @@ class RoutineApp(RoutineBase[NoSettings]):
         await anyio.sleep_forever()
 
     def _start(self, trigger: str, cause: object) -> None:
-        perform = partial(self._perform, RoutineRunFacts(trigger))
+        perform = partial(self._perform, self.facts_of(trigger, cause))
         self.start_if(conditions_of(self.conditions), partial(self._runs.start, perform), cause, trigger)
 
     async def _perform(self, facts: RoutineRunFacts) -> None:

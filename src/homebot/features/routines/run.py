@@ -108,12 +108,14 @@ class RoutineRunFacts(NamedTuple):
 
     Attributes:
         started_by: The text of its trigger; empty for a start by hand.
+        value_before: The value before the change that started it, in words.
         has_timed_out: Whether its last wait was too long.
         ended_by: The text of the trigger that ended it; empty for none.
         turns: In a loop over devices, the ids of that in turn and those that follow.
     """
 
     started_by: str = ""
+    value_before: str = "unknown"
     has_timed_out: bool = False
     ended_by: str = ""
     turns: tuple[str, ...] = ()
@@ -339,6 +341,8 @@ class RoutineRun:
                 return self._owner.title
             case "time":
                 return f"{self._owner.now():%H:%M}"
+            case "before":
+                return self.facts.value_before
             case "names":
                 return ", ".join(_names(value, devices)) or "none"
             case _:

@@ -297,7 +297,8 @@ class Entities:
         known = [
             device
             for device in self._devices
-            if any(topic in {route.command_address, f"{route.address}/set"} for route in device.endpoints)
+            if any(topic in {end.command_address, f"{end.address}/set"} for end in device.endpoints)
+            or any(topic in route.topics for part in device.parts for route in part.routes)
         ]
         return known[0] if len(known) == 1 and topic else None
 

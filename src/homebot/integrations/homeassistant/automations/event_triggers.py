@@ -71,6 +71,7 @@ ADVICE: Final = {
     "conversation": "; a routine of a button does the same",
     "webhook": "; send a command by HTTP, see docs/http.md",
     "tag": "; start it by a button, or by the tag's reader as a device",
+    "call_service": "; start it by what calls the service, or by the state that follows",
     "tag_scanned": "; start it by a button, or by the tag's reader as a device",
     "persistent_notification": "; start it by the state that is told of",
     "geo_location": "; homebot knows only who is at home: 'Anna arrives'",

@@ -146,15 +146,15 @@ def text_of_parts(text: str, parts: list[nodes.Node]) -> str:
     return left
 
 
-def with_trigger(node: nodes.Node, trigger: StartTrigger, *, is_state: bool) -> nodes.Node:
-    """Return *node* with the values of *trigger*; its state, if that counts, is asked anew."""
-    path = path_of(node)
-    if is_state and path == ("trigger", "to_state", "state") and trigger.entity:
-        return nodes.Call(nodes.Name("states", "load"), [nodes.Const(trigger.entity)], [], None, None)
-    if (value := trigger.value(path)) is not None:
+def with_trigger(node: nodes.Node, triggers: Sequence[StartTrigger], *, is_state: bool) -> nodes.Node:
+    """Return *node* with the values that all *triggers* have in common; their state, if that counts, is asked anew."""
+    path, entities = path_of(node), {trigger.entity for trigger in triggers}
+    if is_state and path == ("trigger", "to_state", "state") and len(entities) == 1 and "" not in entities:
+        return nodes.Call(nodes.Name("states", "load"), [nodes.Const(min(entities))], [], None, None)
+    if len(values := {trigger.value(path) for trigger in triggers}) == 1 and (value := values.pop()) is not None:
         return nodes.Const(value)
 
-    return rebuilt(node, lambda inner: with_trigger(inner, trigger, is_state=is_state))
+    return rebuilt(node, lambda inner: with_trigger(inner, triggers, is_state=is_state))
 
 
 def rebuilt(node: nodes.Node, change: Callable[[nodes.Node], nodes.Node]) -> nodes.Node:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Final, cast
 
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.expressions import (
     path_of,
@@ -84,6 +84,8 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
     if (named := _NAMED.get(path := path_of(node), "")) != "":
         return named, ""
     match path:
+        case ("trigger", "from_state", "state") if not any(trigger.value(path) for trigger in automation.triggers):
+            return _before(automation)
         case ("trigger", "to_state", "state"):
             entities = {trigger.entity for trigger in automation.triggers}
             note_length(automation)
@@ -122,6 +124,18 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
         case nodes.Getattr(attr="state") if entity := states_path(node.node):
             return _state_value(automation, entity, "")
     return None
+
+
+def _before(automation: Automation) -> tuple[str, str] | None:
+    """Return the value before the change that started the automation, and its unit; None if it may be unknown."""
+    known = [value_name(automation.entities, trigger.entity, "")[1] for trigger in automation.triggers]
+    facts = [dict(trigger.data) for trigger in automation.triggers]
+    is_lost = any("for" in data and not data.keys().isdisjoint({"above", "below"}) for data in facts)
+    units = {CAPABILITIES.get(capability, OWN).unit for capability in known}
+    if is_lost or len(units) != 1 or not EVENTS.isdisjoint(known):
+        return None
+    automation.notes.append("{before} is the value before, in the words of homebot, with its unit")
+    return "{before}", units.pop()
 
 
 def note_length(automation: Automation) -> None:

@@ -141,7 +141,7 @@ class Templates:
         entities = {trigger.entity for trigger in triggers}
         if len(entities) != 1 or "" in entities or any(trigger.state for trigger in triggers):
             return node
-        return cast("nodes.Expr", with_trigger(node, triggers[0], is_state=not self._automation.has_waited))
+        return cast("nodes.Expr", with_trigger(node, triggers, is_state=not self._automation.has_waited))
 
     def _inlined(self, node: _NodeT) -> _NodeT:
         """Put the templates of variables into *node*."""
@@ -301,7 +301,7 @@ class Templates:
         if any(None in key for key in groups):
             raise refused_template(text, "not each trigger has this value; write it as `choose`")
         return [
-            (self.started_by(group), [folded(with_trigger(node, group[0], is_state=is_state))])
+            (self.started_by(group), [folded(with_trigger(node, group, is_state=is_state))])
             for group in groups.values()
         ]
 
