@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from datetime import time
+from datetime import date, time
 from typing import Final, NamedTuple
 
 from homebot.errors import UsageError
@@ -17,6 +17,7 @@ SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
 _SUN_HOURS: Final = {"dawn": (1, 9), "sunrise": (2, 10), "noon": (11, 14), "sunset": (14, 23), "dusk": (15, 24)}
 """The earliest and the latest hour of each event."""
 _ALIKE: Final = 0.8
+_DATE_LENGTH: Final = len("2026-12-24")
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?: ?(?P<sign>[+-]) ?(?P<offset>.+))?")
 _TIME: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
 _CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?: (?P<days>(?:on|in|from) .+))?")
@@ -40,6 +41,27 @@ def read_time(text: object) -> time:
         raise UsageError(f"{text!r} is not a time of day; write it like {example}")
     hour, minute, second = (int(part or 0) for part in found.groups())
     return time(hour, minute, second)
+
+
+class Moment(NamedTuple):
+    """A time of day, as text, perhaps of one day alone."""
+
+    clock: str
+    day: date | None = None
+
+
+def read_moment(text: str) -> Moment:
+    """Return the moment ``7:00``, ``2026-12-24 7:00`` or ``2026-12-24``, which is that day's midnight.
+
+    Raises:
+        UsageError: It is none.
+    """
+    day: date | None = None
+    with suppress(ValueError):
+        day = date.fromisoformat(text[:_DATE_LENGTH])
+    clock = text if day is None else text[_DATE_LENGTH:].lstrip(" T") or "0:00"
+    read_time(clock)
+    return Moment(clock, day)
 
 
 class SunMoment(NamedTuple):

@@ -10,7 +10,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.gateways.base import GatewaySettings
 from homebot.support.folding import fold
 from homebot.units import Seconds
-from homebot.words.times import read_time
+from homebot.words.times import read_moment
 
 _MAX_HELPERS = 100
 _MAX_CHOICES = 50
@@ -72,14 +72,14 @@ class TimerHelper(BaseModel):
 
 def _time(text: object) -> str:
     try:
-        read_time(text)
+        read_moment(str(text))
     except UsageError as exc:
         raise ValueError(str(exc)) from exc
     return str(text)
 
 
 class TimeHelper(BaseModel):
-    """A time of day, ``{ time = "07:00" }``."""
+    """A time of day, ``{ time = "07:00" }``, or of one day, ``{ time = "2026-12-24 07:00" }``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 

@@ -53,7 +53,7 @@ from homebot.words.conditions import (
 )
 from homebot.words.message_values import Comparison
 from homebot.words.steps import MAX_TURNS
-from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan
+from homebot.words.times import DaysAndTime, EachHour, SunMoment, SunSpan, TimeSpan, read_moment
 from homebot.words.triggers import (
     AtTimeOf,
     Becomes,
@@ -234,7 +234,14 @@ class RoutineBase(App[SettingsT_co]):
                 return partial(_cancel, hours)
 
     def _daily_at(self, start: Callable[[], None], name: str, at: str) -> Callable[[], None]:
-        return self.daily(at, start, name=f"{name} at {at}").cancel
+        clock, day = read_moment(at)
+
+        def start_on_day() -> None:
+            if day in {None, self.now().date()}:
+                start()
+
+        days = "" if day is None else f"{day:%d %B}"
+        return self.daily(clock, start_on_day, days=days, name=f"{name} at {at}").cancel
 
     async def _follow(self, trigger: Becomes, on_start: OnStart, store: MutableMapping[str, Any]) -> None:
         async for match in follow_matches(self.node, trigger, store, is_new=True):

@@ -33,7 +33,7 @@ from homebot.support.timer_queue import TimerQueue
 from homebot.words.calculations import calculated
 from homebot.words.house_queries import WordsQuery
 from homebot.words.message_values import Comparison, MessageValue
-from homebot.words.times import read_time
+from homebot.words.times import read_moment, read_time
 from homebot.words.triggers import (
     AtTimeOf,
     Becomes,
@@ -390,7 +390,7 @@ def _text_at(payload: bytes, path: Sequence[str]) -> str | None:
 
 @final
 class TimeOfWatch(HouseWatcher):
-    """Keeps a daily call at the time of day that the text of a device tells; another text makes no call."""
+    """Keeps a call at the time, of each day or one, that the text of a device tells; another text makes no call."""
 
     def __init__(self, node: Node, trigger: AtTimeOf, call_at: Callable[[str], Callable[[], None]]) -> None:
         self._words = WordsQuery(trigger.words)
@@ -426,7 +426,7 @@ class TimeOfWatch(HouseWatcher):
         self._cancel()
         self._at, self._cancel = texts[0], lambda: None
         try:
-            read_time(self._at)
+            read_moment(self._at)
         except UsageError:
             return
         self._cancel = self._call_at(self._at)

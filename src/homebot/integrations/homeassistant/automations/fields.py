@@ -34,9 +34,8 @@ _ADVICE: Final = {
     "profile": "; write `brightness_pct` and `color_temp_kelvin`",
     "response_variable": "; write an app, see docs/apps.md",
     "white": "; write `brightness_pct`",
-    "date": "; a helper has a time of day, and `last run over 20h ago` asks for the last run",
-    "datetime": "; a helper has a time of day, and `last run over 20h ago` asks for the last run",
-    "timestamp": "; a helper has a time of day, and `last run over 20h ago` asks for the last run",
+    "date": "; write `datetime`, and `last run over 20h ago` for the last run",
+    "timestamp": "; write `datetime`, and `last run over 20h ago` for the last run",
 }
 """By the field: the text to write instead."""
 

@@ -129,7 +129,7 @@ def _times(automation: Automation, fields: UnreadFields, days: str) -> list[str]
         if days:
             raise NotCarriedError("trigger time: `weekday` with the time of a helper; ask for the days in a condition")
         times.append(f"at {helper_time(automation.entities, node.value)}")
-        automation.notes.append(f"{node.value} starts it each day at its time; one with a date starts nothing")
+        automation.notes.append(f"{node.value} starts it at its time: each day, or on its date")
     if not times:
         raise NotCarriedError("trigger time: `at` is missing; write each time as a trigger")
     return times
