@@ -1,1 +1,1 @@
-import"./chunk-W2NWREQT.js";
+import"./chunk-W6JLJAU5.js";

@@ -1,6 +1,6 @@
 // The controls of a device, one for each value that it takes: words, a slider, a colour, steps, a choice or a field.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { command } from "./acts.js";
+import { codeOf, command } from "./acts.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { Stepper } from "./stepper.js";
@@ -65,7 +65,7 @@ function Words({ short, target, name, capability }) {
       const text = say(`${word}|do`);
       return OPENING.has(word) && short.asks_first.includes(capability) ? html`<${HoldButton} key=${word} text=${text} onHeld=${() => send(word, true)} />` : html`<button key=${word} type="button" onClick=${() => send(word, false)}>${text}</button>`;
     })}
-    ${isCoded(short, capability) && html`<${Code} value=${code} onInput=${setCode} />`}
+    ${codeOf(short, { capability }) && html`<${Code} value=${code} onInput=${setCode} />`}
   </div>`;
 }
 
@@ -108,14 +108,11 @@ function Field({ short, name, now, unit, least, most, capability, send }) {
       : html`<input name="value" required defaultValue=${now ?? ""} />`;
   return html`<form onSubmit=${submit}>
     <label><span>${name}</span> ${field}</label>
-    ${isCoded(short, capability.name) && html`<${Code} value=${code} onInput=${setCode} />`}
+    ${codeOf(short, { capability: capability.name }) && html`<${Code} value=${code} onInput=${setCode} />`}
     <button>${say("set|do")}</button>
     <small>${most === undefined ? unit : say("{least} to {most}", { least, most: `${most} ${unit}` })}</small>
   </form>`;
 }
-
-/** Whether a capability takes a code. */
-const isCoded = (short, capability) => short.codes.some((one) => one.key === capability);
 
 const Code = ({ value, onInput }) => html`<label>${say("code")} <input name="code" type="password" inputmode="numeric" autocomplete="one-time-code" maxlength="255" value=${value} onInput=${(event) => onInput(event.target.value)} /></label>`;
 

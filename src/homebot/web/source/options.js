@@ -1,14 +1,23 @@
-// The texts that a device takes, such as the floors of a lift; none if it takes no command for them.
+// All that is known of a device, which the list of devices does not tell; such as the texts that it takes.
 import { useEffect, useState } from "preact/hooks";
-import { call } from "./door.js";
+import { call, connection } from "./door.js";
 import { takes } from "./house.js";
 
-export function useOptions(device, capability) {
-  const [options, setOptions] = useState([]);
-  const isTaken = takes(device, capability);
+const GATHER = 200; // ms for which changes are gathered
+
+/** A device with its parts, asked for where *isWanted*, and again after it changed; null until homebot answers. */
+export function useFull(id, isWanted, changedAt = 0) {
+  const [full, setFull] = useState(null);
+  const isAsked = connection.value.state === "open" && isWanted;
   useEffect(() => {
-    if (!isTaken) return;
-    call("/discovery/find_devices", { ids: [device.id] }).then(({ devices }) => setOptions(devices[0]?.parts.flatMap(({ part }) => part.capabilities).find((one) => one.name === capability)?.options ?? []), () => {});
-  }, [device.id, isTaken]);
-  return options;
+    if (!isAsked) return undefined;
+    const look = () => call("/discovery/find_devices", { ids: [id] }).then((answer) => setFull(answer.devices[0] ?? null), () => {});
+    const timer = setTimeout(look, changedAt ? GATHER : 0);
+    return () => clearTimeout(timer);
+  }, [id, isAsked, changedAt]);
+  return full;
 }
+
+/** The texts that a device takes, such as the floors of a lift; none if it takes no command for them. */
+export const useOptions = (device, capability) =>
+  useFull(device.id, takes(device, capability))?.parts.flatMap(({ part }) => part.capabilities).find((one) => one.name === capability)?.options ?? [];

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Added } from "./added.js";
 import { Controls } from "./controls.js";
-import { call, connection, may } from "./door.js";
+import { may } from "./door.js";
 import { deviceOf } from "./house.js";
 import { html } from "./html.js";
 import { SIGNS, Sign } from "./icons.js";
@@ -11,6 +11,7 @@ import { say } from "./language.js";
 import { isKept, keep } from "./layout.js";
 import { Lacking, Managing } from "./managing.js";
 import { LastKnown, Marks } from "./marks.js";
+import { useFull } from "./options.js";
 import { Owner } from "./owner.js";
 import { Picture, hasPicture } from "./picture.js";
 import { closeSheet, giveFocusBack, sheet } from "./tile.js";
@@ -69,12 +70,8 @@ function Opened({ id }) {
 
 /** The controls that the main control has not. */
 function Rest({ device, main, isOnly }) {
-  const [full, setFull] = useState(null);
-  const isOpen = connection.value.state === "open";
   const left = device.settable.filter((one) => !main.includes(one));
-  useEffect(() => {
-    if (isOpen && left.length) call("/discovery/find_devices", { ids: [device.id] }).then((answer) => setFull(answer.devices[0]), () => {});
-  }, [device.id, isOpen]);
+  const full = useFull(device.id, left.length > 0);
   if (!left.length || !device.may_act) return null;
   return html`<details class="part" open=${isOnly}><summary>${say("More controls")}</summary>${full && html`<${Controls} short=${device} device=${full} without=${main} />`}</details>`;
 }

@@ -1,9 +1,8 @@
 // All of one device: its values, commands, history, what is known of it and from where, and why it is as it is.
-import { useEffect, useState } from "preact/hooks";
 import { Added } from "../added.js";
 import { now } from "../clock.js";
 import { Controls } from "../controls.js";
-import { call, connection, may } from "../door.js";
+import { may } from "../door.js";
 import { deviceOf } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign } from "../icons.js";
@@ -11,6 +10,7 @@ import { stateOf } from "../kinds.js";
 import { say } from "../language.js";
 import { Lacking } from "../managing.js";
 import { LastKnown, Marks } from "../marks.js";
+import { useFull } from "../options.js";
 import { Owner } from "../owner.js";
 import { openSheet } from "../tile.js";
 import { Why } from "../why.js";
@@ -18,21 +18,7 @@ import { UNNAMED, durationText, label, seconds, timeText, titled, valueText } fr
 
 export function Device({ id }) {
   const short = deviceOf(id)?.value;
-  const [full, setFull] = useState(null);
-  const isOpen = connection.value.state === "open";
-  const changedAt = short?.changedAt;
-  useEffect(() => {
-    if (!isOpen) return undefined;
-    let isCurrent = true;
-    const timer = setTimeout(async () => {
-      const answer = await call("/discovery/find_devices", { ids: [id] }).catch(() => null);
-      if (isCurrent) setFull(answer?.devices[0] ?? null);
-    }, 200);
-    return () => {
-      isCurrent = false;
-      clearTimeout(timer);
-    };
-  }, [id, isOpen, changedAt]);
+  const full = useFull(id, true, short?.changedAt);
   if (!short) return html`<h1><bdi>${id}</bdi></h1><p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
   return html`
     <div class="title">
