@@ -53,6 +53,7 @@ def test_both_machines_get_their_tables_and_the_same_secret(
     assert [stat.S_IMODE(one.stat().st_mode) for one in secrets] == [0o600, 0o600]
 
 
+@pytest.mark.rooms("ros2")
 def test_a_machine_gets_the_certificate_of_the_house_that_listens_with_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Text
 ) -> None:
@@ -104,6 +105,7 @@ def test_a_house_that_does_not_listen_says_what_to_do(
     assert "has no listen in [ros], where attic could connect" in capsys.readouterr().err
 
 
+@pytest.mark.rooms("ros2")
 def test_a_machine_trusts_the_certificate_of_a_house_that_listens_for_other_computers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Text
 ) -> None:

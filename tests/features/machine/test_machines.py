@@ -115,6 +115,7 @@ async def test_devices_are_unreachable_while_their_machine_is_away_and_commands_
             await becomes(changes, reachable=True)
 
 
+@pytest.mark.rooms("ros2")
 async def test_the_other_machine_tells_its_user_what_it_is_and_whether_the_house_lets_it_in(machines: Machines) -> None:
     async with machines.running_second() as second, Node(second.graph, "tester") as tester:
         doctor = tester.create_client(Examine, "/rosapi/doctor")

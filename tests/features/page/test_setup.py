@@ -159,6 +159,7 @@ async def test_a_password_is_kept_in_a_file_of_its_own_until_the_step_is_taken_b
         assert files == {"gateway-hass.token", "gateway-other.token", "homebot.toml"}
 
 
+@pytest.mark.rooms("people")
 async def test_people_are_added_changed_and_taken_out(tmp_path: Path) -> None:
     async with wizard(tmp_path) as page:
         answer = await page.change("people", "Anna", values={"ping": '"192.168.1.23"', "trackers": '["phone"]'})
@@ -266,7 +267,6 @@ async def test_what_no_gateway_uses_is_found_with_the_next_step(open_port: int, 
     facts = {"needs_gateway": "hue", "next_step": "press its button"}
     async with directory() as house, Node(house.asker.graph, "page") as page:
         PairingServices(Bulbs(), Node(house.asker.graph, "bulbs", namespace="/gateway"))
-        Node(house.asker.graph, "people", namespace="/gateway")
 
         async def listens(port: int) -> bool:
             return port == open_port
@@ -283,5 +283,14 @@ async def test_what_no_gateway_uses_is_found_with_the_next_step(open_port: int, 
         ]
         waiting = [(one.gateway, one.unpaired.name) for one in answer.unpaired]
         assert waiting == [("bulbs", "Bulb one"), ("bulbs", "Bulb two")]
-        assert "people" not in answer.gateways
         assert (answer.file, answer.can_restart) == ("", False)
+
+
+@pytest.mark.virtual_time
+@pytest.mark.rooms("people")
+async def test_people_are_no_gateway_of_the_page() -> None:
+    async with directory() as house, Node(house.asker.graph, "page") as page:
+        Node(house.asker.graph, "people", namespace="/gateway")
+        offer_setup(page, lambda: None)
+        answer = await house.asker.create_client(FindUnused, "/setup/found").call(FindUnusedRequest())
+        assert (*answer.gateways,) == ("mqtt",)

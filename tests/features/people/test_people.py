@@ -13,7 +13,7 @@ from homebot.graph import Node
 from homebot.runtime.plan import make_plan
 from homebot.testing import VirtualHouse, virtual_house_of
 
-pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("espresense", "homeassistant", "owntracks")]
+pytestmark = pytest.mark.virtual_time
 
 ANNA = {"trackers": ["Anna's phone"], "away_after": "20m"}
 BEN = {"trackers": ["ben phone"]}
@@ -21,9 +21,8 @@ HEARD = json.dumps({"id": "phone:anna", "name": "Anna's phone", "rssi": -70, "di
 
 
 @asynccontextmanager
-async def house_with(people: dict[str, object], *routines: dict[str, object]) -> AsyncIterator[VirtualHouse]:
-    config = {"people": people, "routines": list(routines), "home": {"zone": "UTC"}}
-    async with virtual_house_of(config=config) as house:
+async def house_with(people: dict[str, object]) -> AsyncIterator[VirtualHouse]:
+    async with virtual_house_of(config={"people": people, "home": {"zone": "UTC"}}) as house:
         await house.run_for(1)
         yield house
 
@@ -53,6 +52,7 @@ async def test_nothing_is_known_of_people_before_their_phones_tell() -> None:
         assert await at_home(house) == {"Anna": None, "Ben": None, "Household": None}
 
 
+@pytest.mark.rooms("espresense", "owntracks")
 async def test_the_household_is_home_with_its_first_and_away_with_its_last() -> None:
     async with house_with({"Anna": ANNA, "Ben": BEN}) as house:
         await is_in(house, "Home")
@@ -63,6 +63,7 @@ async def test_the_household_is_home_with_its_first_and_away_with_its_last() -> 
         assert await at_home(house) == {"Anna": True, "Ben": False, "Household": True}
 
 
+@pytest.mark.rooms("espresense")
 async def test_a_phone_that_falls_silent_is_unknown_and_then_away() -> None:
     async with house_with({"Anna": ANNA}) as house:
         await heard(house, minutes=5)
@@ -75,6 +76,7 @@ async def test_a_phone_that_falls_silent_is_unknown_and_then_away() -> None:
         assert (await at_home(house))["Household"] is False
 
 
+@pytest.mark.rooms("espresense")
 async def test_the_silence_of_nodes_that_are_offline_means_nothing() -> None:
     async with house_with({"Anna": ANNA}) as house:
         await heard(house)
@@ -88,6 +90,7 @@ async def test_the_silence_of_nodes_that_are_offline_means_nothing() -> None:
         assert (await at_home(house))["Anna"] is False
 
 
+@pytest.mark.rooms("owntracks")
 async def test_a_phone_that_stays_where_it_is_may_be_silent_for_a_day() -> None:
     async with house_with({"Ben": BEN}) as house:
         await is_in(house, "Home")
@@ -104,6 +107,7 @@ async def test_people_do_not_become_stale() -> None:
             assert [one.freshness for one in await Devices(node).find("person")] == ["fresh"]
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_tracker_of_discovery_counts() -> None:
     async with house_with({"Ben": {"trackers": ["Ben's watch"]}}) as house:
         found = {"name": "Ben's watch", "state_topic": "ben/watch", "unique_id": "w1", "device": {"identifiers": "w"}}
