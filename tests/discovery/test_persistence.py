@@ -110,7 +110,7 @@ async def test_a_file_that_is_removed_while_it_is_used_is_written_anew_with_all_
     """
     async with directory_with(path) as directory:
         directory.index.observe(announce("l", part_of(id="l"), ids=("id:lamp",), name="Lamp"))
-        assert await directory.keep_record("acme", "of the owner", at_once=True) == ""
+        assert await directory.save_record("acme", "of the owner", at_once=True) == ""
     with capture_logs() as lines:
         async with directory_with(path) as directory:
             for file in path.parent.glob(f"{path.name}*"):

@@ -152,14 +152,14 @@ class Directory:
         self._approved.publish(ApprovedCommands(digests=self.index.owner.approvals.digests))
 
     def owner_record(self, feature: str) -> str:
-        """Return the record of the owner for a feature, as :meth:`keep_record` kept it; empty for none."""
+        """Return the record of the owner for a feature, as :meth:`save_record` saved it; empty for none."""
         return self._persistence.record_for(feature).text
 
-    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
-        """Keep a record of the owner for a feature; return why it could not be saved at once, empty if it was."""
+    async def save_record(self, feature: str, record: str, *, at_once: bool) -> str:
+        """Save a record of the owner for a feature; return why it could not be saved at once, empty if it was."""
         kept = self._persistence.record_for(feature)
         kept.text, kept.is_unsaved = record, True
-        return await self._persistence.keep() if at_once else ""
+        return await self._persistence.save_now() if at_once else ""
 
     async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:
         """Replace the statements of the configuration on rooms and devices."""

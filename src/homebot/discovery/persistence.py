@@ -197,7 +197,7 @@ class IndexPersistence:
                 await self._save(self._kept)
                 await self._kept.close()
 
-    async def keep(self) -> str:
+    async def save_now(self) -> str:
         """Write the owner's decisions now; return why they could not be saved, empty if they were."""
         kept = self._kept
         if kept is None:

@@ -55,7 +55,7 @@ class DirectoryServices:
 
     def register(self) -> None:
         """Register the services."""
-        node, owner = self._node, OwnerRequests(self._node, self._persistence.keep, self._publish_all)
+        node, owner = self._node, OwnerRequests(self._node, self._persistence.save_now, self._publish_all)
         node.create_service(messages.GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(messages.FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(messages.QueryDevices, QUERY_DEVICES, self._query)

@@ -139,7 +139,7 @@ class DeviceDrive:
                 problem = await self._reach(handle, target, is_done, heading)
             finally:
                 if goal.is_cancel_requested or goal.is_preempted:
-                    await self._give_up()
+                    await self._stop_device()
         return self._end(goal, problem)
 
     async def _reach(
@@ -167,7 +167,7 @@ class DeviceDrive:
             await changed.wait()
         return "it is gone"
 
-    async def _give_up(self) -> None:
+    async def _stop_device(self) -> None:
         with anyio.move_on_after(_CANCEL_S, shield=True):
             if self._device is not None and self._device.activity in _UNDER_WAY:
                 await self._device.command("option", "idle")

@@ -95,7 +95,7 @@ class ManagedFile(Generic[F]):
                     self._record_failure(LinkError(f"{self.file.path} cannot be moved aside: {error}"))
                 raise LinkError(str(exc)) from exc
             except LinkError as exc:
-                self._record_failure(exc) if retries else self._give_up(str(exc))
+                self._record_failure(exc) if retries else self._disable(str(exc))
                 raise
             if writes and self.problem:
                 self.problem = ""
@@ -127,12 +127,12 @@ class ManagedFile(Generic[F]):
         try:
             damaged = await to_thread.run_sync(self.file.open, self._now())
         except UsageError as exc:
-            self._give_up(str(exc))
+            self._disable(str(exc))
             raise LinkError(str(exc)) from exc
         if damaged is not None:
             self._report_damage(damaged)
 
-    def _give_up(self, why: str) -> None:
+    def _disable(self, why: str) -> None:
         if not self.is_unusable:
             self.is_unusable, self.problem = True, why
             message = f"{why}; until the next start {self._without}"

@@ -41,7 +41,7 @@ class Kept:
         assert feature == "page"
         return self.record
 
-    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
+    async def save_record(self, feature: str, record: str, *, at_once: bool) -> str:
         assert (feature, at_once) == ("page", True)
         self.record = record
         return self.problem

@@ -39,7 +39,7 @@ class Kept:
         assert feature == "scenes"
         return self.record
 
-    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
+    async def save_record(self, feature: str, record: str, *, at_once: bool) -> str:
         assert feature == "scenes"
         self.record = record
         self.on_disk = record if at_once else self.on_disk

@@ -43,7 +43,7 @@ class AnnouncedLamp(MqttLamp):
         super().__init__(wire, broker, "homeassistant:light/hall", "hall", address="hall/state")
 
     async def announce(self) -> None:
-        await self.take_commands_on("hall/set")
+        await self.subscribe_commands("hall/set")
         await self.say("homeassistant/light/hall/config", json.dumps(CONFIG).encode(), retain=True)
         await self.say("hall/state", self.raw(on=False), retain=True)
 

@@ -171,7 +171,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT, Condition
         """Store the newest change of a device for the reader, and the events that awaited its description."""
         super().on_device(change)
         if change.kind == "changed":
-            self._keep_replaced(change.device.id)
+            self._record_replaced(change.device.id)
         if self._early_events:
             waiting, now = tuple(self._early_events), self._clock.monotonic()
             self._early_events.clear()
@@ -184,7 +184,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT, Condition
     def on_values(self, change: StateChange) -> None:
         """Record that the values of a device changed."""
         super().on_values(change)
-        self._keep_replaced(change.device)
+        self._record_replaced(change.device)
         self._changed[change.device] = change
         self._news.set()
 
@@ -195,7 +195,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT, Condition
         else:
             self._early_events.append((self._clock.monotonic(), change))
 
-    def _keep_replaced(self, device_id: str) -> None:
+    def _record_replaced(self, device_id: str) -> None:
         if self._view is not None and (known := self._view.get(device_id)) is not None:
             self._before[device_id] = known.replaced | self._before.get(device_id, {})
 

@@ -74,7 +74,7 @@ class HelpersGateway(Gateway):
         with anyio.move_on_after(_PATIENCE_S), graph.watch(only=only) as changes:  # features start after gateways
             if graph.get_service_type(KEEP_VALUES.name) is None:
                 await anext(changes)
-        for name, text in (await self._keep({})).items():
+        for name, text in (await self._save_values({})).items():
             helper = self._helpers.get(name)
             value = _plain(text)
             if helper and not helper.seconds and helper.first is not None and _takes(helper.part, value):
@@ -117,13 +117,13 @@ class HelpersGateway(Gateway):
     async def _set(self, name: str, *, value: PlainValue) -> None:
         self._values[name] = value
         await self._report(name)
-        await self._keep({name: json.dumps(value)})
+        await self._save_values({name: json.dumps(value)})
 
     async def _report(self, name: str) -> None:
         capability = self._helpers[name].part.capabilities[0].name
         await self._devices.report(name, {capability: self._values[name]})
 
-    async def _keep(self, values: Mapping[str, str]) -> dict[str, str]:
+    async def _save_values(self, values: Mapping[str, str]) -> dict[str, str]:
         request = KeepHelperValuesRequest(values=tuple(KeyValue(key=name, value=text) for name, text in values.items()))
         try:
             with closing(self.node.create_client(KeepHelperValues, KEEP_VALUES.name)) as client:

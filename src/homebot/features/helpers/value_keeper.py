@@ -30,9 +30,9 @@ class ValueKeeper:
 
     def serve(self, name: str) -> None:
         """Create the service."""
-        self._node.create_service(KeepHelperValues, name, self._keep)
+        self._node.create_service(KeepHelperValues, name, self._save_values)
 
-    def _keep(self, request: KeepHelperValuesRequest) -> KeepHelperValuesResponse:
+    def _save_values(self, request: KeepHelperValuesRequest) -> KeepHelperValuesResponse:
         for value in request.values:
             self._store[value.key] = value.value
         for key in [*self._store][:-_MAX_KEPT]:

@@ -46,8 +46,8 @@ class RecordKeeper(Protocol):
     def owner_record(self, feature: str) -> str:
         """Return the record that was kept; empty for none."""
 
-    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
-        """Keep *record*; return why that failed, in words, empty if it did not."""
+    async def save_record(self, feature: str, record: str, *, at_once: bool) -> str:
+        """Save *record*; return why that failed, in words, empty if it did not."""
 
 
 async def serve_page(house: FeatureContext) -> None:
@@ -118,7 +118,7 @@ class PageData:
             self._layout.publish(book.layout)
             keeper = self._keeper()
             if keeper is not None:
-                problem = await keeper.keep_record(FEATURE.name, book.model_dump_json(), at_once=True)
+                problem = await keeper.save_record(FEATURE.name, book.model_dump_json(), at_once=True)
         message = f"a restart would lose this, as it was not written: {problem}" if problem else ""
         return ChangeLayoutResponse(success=True, message=message, layout=book.layout)
 

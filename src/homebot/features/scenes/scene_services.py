@@ -50,8 +50,8 @@ class SceneKeeper(Protocol):
     def owner_record(self, feature: str) -> str:
         """Return the record that was kept; empty for none."""
 
-    async def keep_record(self, feature: str, record: str, *, at_once: bool) -> str:
-        """Keep *record*; return why that failed, in words, empty if it did not."""
+    async def save_record(self, feature: str, record: str, *, at_once: bool) -> str:
+        """Save *record*; return why that failed, in words, empty if it did not."""
 
 
 @final
@@ -160,7 +160,7 @@ class SceneServices:
 
     async def _store(self, book: SceneBook, *, at_once: bool) -> str:
         keeper = self._keeper()
-        return "" if keeper is None else await keeper.keep_record(FEATURE.name, book.record(), at_once=at_once)
+        return "" if keeper is None else await keeper.save_record(FEATURE.name, book.record(), at_once=at_once)
 
 
 def start(node: Node, house: FeatureContext) -> SceneServices:

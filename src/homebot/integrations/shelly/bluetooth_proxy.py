@@ -70,7 +70,7 @@ class BluetoothRelay:
 
     @contextmanager
     def attached(self, attach: Attach) -> Iterator[None]:
-        """Hand over the advertisements that :meth:`take` gets inside the block, after :meth:`start`.
+        """Hand over the advertisements that :meth:`forward` gets inside the block, after :meth:`start`.
 
         Raises:
             RefusedError: It is not taken.
@@ -87,7 +87,7 @@ class BluetoothRelay:
             finally:
                 self._gate = None
 
-    def take(self, frame: Fields) -> bool:
+    def forward(self, frame: Fields) -> bool:
         """Hand over the advertisements of a notification; return whether it is of the script.
 
         Events of another form are counted as refused.
@@ -156,8 +156,8 @@ class _ScriptCalls:
     async def _call(self, method: str, params: Fields | None = None) -> Fields:
         answers: list[Fields] = []
 
-        async def keep(answer: Fields, _frame: bytes) -> None:
+        async def record_answer(answer: Fields, _frame: bytes) -> None:
             answers.append(answer)
 
-        await self._call_method(method, params, keep)
+        await self._call_method(method, params, record_answer)
         return answers[0] if answers else {}

@@ -239,7 +239,7 @@ class ShellyDriver(Driver):
             await self._report(device.read_status(frame))
 
     async def _on_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
-        if (self._relay is not None and self._relay.take(frame)) or not self._described:
+        if (self._relay is not None and self._relay.forward(frame)) or not self._described:
             return
         await self.host.deliver_raw(payload)
         await self._report(device.read_notification(payload))

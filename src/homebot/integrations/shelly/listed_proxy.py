@@ -48,7 +48,7 @@ class ShellyBleProxy(BleProxy):
                 raise WireError(f"{settings.address} does not answer like a Shelly device of a later generation")
 
             async def on_notification(frame: Fields, _payload: bytes) -> None:
-                relay.take(frame)
+                relay.forward(frame)
 
             async with client.websocket(f"{origin}/rpc", max_bytes=MAX_ANSWER_BYTES) as socket:
                 login = None if key is None else RpcLogin(key)

@@ -33,7 +33,7 @@ class MqttLamp(Lamp):
         self.broker = broker
         self.orders: list[bytes] = []
 
-    async def take_commands_on(self, topic: str) -> None:
+    async def subscribe_commands(self, topic: str) -> None:
         """Subscribe to *topic*."""
         await self.wire.wait_connected()
         await self.wire.subscribe(MqttSubscription(topic, qos=1))

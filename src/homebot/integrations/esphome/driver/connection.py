@@ -61,9 +61,9 @@ class GatedClient(APIClient):
     ) -> Callable[[], None]:
         """Subscribe to advertisements; a further call only repeats the request, as the library wants it."""
         self._on_advertisements = on_advertisements
-        return super().subscribe_bluetooth_le_raw_advertisements(self._let_through)
+        return super().subscribe_bluetooth_le_raw_advertisements(self._forward_admitted)
 
-    def _let_through(self, message: BluetoothLERawAdvertisementsResponse) -> None:
+    def _forward_admitted(self, message: BluetoothLERawAdvertisementsResponse) -> None:
         gate = self.gate
         if gate is not None:
             heard = message.advertisements
