@@ -51,7 +51,7 @@ from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageErr
 from homebot.feature import FeatureTable, feature_tables, find_features, load
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
-from homebot.support.similar import did_you_mean, unknown_key
+from homebot.support.names import did_you_mean, unknown_key
 
 Table: TypeAlias = dict[str, object]
 

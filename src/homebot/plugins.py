@@ -19,7 +19,7 @@ from typing import Any, Final
 from homebot.errors import PluginError, UsageError
 from homebot.names import snake_case
 from homebot.support.file_access import why_not_trusted
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 

@@ -1,6 +1,6 @@
 """Names that somebody may have meant."""
 
-from homebot.support.similar import did_you_mean, similar_to
+from homebot.support.names import did_you_mean, similar_to
 
 
 def test_the_likeliest_comes_first() -> None:

@@ -18,7 +18,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.interfaces import find_message
 from homebot.messages.message import Message
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.units import Seconds
 
 _Part: TypeAlias = Closure | DoorLock | ContactSensor

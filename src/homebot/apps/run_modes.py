@@ -13,7 +13,7 @@ from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit, more_like_this
 from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 CALL_DROPPED: Final = "app.call_dropped"
 FAILURES_IN_A_ROW: Final = 5

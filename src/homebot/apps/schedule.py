@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterable
-from datetime import date, timedelta
+from dataclasses import dataclass
+from datetime import date, datetime, time, timedelta, tzinfo
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, final
@@ -14,11 +15,10 @@ import anyio
 
 from homebot.apps.jobs import Due, Interval, Job, JobFacts, Times, WallJob
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
-from homebot.apps.wall_time import TimeOfDay
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
 from homebot.units import MAX_WAIT, parse_duration
-from homebot.words.days import read_days
+from homebot.words.days import CalendarDays, read_days
 from homebot.words.times import MAX_OFFSET_S, read_time
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from homebot.clock import Clock
     from homebot.graph import Node
     from homebot.words.triggers import SunAngle
+
 
 JOB_SKIPPED: Final = "app.job_skipped"
 MAX_JOBS: Final = 1000
@@ -343,3 +344,36 @@ def _catch_up(length: Length) -> float:
 def _duration(seconds: float) -> str:
     hours, minutes = int(seconds // 3600), int(seconds % 3600 // 60)
     return f"{hours} h {minutes} min" if hours else f"{minutes} min"
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TimeOfDay:
+    """A time on some days."""
+
+    time: time
+    days: CalendarDays
+
+    def on(self, day: date, zone: tzinfo) -> float | None:
+        """Return the moment on *day*, in seconds since the Unix epoch; None if the day is not among its days."""
+        return moment_of(day, self.time, zone) if self.days.has(day) else None
+
+
+def moment_of(day: date, at: time, zone: tzinfo) -> float:
+    """Return the moment of *at* on *day* in *zone*, in seconds since the Unix epoch.
+
+    A time that a day lacks becomes the end of the gap; of a time that occurs twice, the first is used.
+    """
+    wanted = datetime.combine(day, at, zone)
+    moment = wanted.timestamp()
+    if datetime.fromtimestamp(moment, zone).time() == at:
+        return moment
+    low, high = wanted.replace(fold=1).timestamp(), moment  # around a clock change
+    before = datetime.fromtimestamp(low, zone).utcoffset()
+    while high - low > 1:
+        middle = (low + high) // 2
+        if datetime.fromtimestamp(middle, zone).utcoffset() == before:
+            low = middle
+        else:
+            high = middle
+    return high

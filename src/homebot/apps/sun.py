@@ -9,7 +9,7 @@ import astral
 from astral import sun
 
 from homebot.errors import UsageError
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.words.triggers import SunAngle
 
 _DAY: Final = timedelta(days=1)

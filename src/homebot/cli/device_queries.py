@@ -15,9 +15,8 @@ from homebot.devices.names import EXPLAIN_DEVICE, FIND_DEVICES, GET_UNAPPROVED, 
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import to_seconds
 from homebot.errors import PeerError, UsageError
-from homebot.support.names import CLOSE, spellings
+from homebot.support.names import CLOSE, did_you_mean, similar_to, spellings
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean, similar_to
 from homebot.words.tokens import quoted
 
 if TYPE_CHECKING:

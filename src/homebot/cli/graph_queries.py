@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 from homebot.cli.door_client import DoorClient
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.names import is_hidden as is_hidden_name
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final, NoReturn
 
-from homebot.support.similar import similar_to
+from homebot.support.names import similar_to
 
 SHELLS: Final = ("bash", "zsh", "fish")
 

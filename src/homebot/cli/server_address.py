@@ -22,7 +22,7 @@ from homebot.cli.arguments import DEFAULT_CONFIG, DEFAULT_SERVER, ServerHost, se
 from homebot.errors import ConfigError, UsageError
 from homebot.support.data_folder import data_directory
 from homebot.support.file_access import why_not_trusted
-from homebot.support.similar import did_you_mean, unknown_key
+from homebot.support.names import did_you_mean, unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
 
 _USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "scope", "tls", "certificate", "key"})

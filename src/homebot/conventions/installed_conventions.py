@@ -9,7 +9,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 from homebot.conventions.convention import Convention, SlicedConvention, TextConvention
 from homebot.errors import PluginError
 from homebot.plugins import load_plugin, own_plugin_names, plugin_names
-from homebot.support.similar import unknown_key
+from homebot.support.names import unknown_key
 
 GROUP = "homebot.mqtt_conventions"
 

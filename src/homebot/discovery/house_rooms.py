@@ -9,7 +9,7 @@ import homebot.places
 from homebot.errors import ConfigError, RefusedError
 from homebot.places import OUTSIDE, HouseDoor, HousePlan, HouseRoom, Places
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 
 @final

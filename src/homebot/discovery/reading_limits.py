@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import Reading
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 _Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
 _Bounds: TypeAlias = tuple[_Number, _Number]

@@ -14,7 +14,7 @@ from homebot.errors import ParameterError
 from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
 from homebot.messages.rcl_interfaces import ParameterValue
 from homebot.support.isolation import crash_of, error_text
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 Value: TypeAlias = bool | int | float | str | bytes | Sequence[bool] | Sequence[int] | Sequence[float] | Sequence[str]
 Kind: TypeAlias = Literal["new", "changed"]

@@ -51,7 +51,7 @@ from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, WorldTime
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import DEFAULT_DIALECT, Placed, ScheduledCommand, SimulatedDevice
 from homebot.house.world import World
-from homebot.support.similar import unknown_key
+from homebot.support.names import unknown_key
 from homebot.support.toml_file import read_toml
 from homebot.units import DURATION
 

@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import ConfigError
 from homebot.support.folding import fold
+from homebot.support.names import no_such
 
 MAX_ROOMS = 1000
 """The limit of rooms of one house."""
@@ -193,8 +194,6 @@ class HousePlan:
             return room.name
         if fold(name) != OUTSIDE:
             known = [room.name for room in self._rooms.values()]
-            from homebot.support.names import no_such  # noqa: PLC0415 - only after a mistake
-
             raise ConfigError(self.source, key, no_such("room", name, known))
         return OUTSIDE
 

@@ -50,7 +50,7 @@ from homebot.runtime.plan import APPS, PlannedComponent
 from homebot.runtime.supervisor import ComponentCrashes, Supervisor
 from homebot.support.isolation import error_text
 from homebot.support.logger import get_logger
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job

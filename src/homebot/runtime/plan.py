@@ -24,7 +24,7 @@ from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.rosbridge_table import read_rosbridge_settings
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean, no_such
 
 if TYPE_CHECKING:
     from homebot.apps.notifier import NotifySettings
@@ -314,8 +314,6 @@ def _discovery(config: Config) -> DirectorySettings:
     settings = parse_settings(DirectorySettings, config.discovery, config.source, "discovery", config.folder)
     for name in settings.prefer:
         if name not in config.gateways:
-            from homebot.support.names import no_such  # noqa: PLC0415 - only after a mistake
-
             raise ConfigError(config.source, "discovery.prefer", no_such("gateway", name, config.gateways))
     return settings
 
@@ -343,8 +341,6 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
         room = plan.room(name)
         if room is None:
             known = [room.name for room in plan.rooms]
-            from homebot.support.names import no_such  # noqa: PLC0415 - only after a mistake
-
             raise ConfigError(source, f"{_DOORS}.{name}", no_such("room", name, known))
         if len(contacts) < len(room.doors):
             joined = f"{len(room.doors)} doors (to {', '.join(room.doors)})"

@@ -8,7 +8,6 @@ from typing import Final
 
 from homebot.errors import UsageError
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
 
 ARTICLES: Final = ("the", "a", "an", "my")
 
@@ -16,6 +15,9 @@ CLOSE: Final = 0.8
 """How similar a name must be to be suggested for a text that may also be other words."""
 
 _QUOTES: Final = "\"'"
+
+_CUTOFF = 0.5
+_MAX_SUGGESTIONS = 3
 
 
 def spellings(text: str) -> tuple[str, ...]:
@@ -61,3 +63,36 @@ def no_such(kind: str, text: str, names: Iterable[str], otherwise: str = "") -> 
 def close_names(text: str, names: Iterable[str], otherwise: str) -> str:
     """Return ``did you mean …?`` if one of *names* is close to *text*, or else *otherwise*."""
     return did_you_mean(spellings(text)[-1], names, otherwise, CLOSE)
+
+
+def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list[str]:
+    """Return up to three *known* names similar to *name*, best first.
+
+    Case and accents are ignored.
+
+    Args:
+        cutoff: Least similarity, from 0 to 1.
+    """
+    from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
+
+    wanted = fold(str(name))  # perhaps from an app, which may pass anything
+    names = {fold(known_name): known_name for known_name in sorted(set(known), reverse=True)}
+    matches = get_close_matches(wanted, names, n=_MAX_SUGGESTIONS, cutoff=cutoff)
+    return [
+        names[match]
+        for match in matches
+        or sorted(known_name for known_name in names if wanted and wanted.strip("/") in known_name)[:_MAX_SUGGESTIONS]
+    ]
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float = _CUTOFF) -> str:
+    """Return ``did you mean …?`` if a *known* name is similar to *name*, or else *otherwise*."""
+    similar = similar_to(name, known, cutoff)
+    return f"did you mean {' or '.join(similar)}?" if similar else otherwise
+
+
+def unknown_key(name: str, known: Iterable[str]) -> str:
+    """Return the error text for the unknown key *name* of a table."""
+    keys = [*known]
+    all_known = f"known are {', '.join(keys) or 'none'}"
+    return f"unknown key; {did_you_mean(name, keys, all_known)}"

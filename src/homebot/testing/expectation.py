@@ -12,7 +12,7 @@ from homebot.devices.device_names import devices_called
 from homebot.devices.handles import Handle
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.errors import UsageError
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.units import parse_duration
 
 _UNKNOWN: Final = object()

@@ -27,7 +27,7 @@ from homebot.devices.query.terms import (
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.folding import fold, words_of
-from homebot.support.similar import did_you_mean, similar_to
+from homebot.support.names import did_you_mean, similar_to
 from homebot.words.amounts import FLAGS, read_amount
 from homebot.words.tokens import Token
 from homebot.words.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, TYPE_WORDS

@@ -6,7 +6,7 @@ from datetime import date
 from typing import Final, NamedTuple
 
 from homebot.errors import UsageError
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 _WEEK: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
 _MONTHS: Final = (

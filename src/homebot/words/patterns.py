@@ -15,7 +15,7 @@ from homebot.devices.query.terms import Query, type_is
 from homebot.devices.value import PlainValue
 from homebot.devices.value_comparison import POWERS
 from homebot.errors import UsageError
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.words.exact_queries import parse_cautious_query, parse_exact_query
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]

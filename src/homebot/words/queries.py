@@ -55,7 +55,7 @@ from homebot.devices.query.terms import (
 )
 from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.words.amounts import UNITS, read_amount
 from homebot.words.comparisons import comparison
 from homebot.words.tokens import Token, tokens_of

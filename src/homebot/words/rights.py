@@ -9,7 +9,7 @@ from homebot.devices.query.terms import Query
 from homebot.devices.robot_owners import check_robot_name
 from homebot.errors import InvalidNameError, UsageError
 from homebot.rights import Right
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.words.exact_queries import parse_exact_query
 
 _ALL: Final = "all"

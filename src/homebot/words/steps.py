@@ -12,8 +12,8 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.terms import Query
 from homebot.errors import UsageError
 from homebot.support.folding import fold
+from homebot.support.names import did_you_mean
 from homebot.support.numbers import to_number
-from homebot.support.similar import did_you_mean
 from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative

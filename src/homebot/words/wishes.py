@@ -7,8 +7,7 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import StateIs
 from homebot.errors import UsageError
 from homebot.support.folding import fold
-from homebot.support.names import find_name, resolve_name
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean, find_name, resolve_name
 from homebot.words.commands import is_relative
 from homebot.words.people import AT_HOME
 from homebot.words.phrases import (

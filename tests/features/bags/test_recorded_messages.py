@@ -4,7 +4,7 @@ from typing import Any
 
 from homebot.devices import GatewayState, RawMessage
 from homebot.devices.command_messages import CommandResult
-from homebot.features.bags.recorded_messages import recorded_messages
+from homebot.features.bags.command_files import recorded_messages
 from homebot.messages import Time
 from homebot.messages.cdr import message_from_cdr
 from homebot.recording.lines import (

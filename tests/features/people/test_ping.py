@@ -2,7 +2,7 @@
 
 import anyio
 
-from homebot.features.people.ping import answers
+from homebot.features.people.people_gateway import answers
 
 
 async def test_a_computer_that_refuses_the_connection_is_there() -> None:

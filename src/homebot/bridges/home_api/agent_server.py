@@ -34,8 +34,8 @@ from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.services import MAX_LISTED
 from homebot.feature import all_features, load
 from homebot.rights import OfferedService
+from homebot.support.names import did_you_mean
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
 from homebot.version import __version__
 
 _GUIDE: Final = (

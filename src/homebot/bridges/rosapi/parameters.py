@@ -8,7 +8,7 @@ from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
 from homebot.messages.message import Message
 from homebot.names import absolute_name
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.support.strict_json import parse_strict
 
 

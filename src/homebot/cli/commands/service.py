@@ -14,8 +14,8 @@ from homebot.cli.graph_queries import Schema, entities, typedefs
 from homebot.cli.yaml import message, to_yaml, type_or_message
 from homebot.errors import PeerError, UsageError
 from homebot.names import absolute_name
+from homebot.support.names import did_you_mean
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
 
 _REQUEST, _RESPONSE = "/rosapi/service_request_details", "/rosapi/service_response_details"
 

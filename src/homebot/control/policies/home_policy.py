@@ -13,7 +13,7 @@ from homebot.control.policies.facts import Facts, Verdict
 from homebot.devices.query.terms import Query
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 POLICIES: Final = "homebot.policies"
 """The entry-point group."""

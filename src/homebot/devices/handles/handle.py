@@ -17,7 +17,7 @@ from homebot.devices.query.terms import CanDo, Not, Operator, StateIs
 from homebot.devices.value import PlainValue, plain_value
 from homebot.errors import UsageError
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.hold import Hold

@@ -38,7 +38,7 @@ from homebot.devices.query.terms import (
     leaves,
 )
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle

@@ -27,7 +27,7 @@ from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
 from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo, may_be_typo
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.words.vocabulary import (
     ABILITIES,
     ADJECTIVES,

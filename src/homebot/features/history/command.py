@@ -23,8 +23,8 @@ from homebot.devices.wording.time_format import from_seconds
 from homebot.devices.wording.values import value_text
 from homebot.errors import PeerError, UsageError
 from homebot.features.history import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
+from homebot.support.names import did_you_mean
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.history_messages import CorrectHistoryResponse, EnergyOfDay, HistorySeries, ReadHistoryResponse

@@ -29,7 +29,7 @@ from homebot.features.history.reading import HistoryReader, Numbers, Span, Store
 from homebot.graph import Node
 from homebot.messages import Time
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 from homebot.words.queries import parse_query
 
 _NOTHING: Final = (

@@ -15,8 +15,8 @@ from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
 from homebot.devices.value import ShortText
 from homebot.devices.wording.time_format import from_seconds
 from homebot.features.history import READ_HISTORY
+from homebot.support.names import did_you_mean
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
 
 MAX_POINTS: Final = 500

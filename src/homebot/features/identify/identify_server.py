@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Iterable
 from contextlib import closing
 from datetime import UTC, datetime, time
+from math import cos, hypot, sin
 from random import Random
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
@@ -13,8 +14,11 @@ import anyio
 from homebot.clock import home_time
 from homebot.command_words.command_service import UNNAMED_CLIENT
 from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.names import SEEN, TEACH_PLACE, WHERE_IS_ROBOT
+from homebot.devices.places_messages import TeachPlace, TeachPlaceRequest
+from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.wording.journal_words import issuer_text
-from homebot.errors import HomebotError
+from homebot.errors import HomebotError, ServiceError, UsageError
 from homebot.features.identify import IDENTIFY_DEVICE, VALUES
 from homebot.features.identify.candidates import CandidatePart, Preview, check_beds, check_time, find_candidates
 from homebot.features.identify.identification import Identification
@@ -25,8 +29,8 @@ from homebot.features.identify.messages import (
     IdentifyDeviceResult,
 )
 from homebot.features.identify.saved_values import SavedValues
-from homebot.features.identify.seen_places import check_robot, save_seen_place
 from homebot.features.identify.sight import open_sight
+from homebot.graph import Node
 from homebot.graph.actions import ActionServer, Preemption, ServerGoal
 from homebot.support.folding import fold
 
@@ -37,6 +41,10 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Refused
     from homebot.feature_context import FeatureContext
     from homebot.graph import Node
+
+
+_ERROR: Final = 0.1
+"""Metres by which a sighting may be wrong, and metres for each metre of distance."""
 
 _TELLING: Final = 5.0
 """Seconds for which an identification waits until people are told."""
@@ -211,3 +219,39 @@ class IdentifyStarter:
     def _quiet_hours(self) -> tuple[tuple[time, time], ...]:
         control = self._house.control()
         return () if control is None else control.quiet_hours()
+
+
+async def check_robot(node: Node, robot: str) -> None:
+    """Check the name of a *robot*.
+
+    Raises:
+        UsageError: Other robots have said where they are, but there is none of that name.
+    """
+    with closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where:
+        if where.service_is_ready() and (answer := await where.call(WhereIsRobotRequest(robot=robot))).is_mistake:
+            raise UsageError(answer.message)
+
+
+async def save_seen_place(node: Node, goal: IdentifyDeviceGoal, device: str) -> tuple[str, str]:
+    """Keep the position of *device*, seen in the direction and distance of *goal*; return it, and the problem if any.
+
+    It counts only if neither the owner nor the device states one.
+    """
+    with (
+        closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where,
+        closing(node.create_client(TeachPlace, TEACH_PLACE)) as teach,
+    ):
+        try:
+            answer = await where.call(WhereIsRobotRequest(robot=goal.robot))
+            if not answer.success or not answer.pose or not answer.pose[0].has_position:
+                return "", answer.message or f"the position of {goal.robot} is unknown"
+            pose = answer.pose[0]
+            x, y = (
+                start + goal.distance * turn(pose.yaw + goal.bearing) for start, turn in ((pose.x, cos), (pose.y, sin))
+            )
+            floor, error = f",{pose.floor}" if pose.floor else "", hypot(pose.error, _ERROR * (1 + goal.distance))
+            at = f"{x:.2f},{y:.2f}{floor} ±{error:.2f} m"
+            taught = await teach.call(TeachPlaceRequest(device=device, gateway=SEEN, at=at))
+        except ServiceError as exc:
+            return "", str(exc)
+    return (at, "") if taught.success else ("", taught.message)

@@ -19,7 +19,7 @@ from homebot.features.identify.pictures import Region, brightness, compressed_br
 from homebot.graph.qos import qos_profile_sensor_data
 from homebot.messages.definition import fields_of
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup

@@ -1,7 +1,10 @@
 """The gateway with the people of ``[people]`` and of other systems, and their household, as devices."""
 
-from collections.abc import Iterator
-from typing import ClassVar, Final, final
+import errno
+import socket
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import suppress
+from typing import ClassVar, Final, TypeAlias, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -10,7 +13,6 @@ from pydantic import BaseModel
 from homebot.devices.gateway_messages import Command
 from homebot.devices.house_view import HouseView
 from homebot.errors import RefusedError
-from homebot.features.people.ping import Ping, answers
 from homebot.features.people.settings import PeopleSettings, PersonSettings
 from homebot.features.people.tracker_watch import TrackerWatch
 from homebot.features.people.whereabouts import Sign, where_is
@@ -19,7 +21,44 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
 from homebot.graph import Node
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
+
+Ping: TypeAlias = Callable[[str], Awaitable[bool | None]]
+"""Returns whether an address answers; None if there is no network to ask in."""
+
+_WITHIN: Final = 2.0
+"""Seconds; a sleeping phone wakes every few hundred milliseconds."""
+
+_PORT: Final = 62078
+"""Open on iPhones; any other phone refuses it at once, which is an answer too."""
+
+_NO_NETWORK: Final = frozenset({errno.ENETUNREACH, errno.ENETDOWN})
+_REFUSED: Final = frozenset({errno.ECONNREFUSED, errno.ECONNRESET})
+
+
+async def answers(address: str) -> bool | None:
+    """Ask by a connection; see :data:`Ping`."""
+    try:
+        with anyio.fail_after(_WITHIN):
+            stream = await anyio.connect_tcp(address, _PORT)
+    except TimeoutError:
+        return False
+    except socket.gaierror:
+        return None
+    except OSError as exc:
+        errnos = {error.errno for error in _errors(exc)}
+        return True if errnos & _REFUSED else None if errnos & _NO_NETWORK else False
+    with suppress(OSError):
+        await stream.aclose()
+    return True
+
+
+def _errors(exc: BaseException) -> list[OSError]:
+    """Return the errors of all addresses of a name, which anyio gathers in the cause."""
+    inner = exc.__cause__
+    group = inner.exceptions if isinstance(inner, BaseExceptionGroup) else (inner,)
+    return [error for error in (exc, *group) if isinstance(error, OSError)]
+
 
 AT_HOME: Final = "at_home"
 ALL_AT_HOME: Final = "all_at_home"

@@ -20,7 +20,7 @@ from homebot.features.recording.command_diff import CommandDiff, DifferentComman
 from homebot.log import configure_logging
 from homebot.messages.json import message_to_json
 from homebot.recording.recording import Recording, TimedCommand, load_recording
-from homebot.replay.command_text import command_text, device_text
+from homebot.replay.command_matcher import command_text, device_text
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop

@@ -27,7 +27,7 @@ from homebot.features.routines.text import read_routines
 from homebot.features.routines.trial import TriedCommand, routines_of, trial_config, tried
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
-from homebot.replay.command_text import command_text
+from homebot.replay.command_matcher import command_text
 from homebot.replay.replay import Replayed, replay
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop

@@ -26,7 +26,7 @@ from homebot.messages.interfaces.interface_text import (
     split_definitions,
 )
 from homebot.messages.message import Message, ServiceType
-from homebot.support.similar import similar_to
+from homebot.support.names import similar_to
 
 _DEFAULT: Final = "jazzy"
 _HOME: Final = "homebot.messages"

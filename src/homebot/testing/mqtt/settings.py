@@ -12,7 +12,7 @@ from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
-from homebot.support.similar import did_you_mean
+from homebot.support.names import did_you_mean
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
