@@ -126,12 +126,10 @@ class CommandExecutor:
             else:
                 command = self._issue(name, request, device, part, asked_at)
                 command.text, command.has_code = text, shown is not request.settings
-                if part.part.members:
-                    command.members = await self._lookup.members(device, part)
                 if request.batch:
                     await self._together.join(command, request)
                 refused: Outcome | None = None
-                if request.ask_first or command.is_client or command.members:
+                if request.ask_first or command.is_client or part.part.members:
                     refused, command = await self._agreed(command, ask_first=request.ask_first)
                 outcome = refused or self.check(command) or await send(command)
                 if isinstance(outcome, Outcome):
@@ -147,6 +145,8 @@ class CommandExecutor:
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool) -> tuple[Outcome | None, IssuedCommand]:
         """Return why *command* ends here, as a member or a person refuses it; and the command, once a person agreed."""
+        if command.part.part.members:
+            command.members = await self._lookup.members(command.device, command.part)
         refused: IssuedCommand | Outcome | None = self._together.refusal_of_members(command)
         if refused is None and (ask_first or self.questions.must_ask(command)):
             refused = self.check(command, is_preview=True) or await self.questions.ask_and_update(command)
