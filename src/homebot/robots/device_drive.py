@@ -66,7 +66,10 @@ class DeviceDrive:
             part = change.handle.device.part(change.handle.part_id)
             if change.kind == "removed":
                 if change.handle == self._device:
-                    self._close()
+                    self._device = None
+                    for server in self._servers:
+                        server.close()
+                    self._servers = []
             elif part is not None and change.handle.can("option") and self._is_beside(part.part.reads):
                 is_new, self._device = self._device is None, change.handle
                 if is_new:
@@ -90,17 +93,12 @@ class DeviceDrive:
         except DuplicateNameError as exc:  # the robot has one of its own
             self._node.log.warning(NOT_SERVED, message=str(exc))
 
-    def _close(self) -> None:
-        self._device = None
-        for server in self._servers:
-            server.close()
-        self._servers = []
-
     async def _navigate(self, goal: _Goal) -> Message:
         pose = goal.request.pose
         if pose.header.frame_id.removeprefix("/") not in {"", "map"}:
             return self._end(goal, f"the frame {pose.header.frame_id[:100]!r} is not map")
-        handle = await self._destinations()
+        parts = await self._devices.find(_RobotHandle, category="config", optional=True)
+        handle = next((part for part in parts if self._device and part.device.id == self._device.device.id), None)
         options = () if handle is None else next(one.options for one in handle.capabilities if one.name == "option")
         plan, settings = FloorPlan.of(self._house()), self._robot.settings
         at = plan.room_at(pose.pose.position.x, pose.pose.position.y, plan.level(settings.floor))
@@ -116,11 +114,6 @@ class DeviceDrive:
         if self._device is None:
             return self._end(goal, "it is gone")
         return await self._drive(goal, self._device, "charging", lambda one: one.activity == "charging")
-
-    async def _destinations(self) -> _RobotHandle | None:
-        """Return the part that takes destinations; None if there is none."""
-        found = await self._devices.find(_RobotHandle, category="config", optional=True)
-        return next((one for one in found if self._device and one.device.id == self._device.device.id), None)
 
     async def _drive(
         self,

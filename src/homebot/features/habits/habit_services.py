@@ -127,22 +127,17 @@ class HabitServices:
             message = f"there is no proposal {request.id!r} now; `homebot suggest` lists them"
             return ChangeRoutineResponse(success=False, message=message)
         if request.accept:
-            return await self._follow(proposal, request.issuer)
+            if not self._change.service_is_ready():
+                return ChangeRoutineResponse(success=False, message=_NO_ROUTINES)
+            change = ChangeRoutineRequest(change="new", text=proposal.text, of_habit=True, issuer=request.issuer)
+            if proposal.removes:  # people undo that routine
+                change = ChangeRoutineRequest(name=proposal.removes, change="remove", issuer=request.issuer)
+            return await self._change.call(change)
         for oldest in list(self._rejected)[: max(0, len(self._rejected) + 1 - _MAX_REJECTED)]:
             del self._rejected[oldest]
         self._rejected[proposal.id] = {"when": proposal.when, "do": proposal.do}
         await self._write_stores()
         return ChangeRoutineResponse(message=f"rejected {proposal.name}; it is not proposed again")
-
-    async def _follow(self, habit: HabitProposal, issuer: str) -> ChangeRoutineResponse:
-        """Keep and start the routine of *habit*, or remove the one that people undo."""
-        if not self._change.service_is_ready():
-            return ChangeRoutineResponse(success=False, message=_NO_ROUTINES)
-        if habit.removes:
-            return await self._change.call(ChangeRoutineRequest(name=habit.removes, change="remove", issuer=issuer))
-        return await self._change.call(
-            ChangeRoutineRequest(change="new", text=habit.text, of_habit=True, issuer=issuer)
-        )
 
     async def _running_routines(self) -> Sequence[RoutineInfo]:
         if not self._routines.service_is_ready():

@@ -46,7 +46,8 @@ def proposal_of(tried: TriedHabit) -> HabitProposal:
     key = repr((habit.when, habit.conditions, habit.do))
     known = (*habit.occasions, *tried.trial)
     occasions = [
-        HabitOccasion(at=Time.from_seconds(occasion.at), done_at=_time(occasion.done_at)) for occasion in known
+        HabitOccasion(at=Time.from_seconds(occasion.at), done_at=Time.from_seconds(occasion.done_at or 0.0))
+        for occasion in known
     ]
     lowest, highest = tried.precision_range
     return HabitProposal(
@@ -113,10 +114,6 @@ def _proof(tried: TriedHabit) -> str:
 
 def _is_timed(when: str) -> bool:
     return (DaysAndTime.read(when) or SunMoment.read(when)) is not None
-
-
-def _time(at: float | None) -> Time:
-    return Time.from_seconds(at or 0.0)
 
 
 def _minutes(moment: DaysAndTime) -> int:

@@ -80,7 +80,11 @@ class HistoryService:
             return ReadHistoryResponse(success=False, message="since must be before until")
         try:
             matches = await self._series(self.collector, request.device, request.query)
-            wanted = _fitting(matches.series, request)
+            wanted = [
+                candidate
+                for candidate in matches.series
+                if request.part in {"", candidate.place[1]} and request.capability in {"", candidate.place[2]}
+            ]
             span = Span(round(since * 1000), round(until * 1000), request.points or _POINTS)
             series = await self._store.read(
                 self.collector, lambda reader: _read(reader, wanted[:_MAX_SERIES], matches.names, span)
@@ -197,14 +201,6 @@ def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list
         return part is not None and bool(part.part.category)
 
     return sorted(series, key=lambda one: (is_aside(one), one.place[0], one.place[2] != "power"))
-
-
-def _fitting(series: Iterable[Series], request: ReadHistoryRequest) -> list[Series]:
-    return [
-        candidate
-        for candidate in series
-        if request.part in {"", candidate.place[1]} and request.capability in {"", candidate.place[2]}
-    ]
 
 
 def _read(reader: HistoryReader, wanted: Iterable[Series], names: Mapping[str, str], span: Span) -> list[HistorySeries]:

@@ -38,7 +38,11 @@ class RecordingFile:
         self.dropped = 0
         self._left = max(0, round(megabytes * _MEGABYTE) - _END_BYTES)
         self._is_full = False
-        self._file = _create(path, force=force)
+        if force:
+            with explain_create_error(path):
+                path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link
+        file = create_file(path)
+        self._file: IO[bytes] = cast("IO[bytes]", _OwningGzip(file)) if path.suffix == ".gz" else file
 
     @property
     def is_full(self) -> bool:
@@ -112,16 +116,6 @@ class FileSink:
     async def write(self, lines: Sequence[str]) -> None:
         """Write *lines*; see :class:`LineSink`."""
         await to_thread.run_sync(self._file.write, lines)
-
-
-def _create(path: Path, *, force: bool) -> IO[bytes]:
-    if force:
-        with explain_create_error(path):
-            path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link
-    file = create_file(path)
-    if path.suffix != ".gz":
-        return file
-    return cast("IO[bytes]", _OwningGzip(file))
 
 
 class _OwningGzip(gzip.GzipFile):

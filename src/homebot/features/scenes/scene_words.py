@@ -1,6 +1,6 @@
 """The values of a part in the words of ``homebot do``, such as ``on, 20 %, 2700 K``. Pure."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Final
 
 from homebot.command_words.undo_record import RESTORED
@@ -8,7 +8,6 @@ from homebot.control.journal.given_codes import without_codes
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY
 from homebot.devices.command_messages import Setting
-from homebot.devices.device import State
 from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
@@ -75,7 +74,15 @@ def present_values(device: Device, part: DevicePart) -> dict[str, PlainValue]:
     known: list[str] = [capability for capability in _SAVED if capability in states]
     values = {capability: states[capability].value.plain() for capability in known}
     taken = {capability: value for capability, value in values.items() if _is_taken(part, capability, value)}
-    return _without_contradictions(taken, states)
+    # values that contradict others go
+    for capability, off in _OFF.items():
+        if taken.get(capability) == off:
+            return {capability: off}
+    if "position" in taken:
+        taken.pop("movement", None)
+    if all(capability in taken for capability in _HUES):  # it shows the one that it took on last
+        taken.pop(min(_HUES, key=lambda capability: states[capability].since.to_seconds()))
+    return taken
 
 
 def _is_taken(part: DevicePart, capability: str, value: PlainValue) -> bool:
@@ -86,14 +93,3 @@ def _is_taken(part: DevicePart, capability: str, value: PlainValue) -> bool:
     except RefusedError:
         return False
     return True
-
-
-def _without_contradictions(values: dict[str, PlainValue], states: Mapping[str, State]) -> dict[str, PlainValue]:
-    for capability, off in _OFF.items():
-        if values.get(capability) == off:
-            return {capability: off}
-    if "position" in values:
-        values.pop("movement", None)
-    if all(capability in values for capability in _HUES):  # it shows the one that it took on last
-        values.pop(min(_HUES, key=lambda capability: states[capability].since.to_seconds()))
-    return values
