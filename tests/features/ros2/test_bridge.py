@@ -1,5 +1,6 @@
 """A robot behind zenoh-bridge-ros2dds: a session of Zenoh alone, with the tokens, keys and bytes of the bridge."""
 
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
@@ -158,28 +159,50 @@ async def test_a_service_behind_the_bridge_answers_and_is_sent_no_attachment() -
         assert set(rosie.attachments) == {None}
 
 
-async def test_a_robot_behind_the_bridge_navigates() -> None:
-    key = "rosie/navigate_to_pose/_action"
-    async with bridged("rosie") as (app, [rosie]):
-        goals: list[Any] = []
+_ACTION = "rosie/navigate_to_pose/_action"
 
-        def take(payload: bytes) -> bytes:
-            goals.append(message_from_cdr(NAVIGATE.SendGoal.Request, payload))
-            return message_to_cdr(zero_message(NAVIGATE.SendGoal.Response).model_copy(update={"accepted": True}))
 
-        def finish(_payload: bytes) -> bytes:
-            feedback = zero_message(NAVIGATE.Feedback).model_copy(update={"distance_remaining": 1.5})
-            told = NAVIGATE.FeedbackMessage(goal_id=goals[0].goal_id, feedback=feedback)
-            rosie.session.put(f"{key}/feedback", message_to_cdr(told))
-            done = NAVIGATE.GetResult.Response(status=4, result=zero_message(NAVIGATE.Result))
-            return message_to_cdr(done)
+class Drive:
+    """The action of a robot, which takes each goal; it is done at once, or once it is cancelled."""
 
-        rosie.serve(f"{key}/send_goal", take)
-        rosie.serve(f"{key}/get_result", finish)
-        rosie.serve(f"{key}/cancel_goal", lambda _: message_to_cdr(zero_message(CancelGoal.Response)))
-        rosie.announce("AS", "rosie§navigate_to_pose", "nav2_msgs§action§NavigateToPose")
+    def __init__(self, rosie: Bridge, *, lasts: bool) -> None:
+        self.goals, self.cancelled = list[Any](), list[Any]()
+        self._rosie, self._ends = rosie, threading.Event()
+        if not lasts:
+            self._ends.set()
+
+    async def offer(self, graph: Graph) -> None:
+        self._rosie.serve(f"{_ACTION}/send_goal", self._take)
+        self._rosie.serve(f"{_ACTION}/get_result", self._finish)
+        self._rosie.serve(f"{_ACTION}/cancel_goal", self._cancel)
+        self._rosie.announce("AS", "rosie§navigate_to_pose", "nav2_msgs§action§NavigateToPose")
         for part in ("send_goal", "cancel_goal", "get_result", "feedback", "status"):
-            await appears(app.graph, f"/{key}/{part}")
+            await appears(graph, f"/{_ACTION}/{part}")
+
+    def _take(self, payload: bytes) -> bytes:
+        self.goals.append(message_from_cdr(NAVIGATE.SendGoal.Request, payload))
+        return message_to_cdr(zero_message(NAVIGATE.SendGoal.Response).model_copy(update={"accepted": True}))
+
+    def _finish(self, _payload: bytes) -> bytes:
+        feedback = zero_message(NAVIGATE.Feedback).model_copy(update={"distance_remaining": 1.5})
+        told = NAVIGATE.FeedbackMessage(goal_id=self.goals[0].goal_id, feedback=feedback)
+        self._rosie.session.put(f"{_ACTION}/feedback", message_to_cdr(told))
+        self._ends.wait(PATIENCE)
+        status = 5 if self.cancelled else 4
+        return message_to_cdr(NAVIGATE.GetResult.Response(status=status, result=zero_message(NAVIGATE.Result)))
+
+    def _cancel(self, payload: bytes) -> bytes:
+        request: Any = message_from_cdr(CancelGoal.Request, payload)
+        self.cancelled.append(request.goal_info.goal_id)
+        self._ends.set()
+        answer = {"return_code": 0, "goals_canceling": (request.goal_info,)}
+        return message_to_cdr(zero_message(CancelGoal.Response).model_copy(update=answer))
+
+
+async def test_a_robot_behind_the_bridge_navigates() -> None:
+    async with bridged("rosie") as (app, [rosie]):
+        drive = Drive(rosie, lasts=False)
+        await drive.offer(app.graph)
         left: list[float] = []
         with anyio.fail_after(PATIENCE):
             client = ActionClient(app, NAVIGATE, "/rosie/navigate_to_pose")
@@ -192,7 +215,19 @@ async def test_a_robot_behind_the_bridge_navigates() -> None:
                 await anyio.lowlevel.checkpoint()
         assert state is GoalState.SUCCEEDED
         assert left == [1.5]
-        assert [one.goal.behavior_tree for one in goals] == ["hall"]
+        assert [one.goal.behavior_tree for one in drive.goals] == ["hall"]
+
+
+async def test_a_goal_of_a_robot_behind_the_bridge_is_cancelled() -> None:
+    async with bridged("rosie") as (app, [rosie]):
+        drive = Drive(rosie, lasts=True)
+        await drive.offer(app.graph)
+        with anyio.fail_after(PATIENCE):
+            goal = await ActionClient(app, NAVIGATE, "/rosie/navigate_to_pose").send_goal(zero_message(NAVIGATE.Goal))
+            answer = await goal.cancel()
+            state, _ = await goal.result()
+        assert state is GoalState.CANCELED
+        assert [one.goal_id for one in answer.goals_canceling] == drive.cancelled == [drive.goals[0].goal_id]
 
 
 async def test_a_robot_has_no_topic_of_another_and_says_nothing_on_it() -> None:
