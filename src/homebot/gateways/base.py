@@ -92,10 +92,12 @@ class HostService(Generic[ServiceT_co]):
     Attributes:
         kind: The class of the running service, its key in a :class:`GatewayContext`.
         start: Runs it; the context is entered when it is ready, and stops it when left.
+        name: Its name for people; empty for one that several gateways may use.
     """
 
     kind: type[ServiceT_co]
     start: Callable[[Graph, Clock], AbstractAsyncContextManager[ServiceT_co]]
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -222,6 +222,11 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
             part()
         except ConfigError as exc:
             errors += (exc, *exc.others)
+    if not errors:
+        try:
+            _gateways(config)
+        except ConfigError as exc:
+            errors.append(exc)
     return (*errors, *(error for first in left_out.values() for error in (first, *first.others)))
 
 
@@ -280,6 +285,12 @@ def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
         is_implied = row.implied_by and any(getattr(gateway.kind, row.implied_by) for gateway in gateways)
         if is_implied and key not in config.gateways:
             gateways.append(_gateway(key, {"class": row.plugin}, config))
+    users: dict[str, str] = {}
+    for gateway in gateways:
+        for service in gateway.kind.host_services(gateway.settings):
+            if service.name and (first := users.setdefault(service.name, gateway.name)) != gateway.name:
+                problem = f"only one gateway can have {service.name}, and gateways.{first} has them"
+                raise ConfigError(config.source, f"gateways.{gateway.name}", problem)
     return tuple(gateways)
 
 

@@ -1,5 +1,6 @@
 """Bluetooth receivers in other rooms, as a service of the host: drivers hand them over, a gateway listens to them."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import Final, final
@@ -45,7 +46,7 @@ class ProxyGate:
         return False
 
 
-class BleProxies:
+class BleProxies(ABC):
     """The proxies that are connected.
 
     Attributes:
@@ -54,6 +55,7 @@ class BleProxies:
 
     takes_found: bool
 
+    @abstractmethod
     def attached(
         self, source: str, name: str, room: str, make_scanner: Callable[[ProxyGate], object]
     ) -> AbstractContextManager[object]:
@@ -68,7 +70,6 @@ class BleProxies:
         Raises:
             RefusedError: Another proxy has its address, or too many are connected.
         """
-        raise NotImplementedError
 
 
 PROXY_EXTRA: Final = "ble-proxies"

@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from homebot.errors import UsageError
+from homebot.config import parse_config
+from homebot.errors import ConfigError, UsageError
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
+from homebot.runtime.plan import make_plan, plan_errors
 
 ADDRESS = "A4:C1:38:0A:0B:0C"
 KEY = "231d39c1d7cc1ab1aee224cd096db932"
@@ -74,3 +76,15 @@ def test_a_variable_that_is_not_set_is_named() -> None:
 def test_a_mistake_is_named(given: dict[str, object], named: str) -> None:
     with pytest.raises(ValidationError, match=named):
         settings(**given)
+
+
+def test_a_second_gateway_with_proxies_is_refused_because_the_library_has_one_place_for_them() -> None:
+    second = {"class": "ble", "proxies": True}
+    tables = {"gateways": {"ble": {"proxies": True}, "attic": second}}
+    problem = "gateways.attic: only one gateway can have Bluetooth proxies, and gateways.ble has them"
+    config = parse_config(tables, "test")
+    with pytest.raises(ConfigError, match=problem):
+        make_plan(config)
+    assert [str(error) for error in plan_errors(config)] == [f"test: {problem}"]
+    del second["proxies"]
+    assert len(make_plan(parse_config(tables, "test")).gateways) == 2

@@ -115,7 +115,7 @@ class BleGateway(Gateway):
             with ProxyHub(clock, takes_found=settings.proxies is True).running() as hub:
                 yield hub
 
-        return (HostService(BleProxies, start),)
+        return (HostService(BleProxies, start, "Bluetooth proxies"),)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the scan and the connections until cancelled; ready after the first attempt to scan."""

@@ -220,7 +220,7 @@ class ShellyDriver(Driver):
 
     async def _relay_bluetooth(self, rpc: RpcLink, about: Fields) -> None:
         """Hand over the advertisements that the owner's device hears, if it has the script for that."""
-        proxies = self.host.service(BleProxies)
+        proxies = self.host.service(BleProxies)  # type: ignore[type-abstract]
         if proxies is None or not proxies.takes_found:
             return
         relay = BluetoothRelay(about)

@@ -94,7 +94,7 @@ class EsphomeDriver(Driver):
     @asynccontextmanager
     async def _relaying(self, connection: EsphomeConnection, *, is_owners: bool) -> AsyncIterator[None]:
         """Hand over the advertisements that the owner's device hears, inside the block."""
-        proxies = self.host.service(BleProxies)
+        proxies = self.host.service(BleProxies)  # type: ignore[type-abstract]
         with ExitStack() as stack:
             if proxies is not None and proxies.takes_found and is_owners and connection.is_bluetooth_proxy:
                 from homebot.integrations.esphome.driver import bluetooth_proxy  # noqa: PLC0415 - an extra
