@@ -116,7 +116,8 @@ release: docs wheel $(AUDIT)/.ready
 		if [ -z "$$engine" ]; then echo "no image: neither podman nor docker works here"; else \
 		$$engine build --quiet --tag homebot . && $$engine save --output dist/homebot-image.tar homebot; fi
 	@cd dist && sha256sum * > SHA256SUMS && cat SHA256SUMS
-	@[ -z "$(SIGN)" ] || { $(AUDIT)/bin/pip install --quiet --disable-pip-version-check sigstore && $(AUDIT)/bin/sigstore sign dist/*; }
+	@[ -z "$(SIGN)" ] || { $(AUDIT)/bin/pip install --quiet --disable-pip-version-check sigstore && $(AUDIT)/bin/sigstore sign dist/*; } || \
+		{ echo "not signed, as sigstore.dev or an identity was not to be had; all else is in dist/: $(AUDIT)/bin/sigstore sign dist/*" >&2; exit 1; }
 
 ## Measures speed and memory, compared with Home Assistant if it can be installed.
 bench: $(BENCH)/.ready $(VENV)/.peers $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
