@@ -5,8 +5,8 @@ All readers of this package raise :class:`NotCarriedError` for all that no routi
 
 import math
 import re
-from collections.abc import Iterable, Iterator
-from typing import Final, final
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Final, NamedTuple, final
 
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes, tree_of
@@ -150,6 +150,35 @@ class UnreadFields:
         minutes, rest = divmod(round(abs(seconds), 3), 60)
         parts = zip("hms", (*divmod(minutes, 60), rest), strict=True)
         return ("-" if seconds < 0 else "") + "".join(f"{count:.10g}{unit}" for unit, count in parts if count)
+
+
+class CalledService(NamedTuple):
+    """The call of a service.
+
+    Attributes:
+        entities: The ids that it names, in its target, its data or beside it.
+    """
+
+    name: str
+    entities: list[str]
+    data: UnreadFields
+
+
+def service_name(fields: Mapping[str, Located]) -> str:
+    """Return the service that the action *fields* calls; empty for another action."""
+    return next((str(fields[key].value) for key in ("service", "action") if key in fields), "")
+
+
+def called_service(fields: Mapping[str, Located]) -> CalledService:
+    """Return the call of a service that the action *fields* is, which stay unread.
+
+    Raises:
+        NotCarriedError: Its fields have no names.
+    """
+    call = UnreadFields(Located(dict(fields), 0), "action")
+    data = call.inner("data", "data_template", "service_data")
+    ids = [text for place in (call.inner("target"), data, call) for text in place.texts("entity_id")]
+    return CalledService(service_name(fields), ids, data)
 
 
 def items_of(node: Located | None, what: str) -> list[Located]:

@@ -6,7 +6,7 @@ from itertools import takewhile
 from typing import Final, NamedTuple
 
 from homebot.integrations.homeassistant.automations.expressions import expression_of, state_entity
-from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, walk
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, called_service, service_name, walk
 from homebot.integrations.homeassistant.automations.service_tables import SERVICE_FIELDS
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 from homebot.support.located import Located
@@ -63,8 +63,8 @@ def _is_all(restored: Sequence[_Call], before: Sequence[Located], after: Sequenc
     names = [re.compile(rf"\b{name}\b") for call in restored for name in call.names]
     if any(name.search(str(other)) for name in names for other in (*before, *after)):
         return False
-    calls = [inner for action in before for inner in walk(action) if _is_call(inner)]
-    calls = [call for call in calls if not _name_of(call).startswith(("tts.", "notify."))]  # messages set nothing
+    calls = [inner for action in before for inner in walk(action) if service_name(inner)]
+    calls = [call for call in calls if not service_name(call).startswith(("tts.", "notify."))]  # messages set nothing
     set_before = [_call_of(call) for call in calls if restored[0].entity in str(call)]
     return all(call is not None and call.fields <= fields for call in set_before)
 
@@ -88,32 +88,21 @@ def _kept(text: str) -> tuple[str, str] | None:
     return (entity, field) if field else None
 
 
-def _is_call(fields: Mapping[str, Located]) -> bool:
-    return not {"service", "action"}.isdisjoint(fields)
-
-
-def _name_of(fields: Mapping[str, Located]) -> str:
-    return str(next((fields[key].value for key in ("service", "action") if key in fields), ""))
-
-
 def _call_of(fields: Mapping[str, Located]) -> _Call | None:
     """Return the call that *fields* are; None for another one, or of several entities."""
-    name = _name_of(fields)
     try:
-        call = UnreadFields(Located(dict(fields), 0), "action")
-        data = call.inner("data", "data_template")
-        ids = [text for place in (call.inner("target"), data, call) for text in place.texts("entity_id")]
+        call = called_service(fields)
     except NotCarriedError:
         return None
-    known = _SETS.get(name, frozenset())
-    set_fields = known & data.left.keys() if len(known) > 1 else known
-    return _Call(ids[0], set_fields) if len(ids) == 1 and set_fields else None
+    known = _SETS.get(call.name, frozenset())
+    set_fields = known & call.data.left.keys() if len(known) > 1 else known
+    return _Call(call.entities[0], set_fields) if len(call.entities) == 1 and set_fields else None
 
 
 def _restoring(action: Located, kept: Mapping[str, tuple[str, str]]) -> _Call | None:
     """Return the call with which *action* brings back *kept* values; None for another action."""
     fields = action.value if isinstance(action.value, dict) else {}
-    call = _call_of(fields) if _is_call(fields) and "enabled" not in fields else None
+    call = _call_of(fields) if service_name(fields) and "enabled" not in fields else None
     if call is None:
         return None
     names = set()

@@ -35,7 +35,13 @@ from homebot.integrations.homeassistant.automations.entities import (
     slug_of,
 )
 from homebot.integrations.homeassistant.automations.expressions import round_limit
-from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
+from homebot.integrations.homeassistant.automations.fields import (
+    NotCarriedError,
+    UnreadFields,
+    called_service,
+    items_of,
+    service_name,
+)
 from homebot.integrations.homeassistant.automations.files import from_blueprint, groups_of, part_of, with_files
 from homebot.integrations.homeassistant.automations.kept_values import with_snapshot
 from homebot.integrations.homeassistant.automations.run_marks import marked_by, run_marks
@@ -113,7 +119,7 @@ class Actions:
         steps: list[Step] = []
         for number, node in enumerate(nodes):
             fields = node.value if isinstance(node.value, dict) else {}
-            if "variables" in fields and "service" not in fields and "action" not in fields:
+            if "variables" in fields and not service_name(fields):
                 with self._automation.in_line(node.line):
                     constants = self._automation.define(fields["variables"])
                     further, rest = self._read_with(constants, fields["variables"], nodes[number + 1 :])
@@ -292,8 +298,7 @@ class Actions:
                 self._snapshots[f"scene.{scene}"] = {entity.name for entity in known}
                 return []
             case "scene.turn_on" | "scene.apply" if self._snapshots:
-                target = UnreadFields(Located(dict(fields.left), 0), "action")
-                ids = [text for place in (target.inner("target", "data"), target) for text in place.texts("entity_id")]
+                ids = called_service(fields.left).entities
                 if len(ids) != 1 or ids[0] not in self._snapshots:
                     return None
                 if others := self._commanded - self._snapshots[ids[0]]:
@@ -337,9 +342,7 @@ class Actions:
         domain, _, name = str(called.value if called else "").partition(".")
         given, is_turned_on = UnreadFields(Located({}, 0), "data"), (domain, name) == ("script", "turn_on")
         if is_turned_on:
-            call = UnreadFields(Located(dict(fields.left), 0), "action")
-            data = call.inner("data", "service_data")
-            ids = [text for place in (call.inner("target"), data, call) for text in place.texts("entity_id")]
+            _, ids, data = called_service(fields.left)
             name = ids[0].removeprefix("script.") if len(ids) == 1 else ""
             given = data.inner("variables")
             data.end()

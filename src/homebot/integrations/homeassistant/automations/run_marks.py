@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, called_service, service_name
 from homebot.support.located import Located
 
 _NOW: Final = re.compile(
@@ -23,7 +23,7 @@ def run_marks(actions: Sequence[Located], others: Sequence[str]) -> frozenset[st
     marks: set[str] = set()
     for node in actions:
         fields = node.value if isinstance(node.value, dict) else {}
-        if {"service", "action"}.isdisjoint(fields) or "enabled" in fields:
+        if not service_name(fields) or "enabled" in fields:
             break
         marks |= {marked_by(fields)}
     return frozenset(mark for mark in marks - {""} if not any(mark in other for other in others))
@@ -31,15 +31,12 @@ def run_marks(actions: Sequence[Located], others: Sequence[str]) -> frozenset[st
 
 def marked_by(fields: Mapping[str, Located]) -> str:
     """Return the helper that the call of a service sets to the time of now; empty for another call."""
-    name = next((fields[key].value for key in ("service", "action") if key in fields), "")
-    if name != SETS_TIME:
+    if service_name(fields) != SETS_TIME:
         return ""
-    call = UnreadFields(Located(dict(fields), 0), "action")
     try:
-        data = call.inner("data", "data_template")
-        ids = [text for place in (call.inner("target"), data, call) for text in place.texts("entity_id")]
+        call = called_service(fields)
     except NotCarriedError:
         return ""
-    (time,) = data.left.values() if len(data.left) == 1 else (Located("", 0),)
+    (time,) = call.data.left.values() if len(call.data.left) == 1 else (Located("", 0),)
     is_now = isinstance(time.value, str) and _NOW.fullmatch("".join(time.value.split()))
-    return ids[0] if len(ids) == 1 and is_now else ""
+    return call.entities[0] if len(call.entities) == 1 and is_now else ""
