@@ -158,6 +158,7 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "notify {name of it} in {room of it}, {time}, {before}",
         "it on",
         "Modus option night",
+        "Flur floor 2",
         "Flur {level of Bad + 10} %",
         "Flur on, {min(sun elevation * 2, 100)} %, over 5s",
         "Flur on, over 5s",

@@ -89,6 +89,7 @@ HUE: Final = Phrase("color {value:number}")
 VERB_FIRST: Final = (
     (Phrase("turn|set|switch [the] {target} do~on|off"), "{target} {do}"),
     (Phrase("turn|set|dim [the] {target} to {value}"), "{target} to {value}"),
+    (Phrase("send|bring [the] {target} to [the] floor {value}"), "{target} floor {value}"),
     (
         Phrase("[turn|switch] do~on|off|open|close|toggle|lock|unlock|start|stop|pause|play [the] {target}"),
         "{target} {do}",

@@ -408,7 +408,7 @@ def _listed(steps: Sequence[str]) -> str:
 def _is_no_target(text: str) -> bool:
     """Return whether a target and a word after it are not meant so, as in ``turn …`` or ``… for 5m``."""
     words = text.casefold().split(" ")
-    is_verb = words[0] == "turn" or (words[0] == "set" and "to" in words[2:])
+    is_verb = words[0] == "turn" or (words[0] in {"bring", "send", "set"} and "to" in words[2:])
     return is_verb or words[-2] in {"and", "at", "for", "over", "then", "with"}
 
 

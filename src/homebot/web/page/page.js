@@ -1,1 +1,1 @@
-import"./chunk-W6JLJAU5.js";
+import"./chunk-TUJYBKEK.js";

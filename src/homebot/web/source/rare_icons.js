@@ -24,7 +24,7 @@ export const RARE_THINGS = {
   x_alarm_panel: [SIGNS.armed_away, SIGNS.disarmed],
   robotic_vacuum_cleaner: [mdi.mdiRobotVacuum, mdi.mdiRobotVacuum],
   x_lawn_mower: [mdi.mdiRobotMower, mdi.mdiRobotMowerOutline],
-  x_lift: [mdi.mdiSwapVertical, mdi.mdiSwapVertical],
+  x_lift: [mdi.mdiElevator, mdi.mdiElevator],
   camera: [mdi.mdiCctv, mdi.mdiCctv],
   doorbell: [mdi.mdiDoorbellVideo, mdi.mdiDoorbellVideo],
   air_quality_sensor: [mdi.mdiMoleculeCo2, mdi.mdiMoleculeCo2],

@@ -387,7 +387,7 @@ d\xE9tecteur
 Entr\xE9e
 approuver {name}
 trop de codes faux ; d\xE9branchez-le un instant
-porte peut-\xEAtre ouverte
+la porte est peut-\xEAtre ouverte
 verrouillage
 Sans compteur propre
 Tout va bien. \xC0 noter :
@@ -724,6 +724,7 @@ changed back after {count} s, {value}
 not sent: {reason}
 contradicted: {reason}
 the host name cannot be looked up now ({what})
+{name} has the lift
 {value} closed the connection
 {name} is not connected: {reason}
 {name} is not connected
@@ -964,6 +965,7 @@ revenu apr\xE8s {count} s, {value}
 non envoy\xE9 : {reason}
 contredit : {reason}
 le nom de la machine est introuvable en ce moment ({what})
+{name} a l'ascenseur
 {value} a ferm\xE9 la connexion
 {name} n'est pas connect\xE9 : {reason}
 {name} n'est pas connect\xE9

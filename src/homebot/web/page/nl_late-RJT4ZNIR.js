@@ -387,7 +387,7 @@ melder
 Hal
 {name} goedkeuren
 te veel foute codes; haal het even van de stroom
-deur misschien open
+de deur is misschien open
 vergrendeling
 Zonder eigen meter
 Alles is in orde. Let op:
@@ -724,6 +724,7 @@ changed back after {count} s, {value}
 not sent: {reason}
 contradicted: {reason}
 the host name cannot be looked up now ({what})
+{name} has the lift
 {value} closed the connection
 {name} is not connected: {reason}
 {name} is not connected
@@ -964,6 +965,7 @@ ging na {count} s terug, {value}
 niet verzonden: {reason}
 tegengesproken: {reason}
 de naam van de computer is nu niet op te zoeken ({what})
+{name} heeft de lift
 {value} sloot de verbinding
 {name} is niet verbonden: {reason}
 {name} is niet verbonden

@@ -387,7 +387,7 @@ Melder
 Flur
 {name} freigeben
 zu viele falsche Codes; nimm es kurz vom Strom
-T\xFCr vielleicht offen
+die T\xFCr ist vielleicht offen
 Verriegelung
 Ohne eigenen Z\xE4hler
 Alles ist in Ordnung. Zu beachten:
@@ -724,6 +724,7 @@ changed back after {count} s, {value}
 not sent: {reason}
 contradicted: {reason}
 the host name cannot be looked up now ({what})
+{name} has the lift
 {value} closed the connection
 {name} is not connected: {reason}
 {name} is not connected
@@ -964,6 +965,7 @@ ging nach {count} s zur\xFCck, {value}
 nicht gesendet: {reason}
 widersprochen: {reason}
 der Name des Rechners l\xE4sst sich gerade nicht aufl\xF6sen ({what})
+{name} hat den Aufzug
 {value} hat die Verbindung beendet
 {name} ist nicht verbunden: {reason}
 {name} ist nicht verbunden

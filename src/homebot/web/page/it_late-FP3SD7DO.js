@@ -387,7 +387,7 @@ rilevatore
 Ingresso
 approva {name}
 troppi codici sbagliati; scollegalo un momento
-porta forse aperta
+la porta \xE8 forse aperta
 interblocco
 Senza contatore proprio
 Va tutto bene. Da notare:
@@ -724,6 +724,7 @@ changed back after {count} s, {value}
 not sent: {reason}
 contradicted: {reason}
 the host name cannot be looked up now ({what})
+{name} has the lift
 {value} closed the connection
 {name} is not connected: {reason}
 {name} is not connected
@@ -964,6 +965,7 @@ tornato dopo {count} s, {value}
 non inviato: {reason}
 contraddetto: {reason}
 ora il nome del computer non si pu\xF2 risolvere ({what})
+{name} ha l'ascensore
 {value} ha chiuso la connessione
 {name} non \xE8 connesso: {reason}
 {name} non \xE8 connesso

@@ -387,7 +387,7 @@ detector
 Pasillo
 aprobar {name}
 demasiados c\xF3digos incorrectos; descon\xE9ctalo un momento
-puerta quiz\xE1 abierta
+quiz\xE1 la puerta est\xE9 abierta
 enclavamiento
 Sin medidor propio
 Todo est\xE1 bien. A tener en cuenta:
@@ -724,6 +724,7 @@ changed back after {count} s, {value}
 not sent: {reason}
 contradicted: {reason}
 the host name cannot be looked up now ({what})
+{name} has the lift
 {value} closed the connection
 {name} is not connected: {reason}
 {name} is not connected
@@ -964,6 +965,7 @@ volvi\xF3 tras {count} s, {value}
 no enviado: {reason}
 contradicho: {reason}
 ahora no se puede resolver el nombre del equipo ({what})
+{name} tiene el ascensor
 {value} cerr\xF3 la conexi\xF3n
 {name} no est\xE1 conectado: {reason}
 {name} no est\xE1 conectado
