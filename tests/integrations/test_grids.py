@@ -120,6 +120,7 @@ def test_a_level_of_homie_has_its_step_in_percent() -> None:
     assert [level.nearest(one) for one in (0.0, 1.0, 44.0, 100.0)] == [0.0, 25.0, 50.0, 100.0]
 
 
+@pytest.mark.rooms("zigbee2mqtt")
 @pytest.mark.parametrize(("wanted", "told"), [(200.0, 225), (30.0, 0), (600.0, 600)])
 def test_a_setting_of_zigbee2mqtt_has_its_value_step(wanted: float, told: int) -> None:
     expose = {"type": "numeric", "name": "range", "property": "range", "access": 7}

@@ -58,6 +58,7 @@ async def test_a_command_in_words_applies_and_undoes_a_scene() -> None:
         assert unknown.message == "there is no scene 'Fim'; did you mean Film?"
 
 
+@pytest.mark.rooms("routines")
 async def test_a_step_of_a_routine_applies_a_scene_and_its_undo_brings_back_what_was_before() -> None:
     assert read_step("scene Film night") == Do("scene Film night", "scene Film night", "apply")
     slowly = read_step("scene Film, over 5s")
@@ -75,6 +76,7 @@ async def test_a_step_of_a_routine_applies_a_scene_and_its_undo_brings_back_what
         assert not is_on(world, "study_lamp")
 
 
+@pytest.mark.rooms("routines")
 async def test_a_scene_that_is_renamed_is_so_in_its_routines_and_others_are_named() -> None:
     configured = {"name": "Late", "when": ["22:30"], "do": ["scene film, over 5s"]}
     kept = """[[routines]]
@@ -115,6 +117,7 @@ async def test_an_app_applies_a_scene_and_gets_the_outcome_of_each_part() -> Non
         assert not is_on(world, "hall_lamp")
 
 
+@pytest.mark.rooms("routines")
 async def test_a_routine_that_applies_a_scene_is_checked_by_its_values() -> None:
     """At one time one turns the lamp off, and the scene of another turns it on."""
     world = hall()
