@@ -36,7 +36,7 @@ def test_only_the_convention_that_hears_something_loads_its_reader() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.rooms("zigbee2mqtt", "thesis")
+@pytest.mark.rooms("zigbee2mqtt")
 @pytest.mark.parametrize("names", [default_conventions(), ("thesis", "homeassistant", "zigbee2mqtt", "homie")])
 def test_lists_of_all_devices_are_asked_for_before_single_announcements(names: tuple[str, ...]) -> None:
     """Else each device would be described twice: from its announcements while the list is read, and with the list."""
