@@ -98,6 +98,7 @@ def test_a_brightness_is_read_on_its_own_scale(schema: str, scale: int, payload:
     assert heard(part, topic, told)["level"] == level
 
 
+@pytest.mark.rooms("homie")
 @pytest.mark.parametrize(
     ("field", "wanted", "value", "told"),
     [
@@ -113,6 +114,7 @@ def test_a_number_of_homie_has_its_step(field: Mapping[str, object], wanted: flo
     assert sent(described, "number", wanted) == (value, [told])
 
 
+@pytest.mark.rooms("homie")
 def test_a_level_of_homie_has_its_step_in_percent() -> None:
     props = {"on": {"datatype": "boolean", "settable": True}}
     props["brightness"] = {"datatype": "integer", "format": "0:100:25", "unit": "%", "settable": True}
