@@ -48,7 +48,7 @@ def comparison(name: Token, operator: Token, value: Token) -> Query:
     spelled = fold(name.text)
     sign = next(one for one in get_args(Operator) if one == operator.text)
     capability = CAPABILITY_WORDS.get(spelled) if name.kind == "word" else None
-    if capability is not None and not (spelled in FIELDS and spelled != "text" and value.text in _REACHABLE):
+    if capability is not None and (spelled not in FIELDS or spelled == "text"):
         return _state(CAPABILITIES[capability], sign, value)
     if sign not in {"=", "!="}:
         raise UsageError(f"{name.text} {operator.text} {value.text}: {_not_ordered(spelled, name)}")
