@@ -1,4 +1,4 @@
-"""Lifts: none is sent to another floor with a door that may be open, or while somebody else has it. Pure."""
+"""Lifts: none is sent to another floor with a door that may be open, or in the session of another. Pure."""
 
 from typing import Final
 

@@ -37,7 +37,7 @@ _BLOCKS_WITHIN: Final = 120.0
 """Seconds in which the blocks of one answer are asked for: a slow radio takes a tenth of a second for each."""
 
 _MAX_PAYLOAD: Final = 1024
-"""Bytes that one message has at most; RFC 7252, section 4.6. What is longer is asked for in blocks.
+"""Bytes that one message has at most; RFC 7252, section 4.6. A longer answer is asked for in blocks.
 
 aiocoap's directory notifies in one message however long it is, and aiocoap's client cuts it at 4,096 bytes in silence.
 """

@@ -561,7 +561,7 @@ class Automation:
         """Return the routine with the id of an automation, which ends at once.
 
         Raises:
-            NotCarriedError: It is not known, or waits: who runs it would not wait for its end.
+            NotCarriedError: It is not known, or waits: the automation that runs it would not wait for its end.
         """
         name = self.names.routine(entity_id)
         own = [text for text in self.calling if f"'alias': {name!r}" in text]

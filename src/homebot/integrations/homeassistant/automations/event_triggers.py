@@ -93,7 +93,7 @@ _SENDERS: Final = {
     "hue_event": _Sender("unique_id", "type"),
 }
 _ANSWERS: Final = {"mobile_app_notification_action": "action", "ios.notification_action_fired": "actionName"}
-"""The fields of events with the button of a message that somebody pressed."""
+"""The fields of events with the pressed button of a message."""
 
 _STARTS: Final = frozenset({"homeassistant_started", "homeassistant_start"})
 

@@ -295,7 +295,7 @@ _INSTEAD: Final = (
     (("range(", "random"), "write each value as a way of `choose`"),
     (("[",), "write each way as one of `choose`"),
 )
-"""What to write instead of templates, by what is in their texts."""
+"""The text to write instead of a template, by a word of the template."""
 
 _WAYS: Final = "write each value as a way of `choose`, or a list as `{names of window open}`"
 _STATES_INSTEAD: Final = "write the value itself, or each way as one of `choose` that asks for a state"

@@ -69,7 +69,7 @@ def _fields(payload: str) -> Mapping[str, object]:
 
 
 def _setting(name: str, value: object) -> ServiceSetting | None:
-    """Return what the field *name* of a message sets; None for another field or value."""
+    """Return the setting of the field *name* of a message; None for another field or value."""
     if name == "state" and (service := _STATES.get(str(value).casefold())) is not None:
         capabilities, _, words = SERVICE_WORDS[service].partition(" ")
         return ServiceSetting(capabilities, words)

@@ -209,7 +209,7 @@ def _names_in(body: Sequence[nodes.Node]) -> set[tuple[str, ...]]:
 
 
 def _tests_of(node: nodes.For) -> tuple[list[nodes.Node], Sequence[nodes.Node]]:
-    """Return what a loop asks for, also by the only `if` in it, and what it writes then."""
+    """Return the conditions of a loop, also of the only `if` in it, and the text that it writes then."""
     tests = [node.test] if node.test is not None else []
     match [part for part in node.body if not _is_space(part)]:
         case [nodes.If(else_=[], elif_=[]) as choice]:
@@ -248,7 +248,7 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
 
 
 _FIELDS: Final = {("state",): _by_state, ("attributes", "device_class"): _by_class}
-"""What a comparison in a loop leaves of a list, by what it compares."""
+"""The elements that a comparison in a loop leaves of a list, by the comparison."""
 
 
 def any_of_queries(texts: Sequence[str]) -> str:
