@@ -115,6 +115,13 @@ return last.bottom > document.querySelector("[role=alert]").getBoundingClientRec
 """
 """Whether the outcome of a command covers the end of the page, also after it was scrolled there."""
 
+DRAWN_LATE = """
+const later = setTimeout;
+globalThis.setTimeout = (work, delay) => later(work, delay === 35 ? 1000 : delay);
+globalThis.requestAnimationFrame = (work) => later(work, 1000);
+"""
+"""Lets a second pass before the page's library does what follows a drawing: after a frame, at the latest in 35 ms."""
+
 ALWAYS_ASKING = {
     "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},
     "places": {"devices": {"lights/philips165": {"tags": ["always_ask"]}}},
@@ -605,6 +612,14 @@ async def test_an_alert_on_the_first_view_is_in_the_language_of_the_page_at_once
         await own.shows("Rauch oder Hitze")
         assert own.problems() == []
         await to_thread.run_sync(browser.execute_script, "localStorage.clear()")
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+
+
+async def test_a_view_that_is_there_before_its_place_is_drawn_is_shown(browser: Any, page: OpenPage) -> None:
+    """The link to a room led to an empty page now and then, until the page was loaded anew."""
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": DRAWN_LATE})
+    async with page() as own:
+        await own.open("#/room/Room%20405", shows="roomlights405")
     browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
 

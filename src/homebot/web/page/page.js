@@ -1,1 +1,1 @@
-import"./chunk-TUJYBKEK.js";
+import"./chunk-7H6VFOJG.js";

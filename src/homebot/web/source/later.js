@@ -18,9 +18,9 @@ export function later(load, loadTexts = loadRest) {
   let View = null;
   let loading = null;
   function Later(props) {
-    const [, setLoaded] = useState(View !== null);
+    const [isDrawn, setDrawn] = useState(View !== null);
     useEffect(() => {
-      if (!View) Later.begin().then(() => setLoaded(true), () => (isOutdated.value = true));
+      if (!isDrawn) Later.begin().then(() => setDrawn(true), () => (isOutdated.value = true));
     }, []);
     return View && html`<${View} ...${props} />`;
   }
