@@ -27,6 +27,7 @@ PAYLOADS: Final[Mapping[str, Sequence[str]]] = {
     "power_meter": (),
     "thermostat": ("20", "5", "30"),
     "robot": ("go outside", "stop"),
+    "lift": ("upper", "open", "close", "ground"),
 }
 """The commands of each kind of device."""
 
@@ -60,6 +61,11 @@ KIND_SETTINGS: Final[Mapping[str, Settings]] = {
         "rated_watts": _watts,
     },
     "robot": {"speed": st.sampled_from((1.0, 0.1, 10.0))},
+    "lift": {
+        "floors": st.sampled_from((["ground", "upper"], ["cellar", "ground", "upper"])),
+        "travel_time": _seconds,
+        "door_time": _seconds,
+    },
 }
 """The settings of each kind of device."""
 
