@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from collections.abc import Awaitable, Callable
 from importlib import import_module
 from pathlib import Path
@@ -30,6 +31,7 @@ def world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> World:
         (tmp_path / name).write_text(text)
     monkeypatch.syspath_prepend(str(tmp_path))
     for name in FILES:
+        monkeypatch.delitem(sys.modules, name.removesuffix(".py"), raising=False)  # another test's program
         import_module(name.removesuffix(".py"))
     (tmp_path / "house.toml").write_text(HOUSE)
     read_zone("Europe/Berlin")  # from the disk, once

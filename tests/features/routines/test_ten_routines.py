@@ -2,6 +2,7 @@
 
 import asyncio
 import re
+import sys
 import tomllib
 from collections import Counter
 from collections.abc import Iterable
@@ -94,6 +95,7 @@ def test_the_same_as_exported_apps_do_the_same(lived: Week, tmp_path: Path, monk
         text = f"[[routines]]\n{table}"
         settings, app = read_settings(text, "test"), read_routines(text, "test")[0].app
         (tmp_path / f"{app}.py").write_text(app_text(settings))
+        monkeypatch.delitem(sys.modules, app, raising=False)  # another test's program
         import_module(app)  # a file is not read on the event loop
         apps[app] = {"class": f"{app}:{class_name(settings)}"}
     found = replayed(lived.recording, replay_config(lived.recording, (), load_config(ROUTINES), apps))
