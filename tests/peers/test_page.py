@@ -122,6 +122,14 @@ globalThis.requestAnimationFrame = (work) => later(work, 1000);
 """
 """Lets a second pass before the page's library does what follows a drawing: after a frame, at the latest in 35 ms."""
 
+LISTED_LATE = """
+const { send } = WebSocket.prototype;
+WebSocket.prototype.send = function (frame) {
+  setTimeout(() => send.call(this, frame), frame.includes("/discovery/list") ? 1000 : 0);
+};
+"""
+"""Lets the list of devices be asked for a second later than all else."""
+
 ALWAYS_ASKING = {
     "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},
     "places": {"devices": {"lights/philips165": {"tags": ["always_ask"]}}},
@@ -620,6 +628,16 @@ async def test_a_view_that_is_there_before_its_place_is_drawn_is_shown(browser: 
     added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": DRAWN_LATE})
     async with page() as own:
         await own.open("#/room/Room%20405", shows="roomlights405")
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+
+
+async def test_a_device_that_a_link_opens_is_shown_although_the_list_of_devices_comes_later(
+    browser: Any, page: OpenPage
+) -> None:
+    """It was said not to be there any more, for as long as it reported nothing."""
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": LISTED_LATE})
+    async with page() as own:
+        await own.open(LAMP, shows="What is known")
     browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
 

@@ -1,1 +1,1 @@
-import"./chunk-7H6VFOJG.js";
+import"./chunk-AWUTLYFY.js";

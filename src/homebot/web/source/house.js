@@ -26,8 +26,8 @@ export const rooms = computed(() => {
   return [...found.values()].sort(([a], [b]) => last(a) - last(b) || a.localeCompare(b));
 });
 
-/** The signal of a device; undefined without one. */
-export const deviceOf = (id) => devices.get(id);
+/** The signal of a device; undefined until it comes, which the reader is told. */
+export const deviceOf = (id) => devices.get(id) ?? void ids.value;
 
 /** Whether the owner hides a device in the house and on the plan. */
 export const isHidden = (id) => isKept("hidden", id);

@@ -3,7 +3,7 @@ import { Added } from "../added.js";
 import { now } from "../clock.js";
 import { Controls } from "../controls.js";
 import { may } from "../door.js";
-import { deviceOf } from "../house.js";
+import { deviceOf, isLoaded } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign } from "../icons.js";
 import { stateOf } from "../kinds.js";
@@ -19,7 +19,7 @@ import { UNNAMED, durationText, label, seconds, timeText, titled, valueText } fr
 export function Device({ id }) {
   const short = deviceOf(id)?.value;
   const full = useFull(id, true, short?.changedAt);
-  if (!short) return html`<h1><bdi>${id}</bdi></h1><p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
+  if (!short) return isLoaded.value && html`<h1><bdi>${id}</bdi></h1><p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
   return html`
     <div class="title">
       <h1>${short.name} <small>${label(short.type)}${short.room && `, ${titled(short.room)}`}</small></h1>
