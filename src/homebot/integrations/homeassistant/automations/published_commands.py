@@ -75,4 +75,5 @@ def _setting(name: str, value: object) -> ServiceSetting | None:
         return ServiceSetting(capabilities, words)
     if (row := _NUMBERS.get(name)) is None or not isinstance(value, int | float) or isinstance(value, bool):
         return None
-    return row._replace(value=round(value * row.factor))
+    share = value * row.factor
+    return row._replace(value=round(share)) if 0 <= share <= 100 else None
