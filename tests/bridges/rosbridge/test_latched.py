@@ -7,13 +7,14 @@ from homebot.devices.health import HealthRequest
 
 
 async def kept(peer: Peer, *topics: str) -> dict[str, int]:
-    """Return the length of the text that each topic keeps."""
+    """Return the length of the text that each topic keeps; answers and messages are sent alternately."""
     found = {}
     for topic in topics:
         await peer.send("subscribe", topic=topic)
+    for _ in ("before the first message", *topics):
         await peer.send("call_service", id="end", service="/rosapi/get_time")
         while (frame := await peer.receive()).get("id") != "end":
-            found[topic] = len(frame["msg"]["data"])
+            found[frame["topic"]] = len(frame["msg"]["data"])
     return found
 
 
