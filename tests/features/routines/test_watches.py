@@ -8,6 +8,7 @@ from typing import Any
 import anyio
 import pytest
 from anyio.abc import TaskGroup
+from tests.devices.test_devices import expect_one_problem
 from tests.discovery.announcements import announce, part_of, tell
 from tests.set_clock import SetClock
 
@@ -20,7 +21,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.testing import FakeGateway, VirtualHouse, virtual_house_of
 from homebot.words.triggers import read_press, read_state
 
-pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
+pytestmark = pytest.mark.virtual_time
 
 HOUR = 3600.0
 OPEN = read_state("front door open for 10m")
@@ -58,6 +59,7 @@ async def end_of_wait(store: dict[str, Any], start: str, found: str, *told: str)
     return " ".join(ends)
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_wait_goes_on_after_a_restart_if_the_state_is_found_so() -> None:
     store: dict[str, Any] = {}
     assert not await end_of_wait(store, "08:00", "OFF", "ON")
@@ -66,18 +68,21 @@ async def test_a_wait_goes_on_after_a_restart_if_the_state_is_found_so() -> None
     assert store == {}
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_wait_that_was_over_meanwhile_ends_at_once() -> None:
     store: dict[str, Any] = {}
     assert not await end_of_wait(store, "08:00", "OFF", "ON")
     assert await end_of_wait(store, "08:20", "ON") == "08:20"
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_state_that_begins_anew_is_waited_for_anew() -> None:
     store: dict[str, Any] = {}
     assert not await end_of_wait(store, "08:00", "OFF", "ON")
     assert await end_of_wait(store, "08:07", "OFF", "ON", *["ON"] * 12) == "08:18"
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_what_is_found_so_without_a_wait_before_starts_nothing() -> None:
     assert not await end_of_wait({}, "08:07", "ON")
 
@@ -142,6 +147,7 @@ async def test_the_first_value_of_a_device_that_told_others_before_starts_nothin
             assert len(began) == expected
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize("device_class", ["moisture", "smoke", "tamper", "motion"])
 @pytest.mark.parametrize(
     ("found", "silence", "starts", "danger_starts"),
@@ -188,6 +194,7 @@ async def test_the_first_value_of_a_device_that_was_known_before_starts_what_wai
         tasks.cancel_scope.cancel()
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_press_that_is_told_as_event_and_as_trigger_starts_once_and_two_presses_twice() -> None:
     starts: list[object] = []
     press = read_press("Wall button press")
@@ -260,3 +267,15 @@ async def test_a_wait_until_none_is_open_counts_from_the_last_that_closed_not_fr
         began = clock.monotonic()
         await anext(follow_matches(waiter, read_state("no front door open for 10m")))
         assert round(clock.monotonic() - began) == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("haul lamp on", "haul lamp on: no device has the word 'haul'"),
+        ("lights on in hal for 5m", "lights on in hal for 5m: no device is in 'hal'; did you mean hall?"),
+    ],
+)
+async def test_a_misspelt_state_is_logged_once_and_waited_for(text: str, problem: str) -> None:
+    async with directory(Graph()) as (gateway, waiter, _):
+        await expect_one_problem(gateway, waiter, problem, lambda node: anext(follow_matches(node, read_state(text))))
