@@ -114,7 +114,7 @@ release: docs wheel $(AUDIT)/.ready
 	@tar -czf dist/homebot-site.tar.gz -C site .
 	@for engine in podman docker ""; do [ -z "$$engine" ] || ! $$engine info > /dev/null 2>&1 || break; done; \
 		if [ -z "$$engine" ]; then echo "no image: neither podman nor docker works here"; else \
-		$$engine build --quiet --tag homebot . && $$engine save --output dist/homebot-image.tar homebot; fi
+		BUILDAH_FORMAT=docker $$engine build --quiet --tag homebot . && $$engine save --output dist/homebot-image.tar homebot; fi
 	@cd dist && sha256sum * > SHA256SUMS && cat SHA256SUMS
 	@[ -z "$(SIGN)" ] || { $(AUDIT)/bin/pip install --quiet --disable-pip-version-check sigstore && $(AUDIT)/bin/sigstore sign dist/*; } || \
 		{ echo "not signed, as sigstore.dev or an identity was not to be had; all else is in dist/: $(AUDIT)/bin/sigstore sign dist/*" >&2; exit 1; }

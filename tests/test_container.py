@@ -62,6 +62,7 @@ def test_the_guide_runs_the_container_with_what_it_needs() -> None:
     (command,) = re.findall(r"^podman run (?:.*\\\n)*.*", guide, re.MULTILINE)
     assert fnmatch(command, "*--network host*:/data homebot")
     assert "podman build --format docker " in guide  # its own format has no HEALTHCHECK
+    assert "BUILDAH_FORMAT=docker $$engine build " in (ROOT / "Makefile").read_text()
 
 
 def _tool() -> str:

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from homebot.errors import UsageError
-from homebot.support.file_access import read_secret, readable_by_others, why_not_private, why_not_trusted
+from homebot.support.file_access import read_secret, readable_by_others, replace_file, why_not_private, why_not_trusted
 
 NOBODYS_GROUP = 54_321
 NOBODY = 65_534
@@ -118,3 +118,40 @@ def test_a_secret_in_a_folder_of_somebody_else_is_to_be_moved(open_folder: Path)
     with nobody(), pytest.raises(UsageError, match=r"closed to the user \w+; move the file"):
         read_secret(file)
     file.parent.chmod(0o700)
+
+
+def test_a_file_is_replaced_with_its_mode_and_behind_its_link(tmp_path: Path) -> None:
+    file, link = tmp_path / "homebot.toml", tmp_path / "link"
+    file.write_text("old")
+    file.chmod(0o640)
+    link.symlink_to(file)
+    replace_file(link, b"new")
+    assert (file.read_text(), stat.S_IMODE(file.stat().st_mode), link.is_symlink()) == ("new", 0o640, True)
+    replace_file(tmp_path / "key", b"secret")
+    assert stat.S_IMODE((tmp_path / "key").stat().st_mode) == 0o600
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["homebot.toml", "key", "link"]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+def test_a_file_of_a_group_that_the_user_is_not_in_is_then_the_users_alone(open_folder: Path) -> None:
+    """As in a container whose folder `chown -R 1000` gave to its user, but not to its group."""
+    file = open_folder / "homebot.toml"
+    file.write_text("old")
+    file.chmod(0o664)
+    for path in (open_folder, file):
+        os.chown(path, NOBODY, NOBODYS_GROUP)
+    with nobody():
+        replace_file(file, b"new")
+    found = file.stat()
+    assert (file.read_text(), stat.S_IMODE(found.st_mode), found.st_uid) == ("new", 0o604, NOBODY)
+    assert found.st_gid != NOBODYS_GROUP
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+def test_a_file_of_another_user_stays_as_it_is(open_folder: Path) -> None:
+    file = open_folder / "homebot.toml"
+    file.write_text("old")
+    open_folder.chmod(0o777)
+    with nobody(), pytest.raises(PermissionError):
+        replace_file(file, b"new")
+    assert (file.read_text(), [path.name for path in open_folder.iterdir()]) == ("old", ["homebot.toml"])

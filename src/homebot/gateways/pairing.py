@@ -15,7 +15,7 @@ from homebot.errors import LinkError, PeerError, RefusedError, UnableError, Usag
 from homebot.gateways.base import Gateway
 from homebot.graph import Node
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
-from homebot.support.file_access import check_secret_file
+from homebot.support.file_access import check_secret_file, replace_file
 from homebot.support.installation import Installation
 
 MAX_UNPAIRED: Final = 100
@@ -234,14 +234,8 @@ class PairingFile:
         """
         if self._path is None:
             return
-        beside = self._path.with_suffix(".new")
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            beside.unlink(missing_ok=True)
-            with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-                json.dump(pairings, file, indent=1)
-                file.flush()
-                os.fsync(file.fileno())
-            beside.replace(self._path)
+            replace_file(self._path, json.dumps(pairings, indent=1).encode())
         except OSError as exc:
             raise UsageError(f"the pairings cannot be kept in {self._path}: {exc.strerror}") from exc

@@ -4,10 +4,8 @@ The configuration has the id, and the folder the path of the configuration, whic
 Earlier versions named folders after the home and the network of its first gateway; such a folder is moved once.
 """
 
-import os
 import re
 import secrets
-import shutil
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -25,6 +23,7 @@ from homebot.feature import plugin_tables
 from homebot.names import unescape_token
 from homebot.runtime.plan import make_plan
 from homebot.support.data_folder import data_directory
+from homebot.support.file_access import replace_file
 from homebot.support.logger import get_logger
 from homebot.support.toml_file import read_toml
 
@@ -246,9 +245,9 @@ def _claim(folder: Path, facts: _HomeFacts) -> None:
     """Note in *folder* whose data it has, and in others that they are not that home's."""
     for other in _folders():
         if other.path != folder and other.facts.config == facts.config:
-            _write(other.path / HOME_FILE, other.facts.model_copy(update={"config": ""}).model_dump_json())
+            _write_facts(other.path, other.facts.model_copy(update={"config": ""}))
     if _facts_in(folder) != facts:
-        _write(folder / HOME_FILE, facts.model_dump_json())
+        _write_facts(folder, facts)
 
 
 def _id_in(file: Path) -> str | None:
@@ -270,27 +269,14 @@ def _write_id(file: Path, home: str) -> bool:
         new = edit_toml(text.removeprefix(mark).replace("\r\n", "\n"), ("home",), {"id": home})
         if _MADE not in new:
             new = new.replace(f'id = "{home}"', f'id = "{home}"{_MADE}', 1)
-        _write(file.resolve(), mark + (new.replace("\n", "\r\n") if "\r\n" in text else new), like=file)
+        replace_file(file, (mark + (new.replace("\n", "\r\n") if "\r\n" in text else new)).encode())
     except (OSError, UsageError, ValueError):
         return False
     return True
 
 
-def _write(path: Path, text: str, like: Path | None = None) -> None:
-    """Replace the file *path*, whole or not at all, with the mode and owner of *like*."""
-    new = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with open(new, "xb", opener=lambda name, flags: os.open(name, flags, 0o600)) as file:
-            file.write(text.encode())
-            os.fsync(file.fileno())
-        if like is not None:
-            shutil.copymode(like, new)
-            if os.name == "posix":
-                owner = like.stat()
-                os.chown(new, owner.st_uid, owner.st_gid)
-        new.replace(path)
-    finally:
-        new.unlink(missing_ok=True)
+def _write_facts(folder: Path, facts: _HomeFacts) -> None:
+    replace_file(folder / HOME_FILE, facts.model_dump_json().encode())
 
 
 def _show(path: Path) -> str:

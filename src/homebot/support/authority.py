@@ -4,7 +4,6 @@ It is made once, and devices that know it trust all its certificates. The only f
 for certificates, an extra.
 """
 
-import os
 import socket
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -18,6 +17,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from homebot.errors import UsageError
 from homebot.support.addresses import parse_address
+from homebot.support.file_access import replace_file
 
 AUTHORITY: Final = "authority.crt"
 
@@ -38,10 +38,7 @@ class _Certificate(NamedTuple):
         """Write both as ``NAME.crt``, followed by that of the *issuer*, and ``NAME.key``, for their owner to read."""
         key = self.key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
         for suffix, content in (("key", key), ("crt", self.certificate.public_bytes(Encoding.PEM) + issuer)):
-            new = folder / f"{name}.{suffix}.{os.getpid()}"
-            with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
-                file.write(content)
-            new.replace(folder / f"{name}.{suffix}")
+            replace_file(folder / f"{name}.{suffix}", content)
 
 
 def renew_certificate(folder: Path, name: str, hosts: list[str], now: float) -> tuple[Path, Path]:

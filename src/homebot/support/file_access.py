@@ -12,6 +12,7 @@ from contextlib import suppress
 from functools import lru_cache
 from io import BufferedReader
 from pathlib import Path
+from tempfile import mkstemp
 
 from homebot.errors import UsageError
 
@@ -71,6 +72,37 @@ def readable_by_others(path: Path, found: os.stat_result) -> str:
 def open_now(path: Path) -> BufferedReader:
     """Open *path* for reading; neither this nor reading waits for the other end of a pipe."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Replace the file *path*, or the one that it links to, whole or not at all; it keeps its mode and owner.
+
+    A new file is for its owner alone, and so is one of a group that the user is not in. Blocking.
+
+    Raises:
+        OSError: It cannot be written, or belongs to another user, whom only root could leave it to.
+    """
+    path = path.resolve()
+    descriptor, name = mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    new = Path(name)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if path.exists():
+            old = path.stat()
+            mode = stat.S_IMODE(old.st_mode)
+            if os.name == "posix":
+                os.chown(new, old.st_uid, -1)
+                try:
+                    os.chown(new, -1, old.st_gid)
+                except PermissionError:
+                    mode &= ~_GROUP
+            new.chmod(mode)
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)
 
 
 def read_secret(path: Path) -> str:

@@ -4,7 +4,6 @@ The command line of that user sends no token but a proof of it, as another progr
 """
 
 import hmac
-import os
 import secrets
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from homebot.errors import UsageError
-from homebot.support.file_access import read_secret, why_not_trusted
+from homebot.support.file_access import read_secret, replace_file, why_not_trusted
 
 OWNER_FILE: Final = "owner.token"
 
@@ -40,10 +39,7 @@ def make_owner_token(file: Path) -> OwnerToken:
     try:
         if not file.exists():
             file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            new = file.with_name(f"{file.name}.{os.getpid()}")
-            with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as opened:
-                opened.write(f"{secrets.token_urlsafe(32)}\n")
-            new.replace(file)
+            replace_file(file, f"{secrets.token_urlsafe(32)}\n".encode())
     except OSError as exc:
         raise UsageError(f"{file} cannot be written: {exc.strerror}; name another folder in HOMEBOT_DATA") from exc
     if problem := why_not_trusted(file):

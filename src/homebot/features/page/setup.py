@@ -44,6 +44,7 @@ from homebot.features.page.shown_addresses import hidden_in, shown, stated
 from homebot.gateways.pairing import ListUnpaired, UnpairedRequest
 from homebot.graph import EntityKind, Node
 from homebot.messages.key_value import KeyValue
+from homebot.support.file_access import replace_file
 from homebot.support.toml_edit import REMOVED, edit_toml
 
 _TABLES: Final = frozenset({"discovery", "gateways", "home", "notify", "places"})
@@ -218,14 +219,10 @@ class Setup:
 
     def _put(self, before: str, after: str) -> None:
         """Replace the file, with its rights, if it still has the text *before*."""
-        path = self._path().resolve()
+        path = self._path()
         if path.read_text("utf-8") != before:
             raise UsageError(f"{path} was changed meanwhile; look at it, and try again")
-        new = path.with_name(f".{path.name}.new")
-        new.touch(0o600)
-        new.chmod(path.stat().st_mode & 0o777)
-        new.write_text(after, "utf-8")
-        new.replace(path)
+        replace_file(path, after.encode())
 
     def _path(self) -> Path:
         path = self._file()
