@@ -3,8 +3,11 @@
 import ast
 import itertools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
+from typing import TypeAlias
 
 import homebot
 
@@ -22,45 +25,151 @@ _PLACES = {
 _OF_OTHERS = re.compile(
     "(cli|mqtt|bridges|testing|house|compat|recording|replay|robots|features/(machine|ros2|recording))/"
     "|gateways/(raw_delivery|nfc/(tag_services|.*reader))|.*/simulated|.*memory_broker"
+    "|discovery/(nearness|services|search/.*)"
 )
-"""Modules that speak to a shell, a program or another machine alone."""
+"""Modules that speak to a shell, a program or another machine alone; the last seek for ``homebot find``."""
+
+_UNASKED = {"CorrectHistoryResponse"}
+"""Responses of services that no view calls."""
 
 _SETUP = "features/page/"
 """Elsewhere a UsageError is a mistake in a file or a program."""
 
+_Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
+_DEPTH = 6
+"""From name to name, at most."""
 
+
+@dataclass
+class _Module:
+    """What a module binds: names, those it imports, and those of its classes."""
+
+    names: dict[str, list[ast.AST]] = field(default_factory=dict)
+    imported: dict[str, tuple[str, str]] = field(default_factory=dict)
+    attributes: dict[str, list[ast.AST]] = field(default_factory=dict)
+
+
+@cache
 def told_messages() -> set[str]:
-    """Return them, each with :data:`FIELD` where it has a value."""
-    found = {text for module in _PACKAGE.rglob("*.py") for text in _of(module)}
-    return {text for text in found if re.search("[a-z]{2}", text)}
+    """Return them, each with :data:`FIELD` where it has a value.
+
+    A message may stand in a constant, a variable, an attribute of a class or what a function returns.
+    """
+    names = (module.relative_to(_PACKAGE).as_posix() for module in _PACKAGE.rglob("*.py"))
+    found = {text for name in names if not _OF_OTHERS.match(name) for text in _of(name)}
+    return {text for text in found if re.search("[a-z]{2}", text) and not re.search(" ,| $", text)}  # lacks a value
 
 
-def _of(module: Path) -> Iterator[str]:
-    name = module.relative_to(_PACKAGE).as_posix()
-    if _OF_OTHERS.match(name):
-        return
-    for call in ast.walk(ast.parse(module.read_text())):
-        if not isinstance(call, ast.Call):
-            continue
-        called = ast.unparse(call.func).rpartition(".")[2]
-        place = _PLACES.get(called)
-        if place is not None and place < len(call.args) and (called != "UsageError" or name.startswith(_SETUP)):
-            yield from _texts(call.args[place])
-        if called == "Verdict" or called.endswith("Response"):
-            for keyword in call.keywords:
-                if keyword.arg in {"reason", "message"}:
-                    yield from _texts(keyword.value)
+@cache
+def _tree(name: str) -> ast.Module:
+    return ast.parse((_PACKAGE / name).read_text())
 
 
-def _texts(node: ast.expr) -> list[str]:
-    """Return what a message may be."""
+@cache
+def _module(name: str) -> _Module:
+    module = _Module()
+    for node in ast.walk(_tree(name)):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("homebot."):
+            path = node.module.partition(".")[2].replace(".", "/")
+            file = next((one for one in (f"{path}.py", f"{path}/__init__.py") if (_PACKAGE / one).exists()), "")
+            module.imported |= {one.asname or one.name: (file, one.name) for one in node.names if file}
+        if isinstance(node, ast.ClassDef):
+            _bind(node.body, module.attributes)
+    _bind(_tree(name).body, module.names)
+    return module
+
+
+@cache
+def _local(function: _Function) -> dict[str, list[ast.AST]]:
+    names: dict[str, list[ast.AST]] = {}
+    _bind(ast.walk(function), names)
+    return names
+
+
+def _bind(nodes: Iterable[ast.AST], names: dict[str, list[ast.AST]]) -> None:
+    for node in nodes:
+        match node:
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+                names.setdefault(name, []).append(node)
+            case (
+                ast.Assign(targets=[ast.Name(id=name)], value=ast.expr() as value)
+                | ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value)
+                | ast.NamedExpr(target=ast.Name(id=name), value=value)
+            ):
+                names.setdefault(name, []).append(value)
+
+
+def _of(name: str) -> Iterator[str]:
+    def visit(node: ast.AST, function: _Function | None) -> Iterator[str]:
+        function = node if isinstance(node, _Function) else function
+        if isinstance(node, ast.Call):
+            for argument in _arguments(node, name):
+                yield from _texts(argument, name, function)
+        for child in ast.iter_child_nodes(node):
+            yield from visit(child, function)
+
+    return visit(_tree(name), None)
+
+
+def _arguments(call: ast.Call, name: str) -> Iterator[ast.expr]:
+    called = ast.unparse(call.func).rpartition(".")[2]
+    place = _PLACES.get(called)
+    if place is not None and place < len(call.args) and (called != "UsageError" or name.startswith(_SETUP)):
+        yield call.args[place]
+    if called == "Verdict" or (called.endswith("Response") and called not in _UNASKED):
+        yield from (one.value for one in call.keywords if one.arg in {"reason", "message"})
+
+
+def _texts(node: ast.AST, name: str, function: _Function | None, depth: int = _DEPTH) -> list[str]:
+    """Return what a message may be that is *node* in the module *name*."""
+
+    def of(node: ast.AST) -> list[str]:
+        return _texts(node, name, function, depth)
+
     match node:
         case ast.Constant(value=str(text)):
             return [text]
         case ast.JoinedStr(values=parts):
-            return ["".join(texts) for texts in itertools.product(*map(_texts, parts))]
+            return ["".join(texts) for texts in itertools.product(*map(of, parts))]
+        case ast.FormattedValue(value=value, conversion=-1, format_spec=None) | ast.Await(value=value):
+            return of(value)
         case ast.IfExp(body=one, orelse=other):
-            return _texts(one) + _texts(other)
+            return of(one) + of(other)
+        case ast.BoolOp(values=values):
+            return list(dict.fromkeys(text for value in values for text in of(value)))
         case ast.BinOp(left=one, op=ast.Add(), right=other):
-            return ["".join(texts) for texts in itertools.product(_texts(one), _texts(other))]
-    return [FIELD]
+            return ["".join(texts) for texts in itertools.product(of(one), of(other))]
+        case ast.Call(func=ast.Attribute(value=value, attr="format")):
+            return [re.sub(r"\{\w*\}", FIELD, text) for text in of(value)]
+    bound = _bound(node, name, function) if depth else []
+    found = [text for own, where, inner in bound for text in _texts(own, where, inner, depth - 1)]
+    return list(dict.fromkeys(text if re.search(r"\s|^$|^gateways\.", text) else FIELD for text in found)) or [
+        FIELD
+    ]  # one word is a value
+
+
+def _bound(node: ast.AST, name: str, function: _Function | None) -> list[tuple[ast.AST, str, _Function | None]]:
+    """Return what *node* stands for, each with its module and function."""
+    module = _module(name)
+    match node:
+        case ast.Name(id=own):
+            if function and own in (local := _local(function)):
+                return [(value, name, function) for value in local[own]]
+            if own in module.names:
+                return [(value, name, None) for value in module.names[own]]
+            file, theirs = module.imported.get(own, ("", ""))
+            return _bound(ast.Name(id=theirs), file, None) if file and file != name else []
+        case ast.Attribute(value=ast.Name(id="self" | "cls"), attr=own):
+            return [(value, name, None) for value in module.attributes.get(own, ())]
+        case ast.Call(func=ast.Name() | ast.Attribute(value=ast.Name(id="self" | "cls")) as called):
+            return _bound(called, name, function)
+        case ast.Call(func=ast.Attribute(value=table, attr="get"), args=[_, *others]):
+            values = _bound(ast.Subscript(value=table, slice=ast.Name(id="_")), name, function)
+            return [*values, *((other, name, function) for other in others)]
+        case ast.Subscript(value=table, slice=ast.Name() | ast.Attribute() | ast.Constant()):
+            tables = _bound(table, name, function)
+            return [(v, where, inner) for own, where, inner in tables if isinstance(own, ast.Dict) for v in own.values]
+        case ast.FunctionDef() | ast.AsyncFunctionDef():
+            returns = (one.value for one in ast.walk(node) if isinstance(one, ast.Return))
+            return [(value, name, node) for value in returns if value is not None]
+    return []

@@ -1,1 +1,1 @@
-import"./chunk-AWUTLYFY.js";
+import"./chunk-VQ2YKBRJ.js";

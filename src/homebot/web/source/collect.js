@@ -5,7 +5,7 @@ import * as mdi from "@mdi/js";
 import svgpath from "svgpath";
 import { cpSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { keyOf, written } from "./text_key.js";
+import { FIELDS, keyOf, written } from "./text_key.js";
 
 const folder = process.env.FEATURES;
 const features = readdirSync(folder).filter((name) => existsSync(`${folder}/${name}/page/page.js`)).sort();
@@ -37,14 +37,15 @@ const rows = Object.entries({ ...texts, ...told, ...reasons });
 let factor = 33;
 while (new Set(rows.map(([text]) => keyOf(text, factor))).size < rows.length) factor += 2;
 writeFileSync("text_key.js", readFileSync("text_key.js", "utf8").replace("FACTOR = 0", `FACTOR = ${factor}`));
+const signed = (text) => Object.entries(FIELDS).reduce((own, [sign, name]) => own.replaceAll(name, sign), text);
 mkdirSync("languages", { recursive: true });
 ["de", "fr", "es", "nl", "it"].forEach((language, column) => {
   for (const isLater of [false, true]) {
     const own = rows.filter(([text]) => isLate(text) === isLater && !isForm(text)).sort(([one], [other]) => keyOf(one, factor) - keyOf(other, factor));
     const lines = [written(own.map(([text]) => keyOf(text, factor))), ...own.map(([, row]) => row[column])]; // the keys in one line pack best
     const forms = rows.filter(([text]) => isForm(text));
-    const ending = isLater ? `export const reasons = ${JSON.stringify([...forms.map(([text]) => text), ...forms.map(([, row]) => row[column])].join("\n"))};\n` : "";
-    writeFileSync(`languages/${language}${isLater ? "_late" : ""}.js`, `export const texts = ${JSON.stringify(lines.join("\n"))};\n${ending}`);
+    const ending = isLater ? `export const reasons = ${JSON.stringify(signed([...forms.map(([text]) => text), ...forms.map(([, row]) => row[column])].join("\n")))};\n` : "";
+    writeFileSync(`languages/${language}${isLater ? "_late" : ""}.js`, `export const texts = ${JSON.stringify(signed(lines.join("\n")))};\n${ending}`);
   }
 });
 

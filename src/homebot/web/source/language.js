@@ -1,6 +1,6 @@
 // The language of the page: the browser's, or the one that was chosen here. A row of the table is an English text in the others.
 import { computed, effect, signal } from "@preact/signals";
-import { keyOf, keysIn } from "./text_key.js";
+import { FIELDS, keyOf, keysIn } from "./text_key.js";
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "Español", nl: "Nederlands", it: "Italiano" };
 
 /** Each language is loaded when it is chosen: what the first views say. */
@@ -13,9 +13,11 @@ const CHOICE = "homebot.language";
 const first = [localStorage.getItem(CHOICE), ...navigator.languages].map((one) => one?.slice(0, 2)).find((one) => one in LANGUAGES) ?? "en";
 const tableOf = async (name) => (await LOADERS[name]?.().catch(() => {})) ?? ENGLISH; // English, where homebot is away
 
+const linesOf = (text) => text.replace(/[#$&*<>^~]/g, (sign) => FIELDS[sign]).split("\n");
+
 /** Texts by their keys, which are the first line. */
 function byKey(lines) {
-  const [letters, ...texts] = lines.split("\n");
+  const [letters, ...texts] = linesOf(lines);
   const keys = keysIn(letters);
   return new Map(texts.map((text, at) => [keys[at], text]));
 }
@@ -23,7 +25,6 @@ function byKey(lines) {
 const table = signal(byKey((await tableOf(first)).texts));
 let patterns = [];
 let rest = null;
-
 /** Load the rest of the language: the texts of later views, and the forms of reasons. */
 export const loadRest = () => (rest ??= addRest(language.value).catch(() => (rest = null)));
 
@@ -34,12 +35,10 @@ async function addRest(name) {
   table.value = new Map([...table.value, ...byKey(texts)]);
 }
 setTimeout(loadRest, SOON);
-
 export const language = signal(first);
 
 /** The name by which browsers know how the language is written here, such as en-GB. */
 export const locale = computed(() => navigator.languages.find((one) => one.startsWith(language.value)) ?? language.value);
-
 effect(() => (document.documentElement.lang = language.value));
 
 export async function choose(name) {
@@ -49,7 +48,6 @@ export async function choose(name) {
   language.value = name;
   await loadRest();
 }
-
 const fill = (text, values) => text.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
 
 /** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
@@ -61,20 +59,23 @@ export function say(text, values = {}) {
 
 /** The forms of reasons in this language, each with the pattern of its English form: lines of the one follow those of the other. */
 function patternsOf(lines) {
-  const forms = lines ? lines.split("\n") : [];
+  const forms = linesOf(lines);
   const known = forms.splice(0, forms.length / 2);
   return known.map((text, at) => [forms[at], new RegExp(`^${text.replace(/[()[\].?]/g, "\\$&").replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
 }
 
+/** How fields of a reason are said; others are names and numbers. */
+const SPOKEN = { value: (text) => say(text), reason: sayReason, advice: sayReason, list: (text) => text.split(", ").map(sayReason).join(", ") };
+
 /** A reason that homebot gives in English, in the language of the page: as a whole, by its form, or clause by clause. */
 export function sayReason(text) {
+  if (text.includes("\n")) return text.split("\n").map(sayReason).join("\n");
   const whole = say(text);
   if (whole !== text) return whole;
   for (const [own, pattern] of patterns) {
     const found = pattern.exec(text);
     if (!found) continue;
-    const { value, reason, list, ...others } = found.groups;
-    return fill(own, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason), list: list?.split(", ").map(sayReason).join(", ") });
+    return fill(own, Object.fromEntries(Object.entries(found.groups).map(([name, text]) => [name, SPOKEN[name]?.(text) ?? text])));
   }
   return text.replace(/^(.+?)(; |: )(.+)$/, (all, first, sign, others) => (sign === ": " ? first : sayReason(first)) + sign + sayReason(others)); // a name is no reason
 }

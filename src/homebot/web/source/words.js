@@ -106,10 +106,8 @@ export const isActive = (device) =>
 export const hasWords = (text, sought) => sought.toLowerCase().split(" ").every((word) => text.toLowerCase().includes(word));
 
 export const seconds = (time) => time.sec + time.nanosec / 1e9;
-
 export const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false, timeZone: zone.value }));
 export const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric", timeZone: zone.value }));
-
 export const hour = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", hour12: false, timeZone: zone.value }));
 
 /** Since when something is so, for a tile: hours and minutes of today, else the day; empty where it is unknown. */

@@ -308,7 +308,7 @@ def _error_of(name: str, error: Exception, *, is_pairing: bool) -> HomebotError:
             is_wrong = is_pairing and kind is exceptions.AuthenticationError
             return WrongCodeError(what, reason) if is_wrong else RefusedError(what, reason)
     if isinstance(error, _LOST):
-        return LinkError(f"{name} cannot be reached: {clean_text(str(error)) or 'it does not answer in time'}")
+        return LinkError(f"{name} cannot be reached: {clean_text(str(error)) or 'it did not answer in time'}")
     return WireError(f"{name} does not follow the HomeKit Accessory Protocol ({type(error).__name__})")
 
 
