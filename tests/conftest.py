@@ -84,9 +84,14 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
     return True if is_ours and _lacks_a_folder(path) else None
 
 
+@functools.cache
+def _is_there(name: str) -> bool:
+    return any(_SOURCE.glob(f"*/{name}/__init__.py"))
+
+
 def pytest_itemcollected(item: pytest.Item) -> None:
     named = {name for mark in item.iter_markers("rooms") for name in mark.args}
-    if gone := sorted(one for one in named if not any(_SOURCE.glob(f"*/{one}/__init__.py"))):
+    if gone := sorted(one for one in named if not _is_there(one)):
         item.add_marker(pytest.mark.skip(reason=f"taken out: {', '.join(gone)}"))
     if _is_slow(item.path):
         item.add_marker(pytest.mark.slow)
