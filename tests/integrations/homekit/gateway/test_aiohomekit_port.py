@@ -1,13 +1,15 @@
 """The library's errors become homebot's, and none shows a code; other tests pair and talk to HAP-python."""
 
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 import anyio
 import anyio.abc
 import pytest
 from anyio.abc import SocketStream
+from tests.one_task import in_one_task
+from tests.patience import PATIENCE, until
 
 from homebot.errors import LinkError, PeerError
 from homebot.integrations.homekit.gateway.aiohomekit_port import AiohomekitPort
@@ -41,7 +43,7 @@ async def peer(answer: bytes) -> AsyncIterator[FoundAccessory]:
 
 
 async def attempt(found: FoundAccessory, *, pairs: bool) -> None:
-    port = AiohomekitPort(connects_within=1.0)
+    port = AiohomekitPort(connects_within=PATIENCE)
     if pairs:
         await port.pair(found, CODE)
     else:
@@ -49,6 +51,27 @@ async def attempt(found: FoundAccessory, *, pairs: bool) -> None:
             pytest.fail("it connected")
 
 
+@pytest.fixture
+async def _in_time(caplog: pytest.LogCaptureFixture, pass_time: Callable[[float], None]) -> AsyncIterator[None]:
+    """The time to connect is over once the library has tried it for the first time."""
+    caplog.set_level(logging.DEBUG)
+
+    async def watch() -> None:
+        await until(lambda: "Connecting to accessory failed" in caplog.text)
+        pass_time(PATIENCE)
+
+    @asynccontextmanager
+    async def watching() -> AsyncIterator[None]:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(watch)
+            yield
+            tasks.cancel_scope.cancel()
+
+    async with in_one_task(watching()):
+        yield
+
+
+@pytest.mark.usefixtures("_in_time")
 @pytest.mark.parametrize("pairs", [True, False])
 @pytest.mark.parametrize(
     ("answer", "error"),
@@ -63,7 +86,6 @@ async def attempt(found: FoundAccessory, *, pairs: bool) -> None:
 async def test_a_peer_that_does_not_play_along_is_an_error_of_ours(
     answer: bytes, error: type[Exception], caplog: pytest.LogCaptureFixture, *, pairs: bool
 ) -> None:
-    caplog.set_level(logging.DEBUG)
     async with peer(answer) as found:
         with pytest.raises(error, match="Hall") as caught:
             await attempt(found, pairs=pairs)
@@ -71,6 +93,7 @@ async def test_a_peer_that_does_not_play_along_is_an_error_of_ours(
     assert "11" * 32 not in str(caught.value) + caplog.text
 
 
+@pytest.mark.usefixtures("_in_time")
 @pytest.mark.parametrize("pairs", [True, False])
 async def test_an_accessory_that_is_not_there_cannot_be_reached(*, pairs: bool) -> None:
     async with peer(b"") as found:

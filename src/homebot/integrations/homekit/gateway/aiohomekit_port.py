@@ -19,7 +19,6 @@ from aiohomekit import exceptions
 from aiohomekit.characteristic_cache import CharacteristicCacheMemory
 from aiohomekit.controller.coap.controller import CoAPController
 from aiohomekit.controller.coap.discovery import CoAPDiscovery
-from aiohomekit.controller.ip.connection import HomeKitConnection
 from aiohomekit.controller.ip.controller import IpController
 from aiohomekit.controller.ip.discovery import IpDiscovery
 from aiohomekit.controller.ip.pairing import format_characteristic_list
@@ -240,12 +239,23 @@ def _controller_of(sighted: FoundAccessory) -> Any:
     return kind(CharacteristicCacheMemory(), None)
 
 
-async def _connect(connection: HomeKitConnection, within: float) -> None:
-    """Open a TCP connection; the library retries within the time limit."""
+async def _connect(connection: Any, within: float) -> None:
+    """Open a TCP connection; the library retries within the time limit, and forgets the last error at each attempt."""
+    errors: list[Exception] = []
+    attempt = connection._connect_once  # noqa: SLF001 - the library has no public way
+
+    async def attempt_and_note() -> None:
+        try:
+            await attempt()
+        except Exception as exc:
+            errors.append(exc)
+            raise
+
+    connection._connect_once = attempt_and_note  # noqa: SLF001
     with anyio.move_on_after(within):
         await connection.ensure_connection()
     if not connection.is_connected:
-        raise connection.last_connector_error or TimeoutError
+        raise errors[-1] if errors else TimeoutError
 
 
 def _service_of(sighted: FoundAccessory) -> HomeKitService:
