@@ -6,7 +6,7 @@ import anyio
 import pytest
 from pydantic import SecretStr
 from tests.bridges.conftest import OpenHouse, Peer
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, until
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
@@ -26,12 +26,13 @@ async def test_the_client_with_the_most_bytes_is_cut_off(open_house: OpenHouse) 
     async with open_house(SETTINGS) as house, house.peer() as small, house.peer() as large:
         begin(small, 30_000)
         begin(large, 60_000)
+        await until(lambda: house.server._pending._account.used > 90_000)  # with the heads of the frames
         async with house.peer() as honest:
             await honest.send("call_service", id="1", service="/rosapi/get_time", args={"text": "x" * 40_000})
             assert (await honest.receive())["id"] == "1"
             with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed, match="too many bytes"):
                 await large.connection.recv()
-            assert house.server.client_count == 2
+            await until(lambda: house.server.client_count == 2)
 
 
 async def test_fragments_count_as_well(open_house: OpenHouse) -> None:
