@@ -6,15 +6,19 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.integrations.announced_parts import homeassistant_part, homie_part, part_with, thing_part, zigbee2mqtt_part
+from tests.integrations.announced_parts import (
+    homeassistant_part,
+    homie_part,
+    installed,
+    part_with,
+    thing_part,
+    zigbee2mqtt_part,
+)
 
 from homebot.conventions.description import DescribedPart
+from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.payload import is_unknown, read_number
-from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
-from homebot.integrations.shelly.formats import Shelly, ShellySettings
-from homebot.integrations.tasmota.formats import TasmotaDiscovery, TasmotaSettings
-from homebot.integrations.thesis.formats import thesis_part
 
 Read = Callable[[str], dict[str, PlainValue]]
 
@@ -52,7 +56,7 @@ def tasmota() -> Read:
     leaves = {"ver": 1, "sn": {"SI7021": {"Temperature": 20.5}, "TempUnit": "C"}}
     part = part_with(
         "temperature",
-        TasmotaDiscovery(TasmotaSettings()),
+        installed("tasmota"),
         (f"tasmota/discovery/{MAC}/config", config),
         (f"tasmota/discovery/{MAC}/sensors", leaves),
     )
@@ -61,7 +65,7 @@ def tasmota() -> Read:
 
 def shelly() -> Read:
     device = {"id": "shellyht-077A17", "model": "SHHT-1", "mac": "A8032A077A17"}
-    part = part_with("temperature", Shelly(ShellySettings()), ("shellies/announce", device))
+    part = part_with("temperature", installed("shelly"), ("shellies/announce", device))
     return reader(part, "shellies/shellyht-077A17/sensor/temperature", str)
 
 
@@ -76,14 +80,25 @@ def thing() -> Read:
 
 
 def thesis() -> Read:
-    part = thesis_part("temperatures", "h/temperatures/x/out", "h/temperatures/x/in")
-    return lambda said: dict(decode_text(said, part))
+    (convention,) = find_conventions(("thesis",), {}, "h")
+    return reader(part_with("temperature", convention, ("h/temperatures/x/out", "20")), "h/temperatures/x/out", str)
 
 
-CONVENTIONS = [homeassistant, homeassistant_in_json, zigbee2mqtt, tasmota, shelly, homie, thing, thesis]
+CONVENTIONS = {
+    homeassistant: "homeassistant",
+    homeassistant_in_json: "homeassistant",
+    zigbee2mqtt: "zigbee2mqtt",
+    tasmota: "tasmota",
+    shelly: "shelly",
+    homie: "homie",
+    thing: "things",
+    thesis: "thesis",
+}
 
 
-@pytest.mark.parametrize("make", CONVENTIONS)
+@pytest.mark.parametrize(
+    "make", [pytest.param(make, marks=pytest.mark.rooms(folder)) for make, folder in CONVENTIONS.items()]
+)
 def test_a_sensor_that_does_not_know_its_value_says_that_it_is_unknown(make: Callable[[], Read]) -> None:
     """What is neither a number nor a word for unknown changes nothing."""
     assert {said: make()(said) for said in WORDS} == {said: {"temperature": None} for said in WORDS}
