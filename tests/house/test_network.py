@@ -52,6 +52,7 @@ def served() -> dict[str, type[ServedFamily]]:
     return {name: one for name, one in found if isinstance(one, type)}
 
 
+@pytest.mark.rooms("things")
 async def test_the_app_of_the_examples_turns_on_a_lamp_of_every_family(monkeypatch: pytest.MonkeyPatch) -> None:
     """It was written for a window and a lamp that speak MQTT."""
     monkeypatch.syspath_prepend(str(APP))

@@ -1,5 +1,7 @@
 """Endpoints: from configurations, answers and registrations."""
 
+from contextlib import nullcontext
+
 import pytest
 from pydantic import ValidationError
 
@@ -12,6 +14,8 @@ from homebot.conventions.coap.endpoint import (
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import UsageError, WireError
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
+from homebot.gateways.coap.gateway import SESSION, SESSIONS
+from homebot.plugins import has_plugin
 
 
 def test_an_address_that_answered_is_an_endpoint() -> None:
@@ -78,3 +82,10 @@ def test_a_gateway_that_cannot_find_devices_is_an_error() -> None:
     key = {"devices": ["coaps://h"], "credentials": [{"uri": "coaps://h/*", "identity": "me", "key": "secret"}]}
     with pytest.raises(UsageError, match="DTLSSocket"):
         CoapGateway.check(CoapGatewaySettings.model_validate(key))
+
+
+def test_a_gateway_needs_an_integration_that_describes_its_devices() -> None:
+    """Without one, the start stopped with the name of a plug-in that nobody wrote."""
+    problem = "no integration that describes CoAP devices is installed; install one or remove the gateway"
+    with nullcontext() if has_plugin(SESSIONS, SESSION) else pytest.raises(UsageError, match=problem):
+        CoapGateway.check(CoapGatewaySettings(devices=("coap://h",)))

@@ -27,7 +27,7 @@ from homebot.gateways.coap.directory_client import DirectoryClient
 from homebot.gateways.coap.session import EndpointSession
 from homebot.gateways.coap.settings import CoapGatewaySettings
 from homebot.graph import Node
-from homebot.plugins import check_extra, load_plugin
+from homebot.plugins import check_extra, has_plugin, load_plugin
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
 
@@ -40,8 +40,8 @@ DESCRIBED_AT_ONCE, DESCRIBED_PER_HOST = 8, 2
 MAX_PER_HOST = 32
 """Endpoints at one address that are found by multicast: a host that answers from many ports is one host."""
 
-SESSIONS = "homebot.coap_sessions"
-"""Entry-point group of the integrations that describe what is at an endpoint."""
+SESSIONS, SESSION = "homebot.coap_sessions", "thing"
+"""Entry-point group of integrations that describe what is at an endpoint, and the name there."""
 
 _TOO_MANY = "coap.endpoint_refused"
 
@@ -63,7 +63,7 @@ class CoapGateway(Gateway):
         )
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
-        self._session_of: type[EndpointSession] = load_plugin(SESSIONS, "thing")
+        self._session_of: type[EndpointSession] = load_plugin(SESSIONS, SESSION)
         self._ways: dict[str, str | None] = {}  # the problem of each; None before the first attempt
         self._all_tried = anyio.Event()
         self._client: CoapClient | None = None
@@ -71,7 +71,7 @@ class CoapGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for aiocoap, for the libraries that credentials need, and for a way to find devices."""
+        """Look for the libraries, for a way to find devices, and for an integration that describes them."""
         check_extra('the gateway "coap"', "coap", "aiocoap", "cbor2", "filelock")
         assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - given by the runtime
         for credential in settings.credentials:
@@ -84,6 +84,10 @@ class CoapGateway(Gateway):
                 check_extra(f"the DTLS key for {credential.uri}", "coap,dtls", "DTLSSocket")
         if not (settings.devices or settings.resource_directory or settings.interfaces):
             raise UsageError("the gateway finds no device: set devices, resource_directory or interfaces")
+        if not has_plugin(SESSIONS, SESSION):
+            raise UsageError(
+                "no integration that describes CoAP devices is installed; install one or remove the gateway"
+            )
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Find devices, and work with them, until cancelled."""
