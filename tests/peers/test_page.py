@@ -64,6 +64,21 @@ PLUG = {
     )
 } | {"plug/state": "ON", "plug/power": "42"}
 
+RARE = {
+    f"homeassistant/{kind}/{key}/config": json.dumps(
+        {"unique_id": key, "device": {"identifiers": [device], "name": device}, "state_topic": f"{key}/state"}
+        | {"command_topic": f"{key}/set", **more}
+    )
+    for kind, key, device, more in (
+        ("select", "mode", "Heat pump", {"name": "Operating mode", "options": ["Comfort", "Eco"]}),
+        ("text", "shown", "Heat pump", {"name": "Display text"}),
+        ("number", "volume", "Bell volume", {"name": None}),
+        ("event", "bell", "Bell", {"name": None, "event_types": ["ring"]}),
+        ("device_tracker", "phone", "Anna's phone", {"name": None}),
+    )
+} | {"mode/state": "Eco", "shown/state": "Hello", "volume/state": "40", "phone/state": "home"}
+"""Devices that few houses have: how Home Assistant announces each."""
+
 VIEWS = (
     ("", "roomlights405"),
     (LAMP, "What is known, and from where"),
@@ -676,6 +691,35 @@ async def test_a_kept_value_is_explained_once_and_a_panel_has_a_keypad_for_its_c
         await own.shows("panel: ", "[role=alert]")
         await own.hides("code for", ".securitygrid")
         assert "4321" not in await own.open("#/journal", shows="panel")
+
+
+async def test_a_setting_is_called_as_its_device_calls_it_and_a_bell_tells_when_it_rang(page: OpenPage) -> None:
+    """A heat pump had "option" and "text", and a bell "Its last event, which is no state:", and nothing after that."""
+    async with keeping(RARE) as (broker, field), page(services=(broker,)) as own:
+        await own.open("#/device/heat_pump", shows="Commands")
+        await own.click(".title .pill")
+        text = await own.shows("Display text", ".sheet")
+        assert "Operating mode" in text
+        assert "Eco · Hello" in text
+        assert "option" not in text
+        await own.open("#/device/bell_volume", shows="Commands")
+        await own.shows("Bell volume", ".commands")
+        await own.open("#/device/bell", shows="Why")
+        await field.publish("bell/state", b'{"event_type": "ring"}', qos=1)
+        await own.click(".title .pill")
+        await own.shows("Its last event", ".sheet")
+        await own.shows("ring", ".sheet .log")
+        assert own.problems() == []
+
+
+async def test_a_person_stands_once_on_home_and_not_again_for_what_they_carry(page: OpenPage) -> None:
+    """Anna and her phone were two people."""
+    people = {"people": {"Anna": {"trackers": ["Anna's phone"]}}}
+    for tables, name in (({}, "Anna's phone is at home"), (people, "Anna is at home")):
+        async with keeping(RARE) as (broker, _), page(tables=tables, services=(broker,)) as own:
+            await own.open(shows="Favorites")
+            text = await own.shows(name, ".people")
+            assert text.count("is at home") == 1
 
 
 async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, zigbee_lamp: World) -> None:

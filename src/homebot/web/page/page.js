@@ -1,1 +1,1 @@
-import"./chunk-VQ2YKBRJ.js";
+import"./chunk-H4RATPUX.js";

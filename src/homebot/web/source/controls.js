@@ -5,7 +5,7 @@ import { html } from "./html.js";
 import { say } from "./language.js";
 import { Stepper } from "./stepper.js";
 import { HoldButton } from "./touch.js";
-import { label, roundedTo, textOf, unitOf, valueText, vocabulary } from "./words.js";
+import { UNNAMED, label, roundedTo, textOf, unitOf, valueText, vocabulary } from "./words.js";
 
 const WORDS = {
   on_off: ["on", "off"],
@@ -31,7 +31,7 @@ export function Controls({ short, device, without = [] }) {
   return html`<div class="commands">
     ${found.map(({ id, part, capability }) => {
       const isTwice = found.filter((one) => one.capability.name === capability.name).length > 1;
-      const name = `${isTwice && id ? `${part.name || id} ` : ""}${label(capability.name)}`;
+      const name = (UNNAMED.has(capability.name) && (part.name || (!isTwice && short.name))) || `${isTwice && id ? `${part.name || id} ` : ""}${label(capability.name)}`;
       const reading = short.states.get(`${id} ${capability.name}`);
       const target = { id: id ? `${device.id}#${id}` : device.id, name: short.name };
       return html`<${Control} key=${`${id} ${capability.name}`} short=${short} reading=${reading} target=${target} name=${name} capability=${capability} />`;

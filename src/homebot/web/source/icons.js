@@ -160,7 +160,7 @@ export const sceneSign = (name) => firstOf(SCENES, name) ?? mdi.mdiPalette;
 export function thingOf(device) {
   if (device.type === "light") return firstOf(LAMPS, device.name) ?? "light";
   if (device.type === "plug" || device.type === "switch") return firstOf(MACHINES, device.name) ?? device.type;
-  if (device.type === "camera" && /bell|klingel|sonnette|timbre|bel|campanello/i.test(device.name)) return "doorbell";
+  if (/camera|generic/.test(device.type) && /bell|klingel|sonnette|timbre|bel|campanello/i.test(device.name)) return "doorbell";
   if (device.type === "thermostat" && device.settable.includes("cooling_setpoint")) return "room_air_conditioner";
   if (device.type === "door_lock") return device.type;
   return isThing(device.kind) ? device.kind : { contact_sensor: "door", closure: "door", window_covering: "shade" }[device.type] ?? (isThing(device.type) ? device.type : "x_unknown");

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection, onOpen } from "./door.js";
 import { html } from "./html.js";
 import { say, sayReason } from "./language.js";
+import { capital } from "./words.js";
 
 const AGAIN = 2000; // ms
 const SELDOM = 15_000; // of what changes seldom, or failed
@@ -41,5 +42,5 @@ export function Picture({ of, text, isExtra = false }) {
   const { source, problem } = found;
   if (isExtra && (!source || problem)) return null;
   return html`<figure class="picture">${source ? html`<img src=${source} alt=${text} class=${problem ? "old" : ""} />` : html`<span class="pane"></span>`}
-    ${problem && html`<figcaption>${source ? say("This picture is no longer new.") : say("There is no picture.")} <small>${sayReason(problem)}</small></figcaption>`}</figure>`;
+    ${problem && html`<figcaption>${source && say("This picture is no longer new.")} ${capital(sayReason(problem))}</figcaption>`}</figure>`;
 }

@@ -23,7 +23,8 @@ export const allRooms = computed(() => {
 });
 export const roomList = computed(() => allRooms.value.filter(([room]) => !isKept("hidden", roomKey(room))));
 
-export const people = computed(() => shown.value.filter((one) => one.type === "x_person" || one.type === "x_tracker"));
+/** People; where homebot knows none, what each of them carries. */
+export const people = computed(() => ["x_person", "x_tracker"].map((type) => shown.value.filter((one) => one.type === type)).find((found) => found.length) ?? []);
 export const isAtHome = (person) => read(person, "at_home") ?? read(person, "place") === "home";
 
 /** Each capability that tells a temperature of the air, the best first. */

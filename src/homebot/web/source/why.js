@@ -36,7 +36,7 @@ export function Why({ device, isShort }) {
   useEffect(() => subscribe("/control/events", (event) => event.device === id && setAsked((old) => old + 1)), [id]);
   if (!why) return html`<section class="why"><h3>${say("Why")}</h3></section>`;
   const names = new Map(why.names.map((one) => [one.key, one.value]));
-  const entries = why.entries.filter((one) => (isShort ? SHORT.has(one.kind) : one.kind !== "judged" || !one.verdicts[0]?.allowed));
+  const entries = why.entries.filter((one) => (isShort && why.finding !== "event" ? SHORT.has(one.kind) : one.kind !== "judged" || !one.verdicts[0]?.allowed));
   return html`<section class="why">
     <h3>${say("Why")}</h3>
     <p>${why.success ? say(FINDINGS[why.finding] ?? "It changed at {time}.", { time: timeText(why.changed_at) }) : sayReason(why.message)}</p>

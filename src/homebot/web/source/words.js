@@ -92,8 +92,7 @@ export function summary(device, shown) {
     .slice(0, 4)
     .map((one) => {
       const unit = device.units?.find(({ key }) => key === `${one.part} ${one.capability}`)?.value;
-      const isAlone = found.length === 1 && UNNAMED.has(one.capability);
-      return isAlone || BY_UNIT.has(one.capability) || SHORT[one.capability] ? say(SHORT[one.capability] ?? "{value}", { value: valueText(one.capability, one.value, unit) }) : readingText(one, unit);
+      return UNNAMED.has(one.capability) || BY_UNIT.has(one.capability) || SHORT[one.capability] ? say(SHORT[one.capability] ?? "{value}", { value: valueText(one.capability, one.value, unit) }) : readingText(one, unit);
     })
     .join(" · ");
 }

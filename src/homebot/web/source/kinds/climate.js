@@ -51,4 +51,4 @@ export const climate = {
 };
 
 /** What makes the air wetter or drier: it is switched too. */
-export const humidifier = { ...climate, types: ["x_humidifier"], isActive: switched.isActive, isSwitch: true, tone: switched.tone, state: (device) => (switched.isActive(device) ? state(device) : say("off")), act: switched.act };
+export const humidifier = { ...climate, types: ["x_humidifier"], isActive: switched.isActive, isSwitch: true, tone: switched.tone, state: (device) => (switched.isActive(device) && measured(device) ? state : switched.state)(device), act: switched.act };

@@ -42,7 +42,7 @@ const PRESSED = ["push", "scene", "press"];
 export const plain = {
   types: [],
   group: "others",
-  isActive: (device) => read(device, "on_off") === true || read(device, "at_home") === true,
+  isActive: (device) => ["on_off", "at_home", "update_available"].some((one) => read(device, one) === true),
   tone: (device) => (isWrong(device) ? "alarm" : "rest"),
   state: (device) => summary(device) || (device.settable.length || EVENTFUL.has(device.type) ? "" : say("unknown")),
   act(device) {

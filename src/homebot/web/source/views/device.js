@@ -55,7 +55,7 @@ function Values({ short, full }) {
     const name = UNNAMED.has(reading.capability) && partName(full, reading.part);
     const isTwice = readings.filter(([, one]) => one.capability === reading.capability).length > 1;
     return html`<tr key=${key}>
-      <th scope="row">${isTwice && !name && reading.part && `${partName(full, reading.part)} `}${name || label(reading.capability)}</th>
+      <th scope="row">${isTwice && !name && reading.part && `${partName(full, reading.part) || reading.part} `}${name || label(reading.capability)}</th>
       <td>${valueText(reading.capability, reading.value, unit, grid[1])}</td>
       <td>${at && html`<time>${say("since {time}", { time: at })}</time>`}</td>
     </tr>`;
@@ -106,4 +106,4 @@ function capabilityOf(full, reading) {
   return part?.part.capabilities.find((one) => one.name === reading.capability);
 }
 
-const partName = (full, id) => full?.parts.find((one) => one.id === id)?.part.name || id;
+const partName = (full, id) => full?.parts.find((one) => one.id === id)?.part.name;
