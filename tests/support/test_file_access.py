@@ -133,17 +133,18 @@ def test_a_file_is_replaced_with_its_mode_and_behind_its_link(tmp_path: Path) ->
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
-def test_a_file_of_a_group_that_the_user_is_not_in_is_then_the_users_alone(open_folder: Path) -> None:
+@pytest.mark.parametrize(("mode", "then"), [(0o664, 0o644), (0o640, 0o600)])
+def test_a_group_that_the_user_is_not_in_loses_its_rights(open_folder: Path, mode: int, then: int) -> None:
     """As in a container whose folder `chown -R 1000` gave to its user, but not to its group."""
     file = open_folder / "homebot.toml"
     file.write_text("old")
-    file.chmod(0o664)
+    file.chmod(mode)
     for path in (open_folder, file):
         os.chown(path, NOBODY, NOBODYS_GROUP)
     with nobody():
         replace_file(file, b"new")
     found = file.stat()
-    assert (file.read_text(), stat.S_IMODE(found.st_mode), found.st_uid) == ("new", 0o604, NOBODY)
+    assert (file.read_text(), stat.S_IMODE(found.st_mode), found.st_uid) == ("new", then, NOBODY)
     assert found.st_gid != NOBODYS_GROUP
 
 

@@ -77,7 +77,7 @@ def open_now(path: Path) -> BufferedReader:
 def replace_file(path: Path, content: bytes) -> None:
     """Replace the file *path*, or the one that it links to, whole or not at all; it keeps its mode and owner.
 
-    A new file is for its owner alone, and so is one of a group that the user is not in. Blocking.
+    A new file is for its owner alone. If the user is not in its group, the user's group may what others may. Blocking.
 
     Raises:
         OSError: It cannot be written, or belongs to another user, whom only root could leave it to.
@@ -98,7 +98,7 @@ def replace_file(path: Path, content: bytes) -> None:
                 try:
                     os.chown(new, -1, old.st_gid)
                 except PermissionError:
-                    mode &= ~_GROUP
+                    mode = mode & ~_GROUP | (mode & _OTHERS) << 3
             new.chmod(mode)
         new.replace(path)
     finally:
