@@ -18,6 +18,7 @@ TOLD_ONCE = [
     ("door_lock", "Front door", "lock", "locked"),
     ("siren", "Siren", "on_off", True),
     ("siren", "Siren", "siren_tone", "fire"),
+    ("speaker", "Radio", "media", "http://radio.example/a.mp3"),
     ("x_alarm_panel", "Alarm", "alarm", "armed_away"),
     ("robotic_vacuum_cleaner", "Robot", "vacuum", "cleaning"),
     ("x_lawn_mower", "Mower", "mower", "mowing"),

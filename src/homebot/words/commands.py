@@ -161,7 +161,7 @@ def _decode(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
     try:
         return decode_command(given, part)
     except RefusedError as exc:
-        if (found := _read_synonym(word, part, target)) is not None:
+        if (found := _read_synonym(given, part, target)) is not None:
             return found
         if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
             raise RefusedError(exc.what, f"{exc.reason}; did you mean {word} %?") from None
@@ -174,12 +174,13 @@ def _decode(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
 
 
-def _read_synonym(word: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
-    """Return the setting for a *word* that no text of the part is; None for none."""
+def _read_synonym(given: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
+    """Return the setting for a word that no text of the part is; None for none."""
+    word = given.casefold()
     return (
         _respelt(word, part)
         or _with_unit(word, part)
-        or _named_value(word, part, target)
+        or _named_value(given, part, target)
         or _state_for(word, part)
         or _read_color(word, part)
     )
@@ -212,9 +213,11 @@ def _named_value(text: str, part: Part, target: str, least: int = 1) -> tuple[st
     Args:
         least: The least number of words of the name.
     """
-    words = text.removeprefix(f"{SET} ").split(" ")
+    words = text.split(" ")
+    words = words[words[0].casefold() == SET :]
     for count in range(len(words) - 1, least - 1, -1):
-        name, value = " ".join(words[:count]), " ".join(words[count:]).removeprefix("to ")
+        name, rest = " ".join(words[:count]).casefold(), words[count:]
+        value = " ".join(rest[len(rest) > 1 and rest[0].casefold() == "to" :])
         is_settable = any(one.name == _capability(name, part) and one.settable for one in part.capabilities)
         if is_settable or (name == "color" and _read_color(value, part) is not None):
             return _setting(name, value, part, target)

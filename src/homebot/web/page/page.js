@@ -1,1 +1,1 @@
-import"./chunk-H4RATPUX.js";
+import"./chunk-QPFOFH6T.js";

@@ -355,6 +355,23 @@ def test_a_player_that_only_pauses_refuses_to_stop() -> None:
 
 
 @pytest.mark.parametrize(
+    ("media", "called"),
+    [
+        ("http://radio.example/Live", {"media_content_id": "http://radio.example/Live", "media_content_type": "music"}),
+        ("playlist spotify:1 b", {"media_content_id": "spotify:1 b", "media_content_type": "playlist"}),
+        ("announce music a", {"media_content_id": "a", "media_content_type": "music", "announce": True}),
+        ("announce", {"media_content_id": "announce", "media_content_type": "music"}),
+    ],
+)
+def test_a_player_plays_an_address_by_its_type(media: str, called: dict[str, object]) -> None:
+    player = only("media_player.a", "idle", supported_features=512)
+    call = player.call("media", media)
+    assert (call.service, call.data) == ("play_media", called)
+    with pytest.raises(RefusedError, match="it takes an address"):
+        player.call("media", " ")
+
+
+@pytest.mark.parametrize(
     ("entity_id", "shown", "attributes", "told", "called"),
     [
         ("input_datetime.a", "07:00:00", {"has_time": True}, "07:00:00", {"time": "07:00:00"}),

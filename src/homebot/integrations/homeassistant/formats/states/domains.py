@@ -32,6 +32,7 @@ from homebot.conventions.entity_rows import (
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
+from homebot.conventions.units import to_celsius
 from homebot.devices.part import CodeKind
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
@@ -57,6 +58,7 @@ from homebot.integrations.homeassistant.formats.states.rows import (
     read_text,
     read_while_on,
     reported,
+    sensed,
     switch,
 )
 from homebot.support.numbers import to_number
@@ -186,6 +188,16 @@ _PLAYBACK = {
 _PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause"), "stopped": (4096, "media_stop")}
 
 
+def _write_media(_info: Fields, value: PlainValue, _code: str) -> Fields:
+    """Play ``[announce] [TYPE] ADDRESS``; without a type it is music."""
+    if not isinstance(value, str) or not (words := value.split()):
+        raise RefusedError("media", "it takes an address, such as https://radio.example/stream.mp3")
+    is_announced = words[0] == "announce" and len(words) > 1
+    kind, _, address = value.strip().removeprefix("announce" if is_announced else "").strip().partition(" ")
+    media = {"media_content_id": address or kind, "media_content_type": kind if address else "music"}
+    return {"service": "play_media", **media, **({"announce": True} if is_announced else {})}
+
+
 def _has_sources(info: Fields) -> bool:
     """Return whether a player takes a source: only then Home Assistant lists them."""
     return bool(has(2048)(info) or info.get("source_list"))
@@ -201,6 +213,7 @@ _MEDIA_PLAYER: Final = EntityComponent(
         *moves("playback", _PLAYER_MOVES, read_state(_PLAYBACK)),
         EntityRow("media_title", read_text("media_title")),
         EntityRow("media_artist", read_text("media_artist")),
+        EntityRow("media", None, _write_media, has(512)),
     ),
 )
 
@@ -270,6 +283,18 @@ def _read_value(info: Fields, state: Fields) -> PlainValue:
         return None
 
 
+_WEATHER: Final = (
+    *("clear-night", "cloudy", "exceptional", "fog", "hail", "lightning", "lightning-rainy", "partlycloudy"),
+    *("pouring", "rainy", "snowy", "snowy-rainy", "sunny", "windy", "windy-variant"),
+)
+
+
+def _read_outdoors(info: Fields, state: Fields) -> PlainValue:
+    """Read the temperature of the weather, which has a unit of its own."""
+    number = read_number("temperature")(info, state)
+    return to_celsius(number, 3) if isinstance(number, float) and state.get("temperature_unit") == "°F" else number
+
+
 DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "climate": CLIMATE,
     "water_heater": WATER_HEATER,
@@ -326,6 +351,14 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
         (
             quantity_row(lambda _info, state: to_number(state.get("state")), _is_number),
             EntityRow("value", _read_value, when=lambda info: not _is_number(info)),
+        ),
+    ),
+    "weather": EntityComponent(
+        "x_sensor",
+        (
+            EntityRow("value", read_named(*_WEATHER), options=_WEATHER),
+            sensed("temperature", "temperature", _read_outdoors),
+            sensed("humidity", "humidity", read_number("humidity", 1.0, 0, 100)),
         ),
     ),
     "device_tracker": _TRACKER,
