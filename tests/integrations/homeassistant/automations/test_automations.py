@@ -31,12 +31,13 @@ SOURCE = "automations.yaml"
 SETTABLE = {
     "on_off", "level", "color", "color_temperature", "movement", "position", "lock", "heating_setpoint",
     "thermostat_mode", "playback", "volume", "vacuum", "alarm", "scene", "fan_speed",
-    "option", "number", "text",
+    "option", "number", "text", "media",
 }  # fmt: skip
 OPTIONS = {
     "press": ("single", "double", "hold", "long", "remote_button_short_press turn_on"),
     "thermostat_mode": ("off", "heat"),
     "option": ("day", "night"),
+    "value": ("rainy", "pouring", "sunny", "partlycloudy"),
 }
 NOW = Time.from_seconds(0.0)
 
@@ -77,7 +78,8 @@ HOUSE = (
     device("Kitchen plug", part("", "plug", "on_off")),
     device("Double relay", part("l", "switch", "on_off", name="left"), part("r", "switch", "on_off", name="right")),
     device("Living blind", part("", "window_covering", "movement", "position"), area="Living room"),
-    device("Kitchen radio", part("", "speaker", "on_off", "volume", "playback")),
+    device("Kitchen radio", part("", "speaker", "on_off", "volume", "playback", "media")),
+    device("Weather", part("", "x_sensor", "value", "temperature"), entities="weather.home"),
     device("Hall button", part("", "generic_switch", "press"), key="dev-button"),
     device("Remote", part("", "generic_switch", "press"), key="dev-remote"),
     device("Wall dimmer", part("", "generic_switch", "press"), at="zigbee2mqtt/wall_dimmer"),
@@ -116,7 +118,8 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
 
 
 @pytest.fixture(
-    scope="module", params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting", "answers", "fresh"]
+    scope="module",
+    params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting", "answers", "fresh", "players"],
 )
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)

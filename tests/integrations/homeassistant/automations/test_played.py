@@ -67,6 +67,8 @@ Bath climate humidity 50
 Bath fan on_off false
 Bath fan fan_speed 0
 Bath leak water_leak false
+Weather value sunny
+Weather temperature 10
 Household at_home true
 Household all_at_home true
 """
@@ -92,9 +94,54 @@ class Play(NamedTuple):
     day: str = FRIDAY
 
 
+BELL = [
+    "08:10:00 Kitchen radio media announce music media-source://media_source/local/Ding Dong.mp3",
+    "08:10:00 notify Bell: Somebody rings",
+]
+MOVED = [
+    "08:10 Living blind movement closed",
+    "08:15 Bell press single",
+    "08:16 Living blind movement opening",
+    "08:20 Bell press single",
+    "08:21 Living blind movement open",
+    "08:25 Bell press single",
+]
 OPENED = [f"08:{at} Living blind movement {state}" for at, state in (("05", "closed"), ("10", "open"))]
 BLINK = [f"08:10:{second} Hall lamp on_off {state}" for second, state in ((30, True), (32, False), (34, True))]
 PLAYS: tuple[Play, ...] = (
+    Play("Bell on the speaker", ["08:10 Bell press double"], BELL),
+    Play("Bell on the speaker", ["08:10 Bell press single"]),
+    Play("Radio in the morning", [], ["07:00:00 Kitchen radio media http://radio.example/Live.mp3"], "06:50 08:00"),
+    Play("Radio in the morning", ["06:55 Household at_home false"], [], "06:50 08:00"),
+    Play("Blind in the afternoon sun", [],
+         ["07:54:25 Living blind movement closed", "13:57:15 Living blind movement closed"], "06:00 18:00"),
+    Play("Blind in the afternoon sun", ["06:10 Weather value rainy"], [], "06:00 18:00"),
+    Play("Blind in the afternoon sun", ["06:10 Weather temperature 3"], [], "06:00 18:00"),
+    Play("Rain", ["08:10 Weather value pouring"], ["08:10:00 notify It is pouring"]),
+    Play("Rain", ["08:10 Weather value partlycloudy"]),
+    Play("Button for the blind", MOVED,
+         ["08:15:00 Living blind movement open", "08:20:00 Living blind movement stopped",
+          "08:25:00 Living blind movement closed"]),
+    Play("Button for the blind", MOVED[:1]),
+    Play("Still open", ["08:10 Bath window contact true", "08:12 Front door contact true",
+                        "08:14 Front door contact false"],
+         ["08:15:00 notify Bath window is still open"]),
+    Play("Still open", ["08:10 Bath window contact true", "08:12 Front door contact true",
+                        "08:14 Bath window contact false"]),
+    Play("Door or damp", ["08:10 Front door contact true", "08:20 Bath climate humidity 75"],
+         ["08:10:00 notify Front door: open", "08:20:00 notify Bath climate: 75 %"]),
+    Play("Door or damp", ["08:20 Bath climate humidity 65"]),
+    Play("Plug follows the lamp", ["08:10 Hall lamp on_off true", "08:11 Hall lamp level 20",
+                                   "08:12 Hall lamp on_off false"],
+         ["08:10:00 notify The lamp was switched", "08:12:00 notify The lamp was switched"]),
+    Play("Plug follows the lamp", ["08:11 Hall lamp level 20"]),
+    Play("Wait without a door", ["08:10 Hall motion occupancy true"], ["08:11:00 Hall lamp on_off True"]),
+    Play("Wait without a door", ["08:10 Hall motion occupancy true", "08:10:30 Front door contact true"]),
+    Play("A picture and a song", ["08:10 Bell press single"],
+         ["08:10:00 Hall lamp on_off True", "08:10:00 Kitchen radio media a.mp3"]),
+    Play("A picture and a song", ["08:10 Hall button press single"]),
+    Play("Device action brightness", [], ["21:00:00 Hall lamp level 10", "21:00:00 Hall lamp level 40"], "20:50 21:10"),
+    Play("Device action brightness", [], [], "20:50 20:59"),
     Play(
         "Bathroom fan by humidity",
         ["08:10 Bath climate humidity 70", "08:30 Bath climate humidity 50"],
@@ -436,7 +483,7 @@ def routines() -> Mapping[str, dict[str, Any]]:
     """Return the routines of all files by name."""
     texts = [
         text
-        for name in ("forum", "asked", "unseen", "kinds", "lasting", "answers", "fresh")
+        for name in ("forum", "asked", "unseen", "kinds", "lasting", "answers", "fresh", "players")
         for text in read((HERE / f"{name}.yaml").read_text()).texts
     ]
     return {table["name"]: table for text in texts for table in tomllib.loads(text)["routines"]}

@@ -81,6 +81,7 @@ _CONTROLS: Final = {
     "schedule": ("x_setting", "on_off"),
     "time": ("x_setting", "text"),
     "timer": ("x_setting", "on_off"),
+    "weather": ("x_sensor", "value"),
     "sensor": ("", "value"),
 }
 """The types of the parts that are entities of a domain, and their capabilities: the first one tells the state."""
@@ -516,7 +517,11 @@ class StartTrigger(NamedTuple):
                 return dict(self.data).get("from")
             case ("trigger", "for" | "platform" as field):
                 return dict(self.data).get(field)
-            case ("trigger", "event", "data", field) | ("trigger", "payload" | "above" | "below" as field):
+            case (
+                ("trigger", "event", "data", field)
+                | ("trigger", "to_state", "attributes", "event_type" as field)
+                | ("trigger", "payload" | "above" | "below" as field)
+            ):
                 return dict(self.data).get(field)
         return None
 

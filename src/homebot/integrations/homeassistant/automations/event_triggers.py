@@ -18,6 +18,7 @@ from homebot.integrations.homeassistant.automations.entities import (
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.formats.states.presses import APP_EVENTS, APP_KEY, RAW_PART
 from homebot.support.folding import fold
+from homebot.support.located import Located
 from homebot.words.steps import MAX_LINES
 from homebot.words.triggers import MessageComes, Press, button_names, read_trigger
 
@@ -70,7 +71,6 @@ ADVICE: Final = {
     "calendar": "; write its days, as in 'on 24 Dec' or '7:00 on mon'",
     "conversation": "; a routine of a button does the same",
     "webhook": "; send a command by HTTP, see docs/http.md",
-    "tag": "; start it by a button, or by the tag's reader as a device",
     "call_service": "; start it by what calls the service, or by the state that follows",
     "tag_scanned": "; start it by a button, or by the tag's reader as a device",
     "persistent_notification": "; start it by the state that is told of",
@@ -148,6 +148,14 @@ def message_button(automation: Automation, action: str) -> KnownEntity:
             f"the button {action!r} of a message: write `{name} = {{ button = true }}` in the table [helpers], and "
             "press it on the page"
         ) from None
+
+
+def tag_triggers(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    """Return the tags that the app of Home Assistant reads."""
+    if "device_id" in fields:
+        raise NotCarriedError("trigger tag: `device_id`; homebot is not told which phone read it")
+    tags = [UnreadFields(Located({"tag_id": Located(tag, 0)}, 0), "tag") for tag in fields.texts("tag_id")]
+    return [_of_app(automation, "tag_scanned", tag) for tag in tags]
 
 
 def _of_app(automation: Automation, kind: str, data: UnreadFields) -> StartTrigger:

@@ -33,20 +33,21 @@ def _is_clearing(data: UnreadFields) -> bool:
 def message_steps(automation: Automation, name: str, data: UnreadFields) -> list[str] | None:
     """Return the steps of a service that tells people something; None for another one."""
     domain = name.partition(".")[0]
-    if domain == "tts":
+    if domain == "tts" or name == "assist_satellite.announce":
         return [_spoken(automation, name, data)]
     if domain == "notify" and _is_clearing(data):
         automation.notes.append("messages of homebot are not cleared")
         return []
-    return [_message(automation, name, data)] if domain == "notify" or name == _PERSISTENT else None
+    return [_message(automation, name, data)] if domain == "notify" or name in _MESSAGES else None
 
 
-_PERSISTENT: Final = "persistent_notification.create"
+_FORMS: Final = ("parse_mode", "disable_notification", "config_entry_id")
+_MESSAGES: Final = frozenset({"persistent_notification.create", "telegram_bot.send_message"})
 
 
 def _spoken(automation: Automation, name: str, data: UnreadFields) -> str:
     """Return the message for a text that is spoken."""
-    for key in ("media_player_entity_id", "cache", "language", "options"):
+    for key in ("media_player_entity_id", "cache", "language", "options", "preannounce"):
         data.take(key)
     automation.notes.append(f"{name} becomes a message to people: homebot does not speak")
     return _message(automation, name, data)
@@ -58,7 +59,7 @@ def _message(automation: Automation, name: str, data: UnreadFields) -> str:
         raise NotCarriedError(f"{name}: `message` is missing")
     data.take("notification_id")
     buttons = [f"[{name}]" for name in _buttons(automation, data.left.get("data"))]
-    for key in ("data", "target"):
+    for key in ("data", "target", *_FORMS):
         if data.take(key) is not None:
             automation.notes.append(f"`{key}` of the message is left out")
     data.end()

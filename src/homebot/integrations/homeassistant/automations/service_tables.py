@@ -1,5 +1,6 @@
 """Tables of the services of Home Assistant: their words, fields and values. Pure."""
 
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 _ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
@@ -146,7 +147,14 @@ SETTINGS: Final = {
 
 
 DROPPED: Final = {
-    *("logbook.log", "persistent_notification.dismiss", "system_log.write", "logger.set_level"),
+    *(
+        "camera.snapshot",
+        "camera.record",
+        "logbook.log",
+        "persistent_notification.dismiss",
+        "system_log.write",
+        "logger.set_level",
+    ),
     *("homeassistant.update_entity", "frontend.set_theme", "browser_mod.popup"),
 }
 """Services without an effect in the house."""
@@ -160,8 +168,23 @@ DEVICE_DATA: Final = frozenset({"brightness_pct", "position", "hvac_mode", "pres
 """The fields of actions of devices that are data."""
 
 
+DEVICE_ACTIONS: Final[Mapping[str, tuple[str, Mapping[str, object]]]] = {
+    "light.brightness_increase": ("light.turn_on", {"brightness_step_pct": 10}),
+    "light.brightness_decrease": ("light.turn_on", {"brightness_step_pct": -10}),
+    "light.flash": ("light.turn_on", {"flash": "short"}),
+    "cover.open": ("cover.open_cover", {}),
+    "cover.close": ("cover.close_cover", {}),
+    "cover.stop": ("cover.stop_cover", {}),
+    "cover.set_position": ("cover.set_cover_position", {}),
+    "vacuum.clean": ("vacuum.start", {}),
+    "vacuum.dock": ("vacuum.return_to_base", {}),
+}
+"""The services of actions of devices that are called otherwise, with their fields."""
+
+
 ADVICE: Final = {
     "camera": "; homebot sends no pictures: leave it out",
+    "cover": "; write `open`, `close` or `stop`",
     "mqtt": "; command the device itself, or write an app, see docs/apps.md",
     "pyscript": "; write an app, see docs/apps.md",
     "python_script": "; write an app, see docs/apps.md",
@@ -169,7 +192,7 @@ ADVICE: Final = {
     "scene": "; write the scene in homebot, see docs/scenes.md",
     "todo": "; send a message by `notify` instead",
     "weather": "; use a sensor of the forecast",
-    "media_player": "; homebot plays no media: set its source by `media_player.select_source`",
+    "media_player": "; write `media` and an address, or its source",
     "shell_command": "; write an app, see docs/apps.md",
     "rest_command": "; write an app, see docs/apps.md",
     "script": "; write the routine of its steps, or import it from the file with `script:`",

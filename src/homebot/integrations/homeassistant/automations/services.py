@@ -11,6 +11,7 @@ from homebot.integrations.homeassistant.automations.service_messages import mess
 from homebot.integrations.homeassistant.automations.service_settings import settings_of, step_text, steps_of_entity
 from homebot.integrations.homeassistant.automations.service_tables import (
     ADVICE,
+    DEVICE_ACTIONS,
     DEVICE_DATA,
     DROPPED,
     LEFT_OUT,
@@ -29,9 +30,9 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
     name = _service_name(fields, key)
     domain, data = name.partition(".")[0], fields.inner("data", "data_template", "service_data")
     if key == "device_id":
-        data = UnreadFields(
-            Located({field: fields.take(field) for field in [*fields.left] if field in DEVICE_DATA}, 0), "data"
-        )
+        given = {field: fields.take(field) for field in [*fields.left] if field in DEVICE_DATA}
+        name, own = DEVICE_ACTIONS.get(name, (name, {}))
+        data = UnreadFields(Located({**given, **{field: Located(value, 0) for field, value in own.items()}}, 0), "data")
     target = _target_of(fields, data)
     for entity in target.entities if key == "device_id" else ():
         automation.entities.find_of_device(entity, "".join(device_id), domain, "")
@@ -52,7 +53,7 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         return [
             step
             for entity in _entities_of(automation, target, domain)
-            for step in _next(name, entity, is_cycle=is_cycle)
+            for step in _next(automation, name, entity, is_cycle=is_cycle)
         ]
     if name not in SERVICES:
         raise NotCarriedError(f"the service {name} has no counterpart in routines{ADVICE.get(domain, '')}")
@@ -90,12 +91,33 @@ def _of_routines(automation: Automation, name: str, data: UnreadFields, target: 
             yield f"routine {automation.names.routine(entity)} {name.rpartition('_')[2]}"
 
 
+def _of_media(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[str]:
+    """Yield the steps in which players play an address."""
+    media = data.inner("media") if "media" in data else data
+    address, kind = media.text("media_content_id"), media.text("media_content_type", "music")
+    media.take("metadata")
+    media.end()
+    if data.take("extra") is not None:
+        automation.notes.append(f"`extra` of {name} is left out")
+    if data.text("enqueue", "play") not in {"play", "replace"}:
+        raise NotCarriedError(f"{name}: `enqueue`; homebot has no queue of a player")
+    words = ["announce"] if data.flag("announce", default=False) else []
+    data.end()
+    words += [address] if kind == "music" and " " not in address and not words else [kind, address]
+    if " " in kind or "," in address:
+        raise NotCarriedError(f"{name}: {address!r} cannot be written as a step")
+    setting = ServiceSetting("media", value=" ".join(words))
+    for entity in _entities_of(automation, target, "media_player"):
+        yield from steps_of_entity(name, entity, [setting], "")
+
+
 def _of_message(automation: Automation, _name: str, data: UnreadFields, _target: "_Target") -> Sequence[str]:
     return steps_of_message(automation, data)
 
 
 _APART: Final[Mapping[str, Callable[[Automation, str, UnreadFields, "_Target"], Iterable[str]]]] = {
     **{f"automation.{way}": _of_routines for way in ("turn_on", "turn_off", "trigger")},
+    "media_player.play_media": _of_media,
     "mqtt.publish": _of_message,
 }
 """The readers of services that command no entity."""
@@ -104,15 +126,29 @@ _NEXT: Final = {
     f"{domain}.{service}"
     for domain in ("input_select", "select")
     for service in ("select_next", "select_previous", "select_first", "select_last")
-} | {"media_player.media_play_pause"}
+} | {"media_player.media_play_pause", "cover.toggle"}
 """Services whose effect depends on the state of their entity."""
 
 
-def _next(name: str, entity: KnownEntity, *, is_cycle: bool) -> Sequence[str | dict[str, object]]:
+def _next(
+    automation: Automation, name: str, entity: KnownEntity, *, is_cycle: bool
+) -> Sequence[str | dict[str, object]]:
     """Return the steps to the next state of an entity: a choice by the state that it has."""
     if name == "media_player.media_play_pause":
         play, pause = (_by_words(entity, f"media_player.media_{way}") for way in ("play", "pause"))
         return [{"if": [state_text(entity, "playing", "state")], "do": pause, "else": play}]
+    if name == "cover.toggle":
+        automation.notes.append(f"{entity.id} closes if it stands half open")
+        ways = {way: _by_words(entity, f"cover.{way}_cover") for way in ("open", "close")}
+        ends: dict[str, object] = {
+            "if": [state_text(entity, "closed", "state")],
+            "do": ways["open"],
+            "else": ways["close"],
+        }
+        if "stopped" not in entity.options("movement") or not entity.takes("movement"):
+            return [ends]
+        moving = " or ".join(f"({state_text(entity, state, 'state')})" for state in ("opening", "closing"))
+        return [{"if": [moving], "do": _by_words(entity, "cover.stop_cover"), "else": [ends]}]
     options = [*entity.options("option")]
     steps = {option: steps_of_entity("", entity, [SETTINGS["option"]._replace(value=option)], "") for option in options}
     if not options:
@@ -176,7 +212,9 @@ class _Target(NamedTuple):
     @property
     def is_to_notify(self) -> bool:
         """True unless other entities than those that tell people something are named."""
-        return all(entity.startswith(("notify.", "tts.", "media_player.")) for entity in self.entities)
+        return all(
+            entity.startswith(("notify.", "tts.", "media_player.", "assist_satellite.")) for entity in self.entities
+        )
 
     @property
     def areas(self) -> list[str]:

@@ -63,6 +63,10 @@ def moved(text: str, lasting: str, *, is_leave: bool) -> str:
     return f"{text.replace('place=', 'place!=') if is_leave else text}{lasting}"
 
 
+_OF_STATE: Final = frozenset({"to", "not_to", "not_from"})
+"""The fields with which a change of attributes alone starts nothing."""
+
+
 class _AskedState(NamedTuple):
     """The states of its entities that a trigger asks for.
 
@@ -79,7 +83,11 @@ class _AskedState(NamedTuple):
 
 def state_triggers(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
     """Return the triggers of ``state``, for each of its entities."""
-    ids, has_states, attribute = fields.texts("entity_id"), "to" in fields, fields.text("attribute", "")
+    ids, has_states, attribute = (
+        fields.texts("entity_id"),
+        not fields.left.keys().isdisjoint(_OF_STATE),
+        fields.text("attribute", ""),
+    )
     asked = _AskedState(
         fields.texts("to"), fields.texts("from"), has_states, attribute, lasting_text(automation, fields)
     )
@@ -128,7 +136,12 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
         return [StartTrigger(moved(home, asked.lasting, is_leave=True), entity=entity_id)]
     if entity.has("press") and not asked.lasting and not asked.before:
         presses = _presses(entity, asked.states, asked.attribute)
-        return [StartTrigger(text, entity=entity_id, state=state) for text, state in presses]
+        return [
+            StartTrigger(text, entity=entity_id, state=state, data=(("event_type", state),))
+            if state
+            else StartTrigger(text, entity=entity_id, asks="event_type")
+            for text, state in presses
+        ]
     if not asked.states and not asked.before:
         if asked.lasting:
             raise NotCarriedError(f"any change of {entity_id} with `for`; name the state with `to`")

@@ -35,7 +35,13 @@ _ALARM: Final = (
     *("arming", "disarming", "pending", "triggered"),
 )
 _VACUUM: Final = ("cleaning", "docked", "paused", "idle", "returning", "error")
-_SAME: Final = {"alarm": _ALARM, "place": ("home", "not_home"), "playback": ("playing", "paused"), "vacuum": _VACUUM}
+_SAME: Final = {
+    "alarm": _ALARM,
+    "movement": ("open", "closed", "opening", "closing"),
+    "place": ("home", "not_home"),
+    "playback": ("playing", "paused"),
+    "vacuum": _VACUUM,
+}
 """States of capabilities of which others differ, or are not known."""
 
 _SET: Final = {
@@ -63,6 +69,8 @@ _ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
     ("climate", "target_humidity"): ("humidity_setpoint", 1.0),
     ("water_heater", "current_temperature"): ("local_temperature", 1.0),
     ("vacuum", "battery_level"): ("battery", 1.0),
+    ("weather", "temperature"): ("temperature", 1.0),
+    ("weather", "humidity"): ("humidity", 1.0),
 }
 """The capabilities that attributes of entities are, and the factors of their numbers."""
 
@@ -377,7 +385,7 @@ def _flag_of(entity: KnownEntity, state: str) -> str:
 
 def _told(entity: KnownEntity, capability: str) -> Collection[str]:
     """Return the states that homebot has in the same words."""
-    is_other = capability in EVENTS or (capability == "value" and entity.capability != capability)
+    is_other = capability in EVENTS or (entity.domain == "sensor" and capability == "value" != entity.capability)
     return () if is_other else _SAME.get(capability) or entity.options(capability)
 
 

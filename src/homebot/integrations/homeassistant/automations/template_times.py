@@ -2,7 +2,7 @@
 
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date, timedelta
 from itertools import pairwise
 from typing import Any, Final
@@ -174,6 +174,14 @@ def of_time(unit: str, sign: str, value: object) -> list[Condition]:
                 return [] if months else [NEVER]
             return [(f"in {months[0]}" + (f"-{months[-1]}" if len(months) > 1 else ""),)]
     raise NotCarriedError(f"template: now() against {value!r}")
+
+
+def hours_of(hours: Sequence[object]) -> list[Condition]:
+    """Return the conditions that it is one of *hours*, each of which follows on the one before; none for others."""
+    first, last = hours[0], hours[-1]
+    if not isinstance(first, int) or not isinstance(last, int) or [*hours] != [*range(first, last + 1)]:
+        return []
+    return [*of_time("hour", ">=", first), *of_time("hour", "<=", last)] if len(hours) > 1 else []
 
 
 def _holds_whole(number: int, sign: str, value: int) -> bool:

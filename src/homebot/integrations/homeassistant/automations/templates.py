@@ -80,6 +80,7 @@ from homebot.integrations.homeassistant.automations.template_numbers import (
 from homebot.integrations.homeassistant.automations.template_times import (
     clock_of_today,
     days_of,
+    hours_of,
     is_now,
     of_time,
     unit_of_now,
@@ -290,7 +291,8 @@ class Templates:
         if is_state:
             note_length(self._automation)
         paths = {path for path in paths if any(trigger.value(path) is not None for trigger in triggers)}
-        paths |= {("trigger", "entity_id")} if is_state and all(trigger.entity for trigger in triggers) else set()
+        if is_state and all(trigger.entity for trigger in triggers):  # each state is asked anew
+            paths = paths - {("trigger", "to_state", "state")} | {("trigger", "entity_id")}
         if not paths and not is_message and (by_option := self._by_option(node)):
             return by_option
         if not paths or (is_message and is_value(self._automation, node)):
@@ -321,7 +323,7 @@ class Templates:
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
-        for read in (days_of, weeks_of, self._known, self._tested, _any_light, self._counted):
+        for read in (self._of_entity, days_of, weeks_of, self._known, self._tested, _any_light, self._counted):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -352,9 +354,31 @@ class Templates:
                 return self._read(inner)
         raise refused_template(shown_tree(node))
 
+    def _of_entity(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the conditions of a test of the entity that started it: one for each; None for another expression."""
+        asked = [
+            call for call in (node, *node.find_all(nodes.Call)) if isinstance(call, nodes.Call) and _is_of_entity(call)
+        ]
+        if not asked or not isinstance(node, nodes.Call | nodes.Compare):
+            return None
+        groups: dict[str, list[StartTrigger]] = {}
+        for trigger in self._automation.triggers:
+            groups.setdefault(trigger.entity, []).append(trigger)
+        if "" in groups:
+            raise refused_template(shown_tree(node), "not each trigger has an entity; give each an `id`")
+        conditions: list[Condition] = []
+        for group in groups.values():
+            held = self._read(cast("nodes.Expr", with_trigger(node, group, is_state=False)))
+            conditions += self._any_of([self._denied(self.started_by(group)), held]) if len(groups) > 1 else held
+        return conditions
+
     def _tested(self, node: nodes.Expr) -> list[Condition] | None:
         """Return the conditions of ``is none`` and ``is defined``; None for another expression."""
         match node:
+            case nodes.Compare(expr=left, ops=[nodes.Operand(op="eq" | "lteq", expr=nodes.Const(value=0))]) if path_of(
+                left
+            ) == ("wait", "remaining"):
+                return [("wait timed out",)]
             case nodes.Test(name="defined" | "none" as test, node=inner) if path_of(inner) in _LIMITS:
                 path = path_of(inner)  # a limit that a trigger lacks is none, and one of another kind is undefined
                 return self.started_by(
@@ -419,6 +443,9 @@ class Templates:
                 known = counted_list(node)
         if known is None:
             return None
+        if (known.domain, known.states, known.ids) == ("person", ("home",), ()) and (sign in SIGNS or not most):
+            number_sign = SIGNS.get(sign, "<=" if sign == "eq" else ">")
+            return [(people_text(self._automation, number_sign, float(most)),)]
         any_of_them = self._any_of([[(f"({text})",)] for text in known.texts(self._automation)])
         match sign, most:
             case ("gt" | "ne", 0) | ("gteq", 1):
@@ -468,7 +495,10 @@ class Templates:
 
     def _compared_by_words(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
         if sign in {"in", "notin"}:
-            states = self._any_of([self._equal(left, value) for value in constants_in(right)])
+            values = constants_in(right)
+            if unit_of_now(left) == "hour" and (hours := hours_of(values)):
+                return hours if sign == "in" else self._denied(hours)
+            states = self._any_of([self._equal(left, value) for value in values])
             return states if sign == "in" else self._denied(states)
         if isinstance(left, nodes.Const) and not isinstance(right, nodes.Const):
             left, right, sign = right, left, _SWAPPED[sign]
@@ -481,6 +511,8 @@ class Templates:
             return self._any_of(ways)
         if (several := extreme_of(left)) is not None and sign in SIGNS:
             return self._compared_all(*several, sign, right)
+        if is_now(right) and clock_of_today(left) and sign in _SWAPPED:
+            left, right, sign = right, left, _SWAPPED[sign]
         if is_now(left) and (clock := clock_of_today(right)) and sign in SIGNS:
             return of_time("clock", SIGNS[sign], clock)
         if (elapsed := elapsed_limit(left, sign, right)) is not None:
@@ -509,7 +541,11 @@ class Templates:
             case ("wait", "trigger", "id" | "entity_id") | ("wait", "trigger", "event", "data", _):
                 waited = self._automation.waited
                 return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], left)
-            case ("trigger", "id" | "payload" | "platform") | ("trigger", "event", "data", _):
+            case (
+                ("trigger", "id" | "payload" | "platform")
+                | ("trigger", "event", "data", _)
+                | ("trigger", "to_state", "attributes", "event_type")
+            ):
                 triggers = self._automation.triggers
                 if open_ones := [trigger for trigger in triggers if trigger.asks == path[-1]]:
                     if len(open_ones) < len(triggers):
@@ -608,6 +644,10 @@ class Templates:
         if number.default is not None and holds(number.default * factor, sign, limit):
             return [(f"not ({limits_text(entity, capability, [(_DENIED[sign], limit)])})",)]
         return [(f"({limits_text(entity, capability, [(sign, limit)])})",)]
+
+
+def _is_of_entity(call: nodes.Call) -> bool:
+    return bool(call.args) and path_of(call.args[0]) in {("trigger", "entity_id"), ("trigger", "to_state", "entity_id")}
 
 
 def _is_unit(node: nodes.Node) -> bool:

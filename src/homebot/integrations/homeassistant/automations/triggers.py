@@ -4,7 +4,7 @@ Source: Home Assistant core 2026.11, ``components/homeassistant/triggers``, ``co
 ``components/zone/trigger.py``.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from homebot.integrations.homeassistant.automations.conditions import denied, template_text, templates_of
@@ -19,6 +19,7 @@ from homebot.integrations.homeassistant.automations.event_triggers import (
     device_press,
     event_triggers,
     message_triggers,
+    tag_triggers,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.state_triggers import (
@@ -41,6 +42,8 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
     """Return the triggers of *fields*, each of which starts the routine."""
     if (node := fields.left.get("for")) is not None and (ways := templates_of(automation).ways(node)):
         return [*_by_length(automation, fields, ways)]
+    if fields.texts_of("entity_id") == ["sun.sun"] and {"above", "below"} <= fields.left.keys():
+        return [*_by_side(automation, fields)]
     kind = fields.text("trigger", "") or fields.text("platform", "")
     fields.take("id")
     match kind:
@@ -57,14 +60,8 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
             return [StartTrigger(sun_moment(fields, fields.text("event"), "offset"))]
         case "device" if "entity_id" not in fields:
             return [StartTrigger(device_press(automation, fields))]
-        case "mqtt":
-            return message_triggers(automation, fields)
-        case "event":
-            return event_triggers(automation, fields)
-        case "template":
-            return _template(automation, fields)
-        case "state":
-            return state_triggers(automation, fields)
+        case kind if (read := _READERS.get(kind)) is not None:
+            return read(automation, fields)
         case kind if kind in STATES:
             is_leave = kind == "zone" and fields.text("event", "enter") == "leave"
             lasting = lasting_text(automation, fields)
@@ -100,6 +97,19 @@ def _by_length(
         yield from (trigger._replace(needs=(*trigger.needs, *needs)) for trigger in read_triggers(automation, way))
         way.end()
         before += denied(held)
+    fields.left.clear()
+
+
+def _by_side(automation: Automation, fields: UnreadFields) -> Iterator[StartTrigger]:
+    """Yield the triggers of a number between two limits: it passes either of them, on the right side of the other."""
+    known = dict(fields.left)
+    ways = []
+    for side in ("above", "below"):
+        way = UnreadFields(Located({key: node for key, node in known.items() if key != side}, 0), "trigger")
+        ways += read_triggers(automation, way)
+        way.end()
+    for trigger, other in (ways, ways[::-1]):
+        yield trigger._replace(needs=(*trigger.needs, (other.text,)), data=(*other.data, *trigger.data))
     fields.left.clear()
 
 
@@ -211,5 +221,12 @@ def _one_state(text: str) -> list[StartTrigger]:
     return [StartTrigger(_SUN_BEGINS.get(text, text))]
 
 
+_READERS: Final[Mapping[str, Callable[[Automation, UnreadFields], list[StartTrigger]]]] = {
+    "mqtt": message_triggers,
+    "event": event_triggers,
+    "tag": tag_triggers,
+    "template": _template,
+    "state": state_triggers,
+}
 _SUN_BEGINS: Final = {"sun is up": "sunrise", "sun is down": "sunset"}
 """The triggers with which these conditions begin to hold."""
