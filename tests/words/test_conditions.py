@@ -5,9 +5,10 @@ from datetime import time
 import pytest
 
 from homebot.errors import UsageError
-from homebot.words.conditions import AnyOf, Matches, OnDays, SunIs, check_possible, read_condition
+from homebot.words.conditions import AnyOf, Matches, OnDays, SinceMoment, SunIs, check_possible, read_condition
 from homebot.words.days import CalendarDays
 from homebot.words.times import SunMoment, SunSpan, TimeSpan
+from homebot.words.triggers import MessageComes
 
 
 def test_the_sun_days_and_times() -> None:
@@ -114,3 +115,23 @@ def test_conditions_that_never_hold_together_are_told_with_the_text_to_write(tex
         return
     with pytest.raises(UsageError, match=f"never hold together; {hint}"):
         check_possible(texts)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_over"),
+    [
+        ("text of last cleaning over 3d ago", True),
+        ("text of last cleaning was less than 3d ago", False),
+        ("not text of last cleaning over 3d ago", False),
+    ],
+)
+def test_a_moment_of_the_house_is_over_or_under_so_long_ago(text: str, *, is_over: bool) -> None:
+    found = read_condition(text)
+    assert isinstance(found, SinceMoment)
+    assert (found.moment.words, found.seconds, found.is_over) == ("last cleaning", 259_200.0, is_over)
+
+
+def test_a_message_holds_in_the_run_that_it_started() -> None:
+    assert read_condition("message on home/bell with state.action = single") == MessageComes(
+        "home/bell", ("state", "action"), "single"
+    )

@@ -25,6 +25,7 @@ from homebot.words.phrases import (
     NOBODY,
     NOT,
     RECENT,
+    SINCE_MOMENT,
     STARTED_BY,
     TIMED_OUT,
 )
@@ -33,11 +34,13 @@ from homebot.words.tokens import split_at
 from homebot.words.triggers import (
     SUN,
     Becomes,
+    MessageComes,
     Press,
     SunAngle,
     Trigger,
     is_length_of_house,
     is_time_or_person,
+    read_mqtt_message,
     read_press,
     read_state,
     read_trigger,
@@ -110,6 +113,15 @@ class LastRun:
 
 
 @dataclass(frozen=True, slots=True)
+class SinceMoment:
+    """The moment that a text of the house tells is more than *seconds* ago, or less; it does not hold while unknown."""
+
+    moment: MessageValue
+    seconds: float
+    is_over: bool
+
+
+@dataclass(frozen=True, slots=True)
 class StartedBy:
     """This trigger of the routine started this run, or did not; or that of its last wait ended this, or did not."""
 
@@ -141,7 +153,9 @@ Condition: TypeAlias = (
     | SunSpan
     | Matches
     | Press
+    | MessageComes
     | LastRun
+    | SinceMoment
     | StartedBy
     | TimedOut
     | Comparison
@@ -149,7 +163,7 @@ Condition: TypeAlias = (
     | HouseSpan
     | AnyOf
 )
-"""A press holds in the run that it started."""
+"""A press, or a message of MQTT, holds in the run that it started."""
 
 
 @lru_cache(maxsize=2000)  # read for each check of each routine
@@ -178,7 +192,7 @@ def _read_condition(plain: str) -> Condition:
         raise UsageError(f"{plain!r}: this denies a state of the same device; write each as a condition for itself")
     if (press := read_press(plain)) is not None and NOT.match(plain):
         raise UsageError(f"{plain!r}: a press is not denied; write it without the `not`, and the steps into `else`")
-    return _of_people(plain) or press or _of_state(plain)
+    return _of_people(plain) or press or read_mqtt_message(plain) or _of_state(plain)
 
 
 def _is_bracketed(plain: str) -> bool:
@@ -285,6 +299,9 @@ def _of_run(text: str) -> Condition | None:
         return Chance(_count(chance["count"], text))
     if TIMED_OUT.match(plain) is not None:
         return TimedOut(not is_denied)
+    if (since := SINCE_MOMENT.match(plain)) is not None:
+        moment, seconds = read_value(f"text of {since['what']}"), read_duration(since["length"], text)
+        return SinceMoment(moment, seconds, (since["sign"] in {"over", "more"}) is not is_denied)
     compared = read_limit(plain) or read_comparison(plain)
     return None if compared is None else replace(compared, is_denied=is_denied)
 

@@ -20,7 +20,7 @@ from homebot.words.vocabulary import CAPABILITY_WORDS
 _PLACE: Final = re.compile(r"\{([^{}]*)\}")
 _EXAMPLE: Final = (
     "write it like {temperature of office}, {temperature of office * 2}, {count of light on}, {names of open windows}, "
-    "{name}, {room}, {before}, {routine} or {time}"
+    "{name}, {room}, {before}, {routine}, {time} or {now}"
 )
 
 _ANY: Final = And(())
@@ -34,8 +34,8 @@ class MessageValue:
 
     Attributes:
         kind: ``name`` and ``room`` of the first device that matches *words*, or without them of that which started the
-            routine, ``routine`` for its own name, ``time`` for the time of day, ``before`` for the value before the
-            change that started it, ``value`` of the first device,
+            routine, ``routine`` for its own name, ``time`` for the time of day, ``now`` with the day, ``before`` for
+            the value before the change that started it, ``value`` of the first device,
             ``names`` of all that match, with this value of each if there is one, ``count`` for their number, ``sun``
             for its angle, or ``calculated`` from *operands*.
         words: The query as text, in which names of devices count; of the sun ``elevation`` or ``azimuth``.
@@ -43,7 +43,7 @@ class MessageValue:
     """
 
     text: str
-    kind: Literal["name", "room", "routine", "time", "before", "value", "names", "count", "sun", "calculated"]
+    kind: Literal["name", "room", "routine", "time", "now", "before", "value", "names", "count", "sun", "calculated"]
     query: Query = _ANY
     capability: str = ""
     words: str = ""
@@ -111,7 +111,7 @@ def read_value(text: str) -> MessageValue:
 
 def _read_single(plain: str) -> MessageValue:
     match plain.casefold():
-        case ("name" | "room" | "routine" | "time" | "before") as kind:
+        case ("name" | "room" | "routine" | "time" | "now" | "before") as kind:
             return MessageValue(plain, kind)
     if (sun := SUN_VALUE.match(plain)) is not None:
         return MessageValue(plain, "sun", words="azimuth" if sun["angle"].casefold() == "azimuth" else "elevation")

@@ -22,7 +22,7 @@ CHANGES: Final = Phrase(
     "{what} changes from {before} to {after}",
     "{what} changes",
 )
-AT_TIME_OF: Final = Phrase("at text of {what}")
+AT_TIME_OF: Final = Phrase("at told~text|value of {what}")
 MESSAGE: Final = Phrase("message on {topic} with {value}", "message on {topic}")
 
 # Times.
@@ -51,6 +51,7 @@ NAMES: Final = Phrase("names with {capability} of", "names of")
 LAST_RUN: Final = Phrase(
     "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"
 )
+SINCE_MOMENT: Final = Phrase("text of {what} [was|is] sign~over|more|under|less [than] {length:length} ago")
 
 # People and robots.
 PERSON_IS: Final = Phrase("{who} is|are [no~not] [at] where~home|away")

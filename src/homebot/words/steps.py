@@ -264,17 +264,23 @@ def _read_step(plain: str) -> Step:
         raise
 
 
+EXAMPLES: Final = {"now": "2000-01-01 00:00:00"}
+"""What stands for values while a step is read, by their kinds; others are 1."""
+
+
 def _read_filled(plain: str) -> Step:
-    """Return a step with values of the house, as it would be with 1 for each.
+    """Return a step with values of the house, as it would be with an example of each.
 
     Raises:
         UsageError: It is no command or pause, or one of the values is no number.
     """
     pieces = read_message(plain)
     for piece in pieces:
-        if not isinstance(piece, str) and not piece.is_number:
-            raise UsageError(f"{plain!r}: {{{piece.text}}} is no number; a step has only numbers of the house")
-    step = read_step("".join(piece if isinstance(piece, str) else "1" for piece in pieces))
+        if not isinstance(piece, str) and not piece.is_number and piece.kind != "now":
+            raise UsageError(
+                f"{plain!r}: {{{piece.text}}} is no number; a step has only numbers of the house, and {{now}}"
+            )
+    step = read_step("".join(piece if isinstance(piece, str) else EXAMPLES.get(piece.kind, "1") for piece in pieces))
     match step:
         case Do(target=target, command=command) if command != APPLY and plain.startswith(target):
             return replace(step, text=plain, pieces=pieces)

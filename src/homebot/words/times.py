@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from datetime import date, time
+from datetime import date, datetime, time, timedelta, tzinfo
 from typing import Final, NamedTuple
 
 from homebot.errors import UsageError
@@ -62,6 +62,22 @@ def read_moment(text: str) -> Moment:
     clock = text if day is None else text[_DATE_LENGTH:].lstrip(" T") or "0:00"
     read_time(clock)
     return Moment(clock, day)
+
+
+def shifted_moment(text: str, offset: float, zone: tzinfo) -> str:
+    """Return the moment *text*, which may have a time zone, *offset* seconds later, as :func:`read_moment` takes it.
+
+    Raises:
+        UsageError: It is none.
+    """
+    with suppress(ValueError):
+        if (moment := datetime.fromisoformat(text)).tzinfo is not None:
+            return f"{moment.astimezone(zone) + timedelta(seconds=offset):%Y-%m-%d %H:%M:%S}"
+    clock, day = read_moment(text)
+    if not offset:
+        return text
+    at = datetime.combine(day or date.min + timedelta(days=1), read_time(clock)) + timedelta(seconds=offset)
+    return f"{at:%H:%M:%S}" if day is None else f"{at:%Y-%m-%d %H:%M:%S}"
 
 
 class SunMoment(NamedTuple):

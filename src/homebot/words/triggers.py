@@ -217,11 +217,15 @@ class AtTimeOf:
 
     Attributes:
         words: The query as text, in which names of devices count.
+        capability: That of the text: ``text``, or ``value`` of a sensor.
+        offset: Seconds after it, or before it if they are negative.
     """
 
     text: str
     query: Query
     words: str
+    capability: str = "text"
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,10 +316,13 @@ def _read_other(plain: str) -> Trigger | None:
     moment = DaysAndTime.read(plain) or SunMoment.read(plain) or SunAngle.read(plain, SUN_CROSSES)
     if moment is not None:
         return moment
-    if (message := _read_message(plain)) is not None:
+    if (message := read_mqtt_message(plain)) is not None:
         return message
     if (timed := AT_TIME_OF.match(plain)) is not None:
-        return AtTimeOf(plain, parse_query(timed["what"]), timed["what"])
+        *what, sign, length = ["", "", *timed["what"].split(" ")]
+        offset = read_duration(length, plain) * (-1 if sign == "-" else 1) if sign in {"+", "-"} else 0.0
+        words = " ".join(what[2:]) if sign in {"+", "-"} else timed["what"]
+        return AtTimeOf(plain, parse_query(words), words, timed["told"], offset)
     if STARTS.match(plain) is not None:
         return HomebotStarts()
     person = read_move(plain) or read_person(plain)
@@ -376,7 +383,7 @@ def read_press(text: str) -> Press | None:
     return Press(text, parse_query(query), value, fold(part), query)
 
 
-def _read_message(text: str) -> MessageComes | None:
+def read_mqtt_message(text: str) -> MessageComes | None:
     """Return the message ``message on home/bell with state.button = left``; None if it is none.
 
     Raises:

@@ -33,7 +33,9 @@ from homebot.features.routines.watches import (
     compared,
     follow_matches,
     holds_for,
+    is_message,
     is_press,
+    moment_of,
     start_watch,
     time_of,
 )
@@ -47,6 +49,7 @@ from homebot.words.conditions import (
     LastRun,
     Matches,
     OnDays,
+    SinceMoment,
     StartedBy,
     SunIs,
     TimedOut,
@@ -207,7 +210,8 @@ class RoutineBase(App[SettingsT_co]):
             case MessageComes():
                 return self._messages.add(trigger, on_start)
             case AtTimeOf():
-                return TimeOfWatch(self.node, trigger, partial(self._daily_at, start, name or trigger.text)).close
+                call_at = partial(self._daily_at, start, name or trigger.text)
+                return TimeOfWatch(self.node, trigger, self.context.zone, call_at).close
             case Press() | Changes() | ValuePasses() | PersonMoves() | RobotArrival():
                 return start_watch(self.node, trigger, on_start)
             case _:
@@ -276,6 +280,9 @@ class RoutineBase(App[SettingsT_co]):
                 return bool(answer.results) is not condition.is_none
             case Press():
                 return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
+            case MessageComes():
+                cause = CURRENT_CAUSE.get()
+                return isinstance(cause, tuple) and is_message(condition, cause[-1])
             case StartedBy() | TimedOut():
                 return _is_of_run(condition, facts)
             case Comparison():
@@ -283,6 +290,9 @@ class RoutineBase(App[SettingsT_co]):
                 return condition.is_denied if holds is None else holds
             case HouseSpan():
                 return _is_within(condition, await self.devices.find(), self.now().time())
+            case SinceMoment():
+                at = moment_of(condition.moment, await self.devices.find(), self.context.zone)
+                return at is not None and (self.clock.now() - at > condition.seconds) is condition.is_over
             case Chance():
                 self._chances += 1
                 seed = f"{self.title} {self.clock.now()} {self._chances}"

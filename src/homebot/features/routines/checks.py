@@ -29,7 +29,7 @@ from homebot.features.routines.tables import app_of_routine
 from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.words.commands import is_relative
-from homebot.words.conditions import Condition, HouseSpan, Matches, read_condition
+from homebot.words.conditions import Condition, HouseSpan, Matches, SinceMoment, read_condition
 from homebot.words.message_values import Comparison, MessageValue
 from homebot.words.queries import names_in, parse_query
 from homebot.words.steps import APPLY, Dim, Do, SendRobot, Wait, WaitFor, WaitUntil
@@ -361,6 +361,8 @@ def _states(
                 yield from ((text, value, None) for value in (length.asked if length else ()))
             case HouseSpan():
                 yield from ((text, end, None) for end in (one.begin, one.end) if isinstance(end, MessageValue))
+            case SinceMoment(moment=moment):
+                yield text, moment, None
             case Matches(state=state):
                 yield text, state, None
             case Press() as press:

@@ -341,6 +341,8 @@ class RoutineRun:
                 return self._owner.title
             case "time":
                 return f"{self._owner.now():%H:%M}"
+            case "now":
+                return f"{self._owner.now():%Y-%m-%d %H:%M:%S}"
             case "before":
                 return self.facts.value_before
             case "names":
@@ -354,7 +356,14 @@ class RoutineRun:
             return step
         devices = await self._owner.devices.find()
         sun = self._owner.sun_angle
-        values = [piece if isinstance(piece, str) else value_of(piece, devices, sun) for piece in step.pieces]
+        values = [
+            piece
+            if isinstance(piece, str)
+            else self._piece(piece, devices, None)
+            if piece.kind == "now"
+            else value_of(piece, devices, sun)
+            for piece in step.pieces
+        ]
         text = "".join(f"{value:.12g}" if isinstance(value, float) else str(value) for value in values)
         try:
             if None not in values:

@@ -4,7 +4,7 @@ import math
 from collections.abc import AsyncIterator, Callable, Iterable, MutableMapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from datetime import time
+from datetime import datetime, time, tzinfo
 from functools import partial
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
@@ -33,7 +33,7 @@ from homebot.support.timer_queue import TimerQueue
 from homebot.words.calculations import calculated
 from homebot.words.house_queries import WordsQuery
 from homebot.words.message_values import Comparison, MessageValue
-from homebot.words.times import read_moment, read_time
+from homebot.words.times import read_moment, read_time, shifted_moment
 from homebot.words.triggers import (
     AtTimeOf,
     Becomes,
@@ -369,8 +369,15 @@ class MessageWatches:
         if message.retained:  # its age is unknown
             return
         for trigger, on_start in tuple(self._watches.get(message.address, {}).values()):
-            if trigger.value is None or _text_at(message.payload, trigger.path) == trigger.value.casefold():
+            if is_message(trigger, message):
                 on_start(CURRENT_CAUSE.get())
+
+
+def is_message(trigger: MessageComes, cause: object) -> bool:
+    """Return whether *cause* is the message *trigger*."""
+    if not isinstance(cause, RawMessage) or cause.address != trigger.topic:
+        return False
+    return trigger.value is None or _text_at(cause.payload, trigger.path) == trigger.value.casefold()
 
 
 def _text_at(payload: bytes, path: Sequence[str]) -> str | None:
@@ -392,7 +399,11 @@ def _text_at(payload: bytes, path: Sequence[str]) -> str | None:
 class TimeOfWatch(HouseWatcher):
     """Keeps a call at the time, of each day or one, that the text of a device tells; another text makes no call."""
 
-    def __init__(self, node: Node, trigger: AtTimeOf, call_at: Callable[[str], Callable[[], None]]) -> None:
+    def __init__(
+        self, node: Node, trigger: AtTimeOf, zone: tzinfo, call_at: Callable[[str], Callable[[], None]]
+    ) -> None:
+        self._trigger = trigger
+        self._zone = zone
         self._words = WordsQuery(trigger.words)
         self._call_at = call_at
         self._at = ""
@@ -413,23 +424,20 @@ class TimeOfWatch(HouseWatcher):
 
     def on_values(self, change: StateChange) -> None:
         """Call at another time if the text is meant."""
-        if any(reading.capability == _TEXT for reading in change.readings) and change.live:
+        if any(reading.capability == self._trigger.capability for reading in change.readings) and change.live:
             known = self._view.get(change.device)
             self._read(None if known is None else known.current(), change.readings)
 
     def _read(self, device: Device | None, readings: Sequence[State | Reading]) -> None:
         if device is None or not fits(self._words.query, facets_of(device)):
             return
-        texts = [str(reading.value.plain()) for reading in readings if reading.capability == _TEXT]
+        texts = [str(reading.value.plain()) for reading in readings if reading.capability == self._trigger.capability]
         if not texts or texts[0] == self._at:
             return
         self._cancel()
         self._at, self._cancel = texts[0], lambda: None
-        try:
-            read_moment(self._at)
-        except UsageError:
-            return
-        self._cancel = self._call_at(self._at)
+        with suppress(UsageError):
+            self._cancel = self._call_at(shifted_moment(self._at, self._trigger.offset, self._zone))
 
 
 @final
@@ -525,6 +533,15 @@ def time_of(end: time | MessageValue, devices: Sequence[Device]) -> time | None:
         return end
     with suppress(UsageError):
         return read_time(value_of(end, devices))
+    return None
+
+
+def moment_of(value: MessageValue, devices: Sequence[Device], zone: tzinfo) -> float | None:
+    """Return the moment that a text of the house tells, in seconds since the Unix epoch; None if it tells no day."""
+    with suppress(UsageError):
+        clock, day = read_moment(str(value_of(value, devices)))
+        if day is not None:
+            return datetime.combine(day, read_time(clock), zone).timestamp()
     return None
 
 
