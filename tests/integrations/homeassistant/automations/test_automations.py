@@ -5,7 +5,7 @@ HOMEBOT_WRITE_GOLDEN=1 writes what is carried over anew, to be read by a person.
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import cast
 
@@ -42,10 +42,12 @@ OPTIONS = {
 NOW = Time.from_seconds(0.0)
 
 
-def part(part_id: str, kind: str, *names: str, name: str = "") -> DevicePart:
+def part(
+    part_id: str, kind: str, *names: str, name: str = "", options: Mapping[str, tuple[str, ...]] = OPTIONS
+) -> DevicePart:
     bounds = {"heating_setpoint": (5.0, 30.0), "color_temperature": (2000.0, 6500.0)}
     able = tuple(
-        Capability(name=one, settable=one in SETTABLE, options=OPTIONS.get(one, ()), bounds=bounds.get(one, ()))
+        Capability(name=one, settable=one in SETTABLE, options=options.get(one, ()), bounds=bounds.get(one, ()))
         for one in names
     )
     return DevicePart(id=part_id, part=Part(id=part_id, service_type=kind, name=name, capabilities=able), routes=())
@@ -80,6 +82,7 @@ HOUSE = (
     device("Living blind", part("", "window_covering", "movement", "position"), area="Living room"),
     device("Kitchen radio", part("", "speaker", "on_off", "volume", "playback", "media")),
     device("Weather", part("", "x_sensor", "value", "temperature"), entities="weather.home"),
+    device("Phone alarm", part("", "x_sensor", "value", options={}), entities="sensor.phone_next_alarm"),
     device("Hall button", part("", "generic_switch", "press"), key="dev-button"),
     device("Remote", part("", "generic_switch", "press"), key="dev-remote"),
     device("Wall dimmer", part("", "generic_switch", "press"), at="zigbee2mqtt/wall_dimmer"),
@@ -119,7 +122,19 @@ def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
 
 @pytest.fixture(
     scope="module",
-    params=["automations", "forum", "asked", "unseen", "posts", "kinds", "lasting", "answers", "fresh", "players"],
+    params=[
+        "automations",
+        "forum",
+        "asked",
+        "unseen",
+        "posts",
+        "kinds",
+        "lasting",
+        "answers",
+        "fresh",
+        "players",
+        "moments",
+    ],
 )
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)

@@ -109,6 +109,28 @@ MOVED = [
 OPENED = [f"08:{at} Living blind movement {state}" for at, state in (("05", "closed"), ("10", "open"))]
 BLINK = [f"08:10:{second} Hall lamp on_off {state}" for second, state in ((30, True), (32, False), (34, True))]
 PLAYS: tuple[Play, ...] = (
+    Play("Lamp by messages",
+         ['08:10 topic home/remote {"action": "double"}', '08:20 topic home/remote {"action": "off"}',
+          '08:30 topic home/remote {"battery": 80}'],
+         ["08:10:00 Hall lamp on_off True", "08:20:00 Hall lamp on_off False", "08:30:00 notify Something else"]),
+    Play("Lamp by messages", ['08:10 topic home/other {"action": "double"}']),
+    Play("Lamp by a knob", ["08:10 topic home/knob right", "08:20 topic home/knob left"],
+         ["08:20:00 Hall lamp on_off True"]),
+    Play("Lamp by a knob", ["08:10 topic home/knob right"]),
+    Play("Noon in the vacation", ["11:10 vacation on"], ["12:00:00 notify Nobody is there", "vacation True"],
+         "11:00 13:00"),
+    Play("Noon in the vacation", ["12:10 vacation on"], ["vacation True"], "11:00 13:00"),
+    Play("Hall is left", ["08:05 Hall lamp on_off true", "08:06 Floor lamp on_off true", "08:10 Bell press single"],
+         ["08:10:00 Hall lamp on_off False"]),
+    Play("Hall is left", ["08:05 Hall lamp on_off true"]),
+    Play("Cleaned", ["08:10 Rosie vacuum cleaning", "08:20 Rosie vacuum docked"],
+         ["08:20:00 notify Cleaned 2026-01-02 08:20:00"]),
+    Play("Cleaned", ["08:10 Rosie vacuum cleaning"]),
+    Play("Clean again", ["08:05 wake_up 2025-12-30 08:55"], ["09:00:00 notify It is time to clean"], "08:00 10:00"),
+    Play("Clean again", ["08:05 wake_up 2025-12-30 09:05"], [], "08:00 10:00"),
+    Play("Clean again", [], [], "08:00 10:00"),
+    Play("Before the alarm", ["08:05 Phone alarm value 2026-01-02T08:40:00+00:00"], ["08:20:00 Hall lamp on_off True"]),
+    Play("Before the alarm", ["08:05 Phone alarm value 2026-01-03T08:40:00+00:00"]),
     Play("Bell on the speaker", ["08:10 Bell press double"], BELL),
     Play("Bell on the speaker", ["08:10 Bell press single"]),
     Play("Radio in the morning", [], ["07:00:00 Kitchen radio media http://radio.example/Live.mp3"], "06:50 08:00"),
@@ -483,7 +505,7 @@ def routines() -> Mapping[str, dict[str, Any]]:
     """Return the routines of all files by name."""
     texts = [
         text
-        for name in ("forum", "asked", "unseen", "kinds", "lasting", "answers", "fresh", "players")
+        for name in ("forum", "asked", "unseen", "kinds", "lasting", "answers", "fresh", "players", "moments")
         for text in read((HERE / f"{name}.yaml").read_text()).texts
     ]
     return {table["name"]: table for text in texts for table in tomllib.loads(text)["routines"]}

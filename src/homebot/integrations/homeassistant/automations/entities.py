@@ -331,11 +331,12 @@ class Entities:
         """The number of its persons."""
         return sum(device.service_type == "x_person" for device in self._devices)
 
-    def of_target(self, domain: str, kind: str, place: str) -> list["KnownEntity"]:
-        """Return the entities of *domain* that the target *place* means; *kind* is its field."""
-        known = [entity for device in self._devices_at(kind, place) for entity in self._entities_of(device, domain)]
+    def of_target(self, domains: Sequence[str], kind: str, place: str) -> list["KnownEntity"]:
+        """Return the entities of *domains* that the target *place* means; *kind* is its field."""
+        devices = self._devices_at(kind, place)
+        known = [entity for device in devices for domain in domains for entity in self._entities_of(device, domain)]
         if not known:
-            raise NotCarriedError(f"{kind} {place!r}: homebot knows no {domain} there; name the entities")
+            raise NotCarriedError(f"{kind} {place!r}: homebot knows no {domains[0]} there; name the entities")
         return known
 
     def of_domain(self, domain: str) -> list["KnownEntity"]:

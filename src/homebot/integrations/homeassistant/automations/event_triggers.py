@@ -3,6 +3,7 @@
 Source: Home Assistant core 2026.11, ``components/mqtt/device_trigger.py``, ``components/zha``, ``components/hue``.
 """
 
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import EVENTS
@@ -30,7 +31,8 @@ def message_triggers(automation: Automation, fields: UnreadFields) -> list[Start
     device = automation.entities.device_at(base) if last == "action" else None
     if device is None or "payload" in fields or "value_template" in fields or not options_of(device):
         payload = "".join(fields.texts_of("payload"))
-        return [StartTrigger(_message(automation, fields), data=(("payload", payload),) if payload else ())]
+        text = _message(automation, fields)
+        return [StartTrigger(text, data=(("payload", payload),)) if payload else StartTrigger(text, asks="payload")]
     for key in ("topic", "qos", "encoding"):
         fields.take(key)
     name, presses = automation.entities.name_of(device), sorted(options_of(device))
@@ -236,6 +238,19 @@ def _buttons(automation: Automation, kind: str, device: Device, number: str) -> 
     if not chosen or len(parts) == 1 or len({button.number for button in chosen}) != len(chosen):
         raise NotCarriedError(f"trigger event: {device.name} has no button {number} in homebot; name it by its entity")
     return chosen
+
+
+def asked_message(trigger: StartTrigger, places: Sequence[str], value: str) -> str:
+    """Return the condition that the message of *trigger*, which is any, had *value* at *places* in its JSON.
+
+    Raises:
+        NotCarriedError: It cannot be written.
+    """
+    text = f"{trigger.text} with {'.'.join(places)}{' = ' if places else ''}{text_value(value)}"
+    message = read_trigger(text)
+    if not isinstance(message, MessageComes) or (message.path, message.value) != (tuple(places), value):
+        raise NotCarriedError(f"the message {value!r} cannot be written as a condition")
+    return text
 
 
 def asked_press(trigger: StartTrigger, value: str) -> str:

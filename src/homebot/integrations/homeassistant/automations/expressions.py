@@ -287,7 +287,7 @@ _INSTEAD: Final = (
     (("namespace", "{% for"), "write a list of names, such as `{names with battery of battery below 20}`"),
     (("| min", "| max", "| round", " * ", " / "), "write each range as a way of `choose`, with the number of that"),
     (("trigger.event.data.args", "args["), "write a trigger for each press, or bind the button by `homebot bind`"),
-    (("payload_json",), "write a trigger for each value, such as `message on home/bell with action = left`"),
+    (("payload_json",), "compare it with a text, such as `trigger.payload_json.action == 'left'`"),
     (("wait.trigger",), "ask for the state that was waited for, or for `wait.trigger is none`"),
     (("trigger.",), "give each trigger an `id`, and ask for that"),
     (("state_attr(",), "ask for a sensor with this value"),
@@ -316,9 +316,16 @@ def refused_template(text: str, reason: str = "") -> NotCarriedError:
 def path_of(node: nodes.Node | None) -> tuple[str, ...]:
     """Return the names of ``trigger.to_state.state``; empty for another expression."""
     names: list[str] = []
-    while isinstance(node, nodes.Getattr):
-        names.append(node.attr)
-        node = node.node
+    while True:
+        match node:
+            case nodes.Getattr(node=inner, attr=name):
+                pass
+            case nodes.Getitem(node=inner, arg=nodes.Const(value=str(name))) if name.isidentifier():
+                pass
+            case _:
+                break
+        names.append(name)
+        node = inner
     return (node.name, *reversed(names)) if isinstance(node, nodes.Name) else ()
 
 

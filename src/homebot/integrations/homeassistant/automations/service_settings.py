@@ -21,9 +21,12 @@ from homebot.integrations.homeassistant.automations.service_tables import (
 from homebot.integrations.homeassistant.automations.states import number_of
 from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, step_length
 from homebot.integrations.homeassistant.automations.template_numbers import changed_number, step_number
+from homebot.integrations.homeassistant.automations.template_times import is_now
+from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
+from homebot.support.located import Located
 from homebot.units import parse_duration
 from homebot.words.colors import COLORS
-from homebot.words.steps import Do, read_step
+from homebot.words.steps import EXAMPLES, Do, read_step
 
 
 def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterator[ServiceSetting]:
@@ -64,8 +67,33 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
                     yield row._replace(words=f"{value:+.3g} %")
                 else:
                     yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
+        case _ if key in {"datetime", "timestamp"} and _is_now_text(node):
+            data.take(key)
+            yield row._replace(value="{now}")
         case _:
             yield row._replace(value=data.text(key))
+
+
+def _is_now_text(node: Located) -> bool:
+    """Return whether *node* is a template of this moment, however it is written."""
+    if not isinstance(node.value, str) or "now()" not in node.value:
+        return False
+    tree: nodes.Expr | None = expression_of(node.value)
+    while tree is not None and not is_now(tree):
+        match tree:
+            case nodes.Call(node=nodes.Getattr(node=inner, attr="timestamp" | "isoformat"), args=[]):
+                tree = inner
+            case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
+                form.startswith("%Y-%m-%d") and ("%H:%M" in form or "%T" in form)
+            ):
+                tree = inner
+            case nodes.Call(node=nodes.Name(name="as_timestamp" | "int"), args=[inner, *_]):
+                tree = inner
+            case nodes.Filter(name="as_timestamp" | "int" | "timestamp_local" | "string", node=inner, args=[]):
+                tree = inner
+            case _:
+                return False
+    return tree is not None
 
 
 def _calculated(automation: Automation, key: str, factor: float, text: str) -> str:
@@ -223,7 +251,7 @@ def step_text(target: str, words: Sequence[str]) -> str:
             step = read_step(text)
         except UsageError:
             continue
-        command = _VALUE.sub("1", words[0])
+        command = _VALUE.sub(lambda value: EXAMPLES.get(value[0][1:-1], "1"), words[0])
         if isinstance(step, Do) and (step.target, step.command, len(step.values)) == (target, command, count):
             return text
     raise NotCarriedError(f"{target!r} and {', '.join(words)!r} cannot be written as a step")

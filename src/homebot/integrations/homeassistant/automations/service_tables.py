@@ -3,7 +3,10 @@
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-_ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
+SWITCHED: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "climate")
+"""The domains of entities that services of ``homeassistant`` switch in a place."""
+
+_ON_OFF: Final = (*SWITCHED[:-1], "homeassistant")
 
 
 SERVICE_WORDS: Final = {
@@ -80,7 +83,7 @@ SERVICE_FIELDS: Final = {
     "input_number.set_value": ("value",),
     "counter.set_value": ("value",),
     "input_text.set_value": ("value",),
-    "input_datetime.set_datetime": ("time", "datetime"),
+    "input_datetime.set_datetime": ("time", "datetime", "timestamp"),
     "humidifier.set_humidity": ("humidity",),
     "climate.set_temperature": ("hvac_mode", "temperature"),
     "climate.set_hvac_mode": ("hvac_mode",),
@@ -138,6 +141,7 @@ SETTINGS: Final = {
     "oscillating": ServiceSetting("oscillation"),
     "time": ServiceSetting("text", "{value}"),
     "datetime": ServiceSetting("text", "{value}"),
+    "timestamp": ServiceSetting("text", "{value}"),
     "mode": ServiceSetting("humidifier_mode"),
     "operation_mode": ServiceSetting("water_heater_mode"),
     "fan_mode": ServiceSetting("fan_mode"),

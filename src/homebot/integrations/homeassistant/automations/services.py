@@ -18,6 +18,7 @@ from homebot.integrations.homeassistant.automations.service_tables import (
     SERVICE_WORDS,
     SERVICES,
     SETTINGS,
+    SWITCHED,
     ServiceSetting,
 )
 from homebot.integrations.homeassistant.automations.states import state_text
@@ -180,7 +181,8 @@ def _entities_of(automation: Automation, target: "_Target", domain: str) -> list
         known += entities.of_domain(domain)
     for kind, place in target.places:
         automation.notes.append(f"{kind} {place} means the devices that homebot knows there now")
-        known += entities.of_target(domain, kind, place)
+        domains = SWITCHED if domain == "homeassistant" else (domain,)
+        known += entities.of_target(domains, kind, place)
     if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
     return known
@@ -223,13 +225,9 @@ class _Target(NamedTuple):
         return [place for _, place in self.places] if kinds == {"area_id"} and not self.entities else []
 
     def check(self, name: str) -> None:
-        """Refuse a target without a name, or with all domains of a place."""
+        """Refuse a target without a name."""
         if not self.entities and not self.places:
             raise NotCarriedError(f"{name}: no target; name an entity")
-        if self.places and name.startswith("homeassistant."):
-            raise NotCarriedError(
-                f"{name}: everything in {self.places[0][1]}; name the entities, or use light.turn_off"
-            )
 
 
 def _service_name(fields: UnreadFields, key: str) -> str:

@@ -102,11 +102,11 @@ def sun_moment(fields: UnreadFields, event: str, key: str) -> str:
     return f"{event} - {offset[1:]}" if offset.startswith("-") else f"{event} + {offset}" if offset else event
 
 
-def helper_time(entities: Entities, entity_id: str) -> str:
-    """Return the time of day that a helper tells."""
+def helper_time(entities: Entities, entity_id: str, *told: str) -> str:
+    """Return the time of day that a helper tells, in its text or another one of the capabilities *told*."""
     entity = entities.find(entity_id)
-    text = f"text of {entity.query}"
-    if not entity.has("text") or not isinstance(read_trigger(f"at {text}"), AtTimeOf):
+    text = f"{next(filter(entity.has, told), 'text')} of {entity.query}"
+    if not any(map(entity.has, ("text", *told))) or not isinstance(read_trigger(f"at {text}"), AtTimeOf):
         raise NotCarriedError(f"{entity_id} has no time of day in homebot; write the time itself")
     return text
 

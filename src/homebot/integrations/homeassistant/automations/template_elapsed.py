@@ -10,7 +10,7 @@ from homebot.integrations.homeassistant.automations.template_numbers import SIGN
 from homebot.integrations.homeassistant.automations.template_times import is_now
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 
-_SAME_TIME: Final = frozenset({"as_timestamp", "as_datetime", "as_local", "float", "default", "d"})
+_SAME_TIME: Final = frozenset({"as_timestamp", "as_datetime", "as_local", "float", "default", "d", "strptime"})
 """Functions and filters after which a time is the same."""
 
 _UNITS: Final = {"weeks": 604_800.0, "days": 86_400.0, "hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
@@ -50,6 +50,9 @@ def _unrounded(node: nodes.Expr, sign: Operator) -> tuple[nodes.Expr, float]:
     while isinstance(node, nodes.Filter) and node.name in {"int", "float", "round"} and node.node is not None:
         rounding = node.name if node.name != "float" and not rounding else rounding
         node = node.node
+    match node:
+        case nodes.Getattr(node=nodes.Sub() as inner, attr="days"):
+            return nodes.Div(inner, nodes.Const(_UNITS["days"])), 1.0 if sign in {">", "<="} else 0.0
     if rounding == "int":  # the whole part is above 10 from 11 on
         return node, 1.0 if sign in {">", "<="} else 0.0
     return node, _ROUNDED[sign] if rounding else 0.0

@@ -3,7 +3,7 @@
 import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
-from datetime import date, timedelta
+from datetime import date, datetime, timedelta
 from itertools import pairwise
 from typing import Any, Final
 
@@ -41,6 +41,8 @@ def clock_of_today(node: nodes.Node) -> str:
 def unit_of_now(node: nodes.Node) -> str:
     """Return the unit of the time that *node* is, such as ``hour``; empty for another expression."""
     match node:
+        case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value="sensor.time")]):
+            return "clock"
         case nodes.Getattr(node=inner, attr="hour" | "month" as unit) if is_now(inner):
             return unit
         case nodes.Call(node=nodes.Getattr(node=inner, attr="weekday" | "isoweekday" as unit), args=[]) if is_now(
@@ -153,6 +155,9 @@ def _on_day(node: nodes.Node, day: date) -> object:
 def of_time(unit: str, sign: str, value: object) -> list[Condition]:
     """Return the conditions that a time of now is so."""
     match unit, value:
+        case "clock", str(text) if sign == "==" and _CLOCK.fullmatch(text) and text.count(":") == 1:
+            minute = datetime.strptime(text, "%H:%M") + timedelta(minutes=1)  # noqa: DTZ007 - of any day
+            return [(f"between {text} and {minute:%H:%M}",)]
         case "clock", str(text) if _CLOCK.fullmatch(text) and sign in {">", ">=", "<", "<="}:
             side = "after" if sign[0] == ">" else "before"
             span = read_span(f"{side} {text}")

@@ -16,7 +16,7 @@ from homebot.integrations.homeassistant.automations.entities import (
     is_of_device,
     is_of_two_values,
 )
-from homebot.integrations.homeassistant.automations.event_triggers import asked_press
+from homebot.integrations.homeassistant.automations.event_triggers import asked_message, asked_press
 from homebot.integrations.homeassistant.automations.expressions import (
     LeftTemplate,
     constant_number,
@@ -546,14 +546,9 @@ class Templates:
                 | ("trigger", "event", "data", _)
                 | ("trigger", "to_state", "attributes", "event_type")
             ):
-                triggers = self._automation.triggers
-                if open_ones := [trigger for trigger in triggers if trigger.asks == path[-1]]:
-                    if len(open_ones) < len(triggers):
-                        raise refused_template(shown_tree(left), "not each trigger has it; write it as `choose`")
-                    return [tuple(asked_press(trigger, str(value)) for trigger in open_ones)]
-                return self.started_by(
-                    [trigger for trigger in self._automation.triggers if trigger.value(path) == str(value)]
-                )
+                return self._in_event(path, value, left)
+            case ("trigger", "payload_json", *places):
+                return [tuple(asked_message(trigger, places, str(value)) for trigger in self._messages(left))]
             case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
                 return self._started_where(lambda trigger: trigger.value(path) == value)
             case ("trigger", "from_state", "state"):
@@ -570,7 +565,7 @@ class Templates:
                 return self._started_where(lambda trigger: trigger.state == value)
             case ("wait", "trigger") if value is None:
                 return [("wait timed out",)]
-        if (unit := unit_of_now(left)) and type(value) is int:
+        if (unit := unit_of_now(left)) and type(value) is (str if unit == "clock" else int):
             return of_time(unit, "==", value)
         if entity := state_entity(left):
             return self._in_state(entity, str(value))
@@ -581,6 +576,24 @@ class Templates:
                 return [(attribute_of(self._automation.entities, entity, str(attribute), value),)]
         raise refused_template(shown_tree(left))
 
+    def _in_event(self, path: Sequence[str], value: object, asked: nodes.Expr) -> list[Condition]:
+        """Return the condition that the event, or the trigger, has *value* at *path*."""
+        triggers = self._automation.triggers
+        if not (open_ones := [trigger for trigger in triggers if trigger.asks == path[-1]]):
+            return self.started_by([trigger for trigger in triggers if trigger.value(path) == str(value)])
+        if path[-1] == "payload":
+            return [tuple(asked_message(trigger, (), str(value)) for trigger in self._messages(asked))]
+        if len(open_ones) < len(triggers):
+            raise refused_template(shown_tree(asked), "not each trigger has it; write it as `choose`")
+        return [tuple(asked_press(trigger, str(value)) for trigger in open_ones)]
+
+    def _messages(self, asked: nodes.Expr) -> list[StartTrigger]:
+        """Return the triggers by any message on a topic, of which *asked* is a value."""
+        triggers = self._automation.triggers
+        if any(trigger.asks != "payload" for trigger in triggers):
+            raise refused_template(shown_tree(asked), "not each trigger has it; write it as `choose`")
+        return triggers
+
     def _since(self, elapsed: Elapsed) -> list[Condition]:
         """Return the condition that something is so long ago, or not."""
         is_over, seconds = elapsed.sign[0] == ">", elapsed.seconds
@@ -588,6 +601,9 @@ class Templates:
             if seconds <= 0:
                 return [] if is_over else [NEVER]
             return [(f"last run {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
+        if seconds > 0 and (moment := _helper_of(elapsed.last)):
+            told = f"text of {self._automation.entities.find(moment).query}"
+            return [(f"{told} {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
         entity = states_path(elapsed.last.node) if isinstance(elapsed.last, nodes.Getattr) else ""
         if not entity or path_of(elapsed.last)[-1] != "last_changed":
             raise refused_template(
@@ -644,6 +660,18 @@ class Templates:
         if number.default is not None and holds(number.default * factor, sign, limit):
             return [(f"not ({limits_text(entity, capability, [(_DENIED[sign], limit)])})",)]
         return [(f"({limits_text(entity, capability, [(sign, limit)])})",)]
+
+
+def _helper_of(node: nodes.Node) -> str:
+    """Return the helper whose moment *node* is; empty for another expression."""
+    match node:
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value="timestamp")]
+        ):
+            pass
+        case _:
+            entity = state_entity(node)
+    return entity if entity.startswith("input_datetime.") else ""
 
 
 def _is_of_entity(call: nodes.Call) -> bool:

@@ -4,6 +4,7 @@ Source: Home Assistant core 2026.11, ``components/homeassistant/triggers``, ``co
 ``components/zone/trigger.py``.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
@@ -130,16 +131,18 @@ def _calculated(automation: Automation, fields: UnreadFields) -> list[str]:
 def _times(automation: Automation, fields: UnreadFields, days: str) -> list[str]:
     """Return the times of day of ``at``, of which some may be those of helpers."""
     nodes = fields.items("at")
-    entities = [node for node in nodes if "." in str(node.value)]
+    entities = [node for node in nodes if isinstance(node.value, dict) or "." in str(node.value)]
     given = UnreadFields(Located({"at": Located([node for node in nodes if node not in entities], 0)}, 0), "trigger")
     times = [f"{time} {days}".rstrip() for time in given.clock_times("at")]
     for node in entities:
-        if not isinstance(node.value, str):
-            raise NotCarriedError("trigger time: `offset` from the time of an entity; write the time itself")
+        at = UnreadFields(node if isinstance(node.value, dict) else Located({"entity_id": node}, node.line), "at")
+        entity_id, offset = at.text("entity_id"), at.duration("offset")
+        at.end()
         if days:
             raise NotCarriedError("trigger time: `weekday` with the time of a helper; ask for the days in a condition")
-        times.append(f"at {helper_time(automation.entities, node.value)}")
-        automation.notes.append(f"{node.value} starts it at its time: each day, or on its date")
+        time = f"at {helper_time(automation.entities, entity_id, 'value')}"
+        times.append(f"{time} {'-' if offset[0] == '-' else '+'} {offset.lstrip('-')}" if offset else time)
+        automation.notes.append(f"{entity_id} starts it at its time: each day, or on its date")
     if not times:
         raise NotCarriedError("trigger time: `at` is missing; write each time as a trigger")
     return times
@@ -200,7 +203,7 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     if len(texts) == 1 and not lasting:
         return _one_state(texts[0])
     begins = [_one_state(text)[0].text for text in texts]
-    if lasting and any(" for " in text or text in _SUN_BEGINS for text in texts):
+    if lasting and any(" for " in text or text in _SUN_BEGINS or _SPAN.match(text) for text in texts):
         raise NotCarriedError("trigger template: `for` of the sun, or of what lasts already; write it without")
     needs = [(bracketed(f"{text}{lasting}"),) for text in texts] if len(texts) > 1 else []
     return [
@@ -214,12 +217,17 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
 
 def _one_state(text: str) -> list[StartTrigger]:
     """Return the trigger of a state that begins."""
+    if (begin := _SPAN.match(text)) is not None:
+        return [StartTrigger(begin["time"])]
     is_state = is_of_device(text) and not text.startswith(("not ", "{"))
     is_person = text.endswith((" is home", " is away"))
     if not is_state and not is_person and not text.startswith("sun elevation ") and text not in _SUN_BEGINS:
         raise NotCarriedError("trigger template: only states start a routine; write the times as triggers")
     return [StartTrigger(_SUN_BEGINS.get(text, text))]
 
+
+_SPAN: Final = re.compile(r"(?:between|after) (?P<time>\d\d?:\d\d)(?: |$)")
+"""A span of each day, which begins at a time."""
 
 _READERS: Final[Mapping[str, Callable[[Automation, UnreadFields], list[StartTrigger]]]] = {
     "mqtt": message_triggers,
