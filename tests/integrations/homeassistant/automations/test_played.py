@@ -109,6 +109,9 @@ MOVED = [
 OPENED = [f"08:{at} Living blind movement {state}" for at, state in (("05", "closed"), ("10", "open"))]
 BLINK = [f"08:10:{second} Hall lamp on_off {state}" for second, state in ((30, True), (32, False), (34, True))]
 PLAYS: tuple[Play, ...] = (
+    Play("Told with its day", ["08:10 Bell press single"],
+         ["08:10:00 notify 2026-01-02 08:10:00, 08:10, 2026-01-02 08:10:00"]),
+    Play("Told with its day", ["08:10 Hall button press single"]),
     Play("Lamp by messages",
          ['08:10 topic home/remote {"action": "double"}', '08:20 topic home/remote {"action": "off"}',
           '08:30 topic home/remote {"battery": 80}'],

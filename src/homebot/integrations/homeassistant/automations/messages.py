@@ -83,6 +83,8 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
         node = node.node
     if (named := _NAMED.get(path := path_of(node), "")) != "":
         return named, ""
+    if moment := _moment(automation, node):
+        return moment, ""
     match path:
         case ("trigger", "from_state", "state") if not any(trigger.value(path) for trigger in automation.triggers):
             return _before(automation)
@@ -105,10 +107,6 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
         ):
             return "{name}", ""
         case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
-            _TIME_FORM.fullmatch(form) and is_now(inner)
-        ):
-            return "{time}", ""
-        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
             _TIME_FORM.fullmatch(form)
             and path_of(inner) in {("trigger", "to_state", last) for last in ("last_changed", "last_updated")}
             and not automation.has_waited
@@ -124,6 +122,24 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
         case nodes.Getattr(attr="state") if entity := states_path(node.node):
             return _state_value(automation, entity, "")
     return None
+
+
+def _moment(automation: Automation, node: nodes.Node) -> str:
+    """Return the value that *node*, this moment in any form, is in a message; empty for another expression."""
+    match node:
+        case (
+            nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))])
+            | nodes.Filter(
+                name="timestamp_custom",
+                node=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[inner]),
+                args=[nodes.Const(value=str(form))],
+            )
+        ) if is_now(inner):
+            if _TIME_FORM.fullmatch(form):
+                return "{time}"
+            automation.notes.append("a day in a message is written as 2026-12-24, with its time")
+            return "{now}"
+    return "{now}" if is_now(node) else ""
 
 
 def _before(automation: Automation) -> tuple[str, str] | None:
