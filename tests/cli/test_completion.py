@@ -103,12 +103,12 @@ NAMES = ("Hall lamp", "Hall light 2", "Küche", "Wohnzimmer's Lampe", "$(touch s
 @asynccontextmanager
 async def lamps() -> AsyncIterator[dict[str, str]]:
     """Let lamps announce themselves; yield the environment in which commands reach their homebot."""
-    async with house_of() as homebot:
+    async with house_of() as homebot, homebot.client("lamps") as retaining:
         for number, name in enumerate(NAMES):
             light = {"name": None, "unique_id": f"id{number}", "command_topic": f"x/{number}/set", "state_topic": "x"}
             text = json.dumps(light | {"device": {"identifiers": [f"id{number}"], "name": name}})
             await homebot.says(f"homeassistant/light/id{number}/config", text)
-        await homebot.says("x", "ON")
+        await retaining.publish("x", b"ON", qos=1, retain=True)  # homebot subscribes to it when it knows the lamps
         for name in NAMES:
             await homebot.becomes(name, on=True)
         assert homebot.runtime.rosbridge is not None
