@@ -105,6 +105,9 @@ class Offers:
         while True:
             await self._news.wait()
             self._news = anyio.Event()
+            if connection.state.phase is not LinkPhase.CONNECTED:  # what it tells may be commanded: it listens first
+                self._events.clear()  # each will be over
+                continue
             while self._waiting or self._events:
                 is_state = bool(self._waiting)  # descriptions come before events
                 publication = self._waiting.pop(next(iter(self._waiting))) if is_state else self._events.popleft()
