@@ -2,9 +2,12 @@
 
 import gzip
 import json
+import os
 import re
+import sys
 from http import HTTPStatus
 from pathlib import Path
+from shutil import copytree, ignore_patterns
 
 import anyio
 import pytest
@@ -102,6 +105,21 @@ async def test_a_worker_keeps_the_files_of_the_build_that_homebot_says_it_has() 
     async with Runtime(parse_config({}, "test")) as runtime, Node(runtime.graph, "asker") as asker:
         health = await asker.create_client(GetHealth, RUNTIME_HEALTH).call(GetHealth.Request())
     assert health.build == named[1]
+
+
+async def test_a_page_stays_whole_when_an_update_replaces_its_files(tmp_path: Path) -> None:
+    """Each file that was gone crashed the answer, and the page stayed empty until homebot was started again."""
+    package = Path(homebot.web.__file__).parents[1]
+    await to_thread.run_sync(lambda: copytree(package, tmp_path / "homebot", ignore=ignore_patterns("__pycache__")))
+    script = f"""
+import shutil
+from homebot.web.site import answer
+answer("/", "")
+shutil.rmtree({str(tmp_path / "homebot/web/page")!r})
+print(all(answer(path, "") for path in {EVERY_FILE}))"""
+    command = [sys.executable, "-c", script]
+    done = await anyio.run_process(command, env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    assert done.stdout.decode().strip() == "True"
 
 
 @pytest.mark.parametrize("path", ["/index.html", "/robots.txt", "/../secrets", "/source/page.js", "//etc/passwd"])

@@ -104,6 +104,7 @@ def _file(name: str, *, is_packed: bool) -> tuple[str, bytes]:
     return f'"{hashlib.sha256(body).hexdigest()[:32]}"', body
 
 
+@cache  # an update replaces the files of a running homebot
 def _shipped(name: str) -> bytes:
     return _vocabulary() if name == _VOCABULARY else files("homebot.web").joinpath("page", name).read_bytes()
 
