@@ -801,7 +801,7 @@ async def test_the_reason_of_a_refusal_is_said_in_the_language_of_the_page() -> 
         " oder berichtige die Adresse",
         "widersprochen: an, Helligkeit 20\u00a0%",
         "abgelehnt (Rechte): client:b darf c nicht steuern: es gehört nicht zu dem, was der Zugang steuern darf, und"
-        " der Zugang darf nur act: lights; ergänze 'act: plug' in der Tabelle [door.tokens.b] von homebot.toml",
+        " der Zugang darf nur act: lights; ergänze 'act: plug' in [door.tokens.b] von homebot.toml",
         "Notlicht: lamp ging nicht: nicht gesendet: nimmt nicht: Befehle",
     ]
 

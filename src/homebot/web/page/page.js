@@ -1,1 +1,1 @@
-import"./chunk-QPFOFH6T.js";
+import"./chunk-F57GDIJ6.js";

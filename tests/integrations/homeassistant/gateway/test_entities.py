@@ -367,7 +367,7 @@ def test_a_player_plays_an_address_by_its_type(media: str, called: dict[str, obj
     player = only("media_player.a", "idle", supported_features=512)
     call = player.call("media", media)
     assert (call.service, call.data) == ("play_media", called)
-    with pytest.raises(RefusedError, match="it takes an address"):
+    with pytest.raises(RefusedError, match="it takes the address of a stream"):
         player.call("media", " ")
 
 

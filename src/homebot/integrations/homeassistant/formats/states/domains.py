@@ -191,7 +191,7 @@ _PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause")
 def _write_media(_info: Fields, value: PlainValue, _code: str) -> Fields:
     """Play ``[announce] [TYPE] ADDRESS``; without a type it is music."""
     if not isinstance(value, str) or not (words := value.split()):
-        raise RefusedError("media", "it takes an address, such as https://radio.example/stream.mp3")
+        raise RefusedError("media", "it takes the address of a stream, such as of a radio")
     is_announced = words[0] == "announce" and len(words) > 1
     kind, _, address = value.strip().removeprefix("announce" if is_announced else "").strip().partition(" ")
     media = {"media_content_id": address or kind, "media_content_type": kind if address else "music"}

@@ -1,8 +1,8 @@
-var e=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l 537 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 2hy 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
+var e=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l 537 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 36 2es 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
 Pflanze
 der Code ist falsch
 es tr\xE4gt das Kennzeichen always_ask
-in Betrieb, aber seine Attribute waren nicht zu lesen
+in Betrieb, aber seine Attribute sind nicht lesbar
 der Text
 Fehler des Journals
 Garage
@@ -109,7 +109,7 @@ Verbindung
 Ein L\xFCfter l\xE4uft, solange das Bad feucht ist.
 verlorene R\xFCckmeldungen
 n\xF6tig sind Sekunden, 0 oder mehr
-der Verlauf hat noch nicht begonnen, oder ist nicht nutzbar; \`homebot doctor\` sagt, warum
+noch kein Verlauf, oder nicht nutzbar; \`homebot doctor\` sagt, warum
 homebot neu starten
 Es gibt kein Ger\xE4t # (mehr).
 von Hand oder von selbst
@@ -161,7 +161,7 @@ Einstellung
 das neuere homebot wieder installieren oder: homebot restore BACKUP
 Eine Nachricht, wenn die Garage offen bleibt, und immer wieder.
 die Ursache im Protokoll beheben, dann: homebot app reload APP, oder homebot neu starten
-es hat gerade andere Themen angek\xFCndigt, vielleicht die eines anderen Ger\xE4ts; versuche es noch einmal
+es hat gerade andere Themen angek\xFCndigt, vielleicht eines anderen Ger\xE4ts
 Klimaanlage
 verworfene Teile
 Neue Gateways beginnen mit dem n\xE4chsten Start von homebot.
@@ -279,6 +279,7 @@ eine Bridge hat keinen Code: dr\xFCcke ihren Knopf
 Er darf
 verworfen f\xFCr Abwesende
 zur\xFCckgewiesen
+die Adresse eines Streams, etwa eines Radios
 Zu zwei Dritteln herunter, solange es hei\xDF ist.
 {least} bis {most}
 Eine Nachricht, wenn ein Fenster offen bleibt, w\xE4hrend es drau\xDFen kalt ist.
@@ -464,7 +465,7 @@ nicht hier
 Seit der letzten Freigabe ge\xE4ndert:
 fertige Routinen
 meldet ein Problem
-seit dem Start dieses Gateways kam keine g\xFCltige Ank\xFCndigung; starte es oder seine Bridge neu, oder warte
+noch keine g\xFCltige Ank\xFCndigung; starte es oder seine Bridge neu, oder warte
 es gibt nichts zur\xFCckzunehmen, oder die Datei wurde seitdem ge\xE4ndert
 suche \u2026
 Sein letztes Ereignis, das kein Zustand ist:
@@ -631,7 +632,7 @@ Eine Nachricht, wenn die Waschmaschine fertig ist.
 seine Konvention ist ausgefallen
 abgesenkt
 , durch das Ger\xE4t oder einen Menschen
-seit dem Start dieses Gateways sagte es nicht, was es kann; vielleicht schl\xE4ft es: wecke es
+es hat noch nicht gesagt, was es kann; vielleicht schl\xE4ft es: wecke es
 in diesem Browser behalten
 gescheiterte Mitteilungen
 eine andere Verschl\xFCsselung
@@ -972,7 +973,7 @@ $ or more seconds
 {least} to {most} s
 # (&)
 there is no < #; &
-# fragt, also antwortet jemand anders: nimm das Token des Besitzers, und gib Programmen eigene
+# fragt, also antwortet jemand anders: nimm das Token des Besitzers
 # muss selbst fragen
 die Frage ist vorbei: &
 der Matter-Server antwortet mit dem Fehler *
@@ -987,7 +988,7 @@ eine Zahl in $
 um $? < ist unbekannt; nenne einen Wert, wie #
 es hat keinen Raum: $
 # wurde in {span} s *-mal hin und her geschaltet$
-nicht geschrieben, nach einem Neustart also verloren: &
+nicht geschrieben, beim Neustart verloren: &
 # geh\xF6rt gerade einem laufenden homebot
 # steht in der Konfiguration; \xE4ndere dort [places]
 darin sind Ger\xE4te: $; gib ihnen zuerst einen anderen Raum
@@ -1094,7 +1095,7 @@ es gibt kein Ger\xE4t #
 niemand ist in ~
 # hat noch nie jemanden bemerkt; gehe einmal daran vorbei
 # meldet sich erst seit * s
-&, und der Zugang darf nur $; erg\xE4nze {right} in der Tabelle [{table}] von homebot.toml
+&, und der Zugang darf nur $; erg\xE4nze {right} in [{table}] von homebot.toml
 &, und der Zugang darf nur $
 ein solches Ger\xE4t braucht ein Recht, das es nennt (&)
 $, und das geht noch * s vor
@@ -1120,8 +1121,8 @@ das letzte Neuladen wurde abgelehnt: &
 keine Antwort in * s
 zu viele Codes ohne bekannte Wirkung von {issuer}
 nicht, solange gilt {condition}, und der Zustand von # ist unbekannt: &
-jemand ist in ~: # war vor * s an, und seitdem ging keine T\xFCr auf
-vielleicht ist jemand in ~: # \xE4nderte sich vor * s, und kein Befehl erkl\xE4rt es
+jemand ist in ~: # war vor * s an, seitdem ging keine T\xFCr auf
+vielleicht ist jemand in ~: # \xE4nderte sich vor * s, ohne Befehl
 # braucht ein Recht, das es nennt (&), und {issuer} hat keines; {advice}
 # braucht ein Recht, denn &, und {issuer} hat keines; {advice}
 es steht nicht auf der Liste harmloser Ger\xE4te ($)
@@ -1197,7 +1198,7 @@ das Ger\xE4t antwortet: &
 von hier geht nur: <
 den Raum # gibt es schon
 # hei\xDFt schon so
-# ist mit einem anderen System verbunden; trenne es dort oder setze es zur\xFCck, dann $
+# ist anderswo verbunden; trenne es dort oder setze es zur\xFCck, dann $
 # ist entfernt
 # ist ge\xE4ndert
 # ist hinzugef\xFCgt
