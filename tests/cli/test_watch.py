@@ -6,10 +6,12 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import cycle
 from typing import Any, cast
 
 import pytest
 from tests.cli.test_guides import HOUSE
+from tests.patience import PATIENCE
 from tests.shell import homebot_in
 from tests.whole_house import WHOLE_HOUSE
 
@@ -44,7 +46,9 @@ def _watch(door: str, *arguments: str) -> subprocess.Popen[str]:
 
 
 def _do(door: str, *arguments: str) -> None:
-    subprocess.run([*HOMEBOT, "do", *arguments], env=_environment(door), check=False, capture_output=True, timeout=60)
+    subprocess.run(
+        [*HOMEBOT, "do", *arguments], env=_environment(door), check=False, capture_output=True, timeout=PATIENCE
+    )
 
 
 def _waiting(pipe: int) -> str:
@@ -58,12 +62,12 @@ def _first_lines(door: str, watch: subprocess.Popen[str], device: str) -> list[s
     """Return the lines after commands to *device*, as when the subscription begins is not visible from outside."""
     assert watch.stdout is not None
     os.set_blocking(watch.stdout.fileno(), False)
-    text, words = "", iter(("on", "off") * 10)
+    text, words = "", cycle(("on", "off"))
     while text.count("as commanded") < 2 or "→" not in text:
         _do(door, device, next(words))
         text += _waiting(watch.stdout.fileno())
     watch.send_signal(signal.SIGINT)
-    return (text + watch.communicate(timeout=60)[0]).splitlines()
+    return (text + watch.communicate(timeout=PATIENCE)[0]).splitlines()
 
 
 @WHOLE_HOUSE
@@ -92,7 +96,7 @@ def test_json_has_an_object_a_line_and_a_query_leaves_others_out(door: str) -> N
 @WHOLE_HOUSE
 def test_a_query_that_is_not_understood_is_refused(door: str) -> None:
     watch = _watch(door, "temperature >")
-    _, errors = watch.communicate(timeout=60)
+    _, errors = watch.communicate(timeout=PATIENCE)
     assert (watch.returncode, errors.startswith("homebot: ")) == (1, True)
 
 
@@ -102,7 +106,7 @@ def test_a_query_that_nothing_matches_yet_is_said(door: str) -> None:
     assert watch.stderr is not None
     assert watch.stderr.readline() == "homebot: so far no device has the word 'nosuch'\n"
     watch.send_signal(signal.SIGINT)
-    watch.communicate(timeout=60)
+    watch.communicate(timeout=PATIENCE)
 
 
 @WHOLE_HOUSE
@@ -115,7 +119,7 @@ def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
         if watch.poll() is not None:
             break
     assert watch.stderr is not None
-    assert (watch.wait(60), watch.stderr.read()) == (0, "")
+    assert (watch.wait(PATIENCE), watch.stderr.read()) == (0, "")
     watch.stderr.close()
 
 
@@ -161,7 +165,9 @@ def test_each_press_is_a_line_also_one_equal_to_the_one_before() -> None:
 @WHOLE_HOUSE
 def test_top_prints_one_table_into_a_pipe_and_a_line_a_sample_as_json(door: str) -> None:
     top = [*HOMEBOT, "top"]
-    table = subprocess.run(top, env=_environment(door), capture_output=True, text=True, timeout=60, check=True).stdout
+    table = subprocess.run(
+        top, env=_environment(door), capture_output=True, text=True, timeout=PATIENCE, check=True
+    ).stdout
     assert table.startswith("TOPIC ")
     assert "/discovery/states" in table
     assert "loop lag" in table.splitlines()[-1]
@@ -184,7 +190,7 @@ def test_top_takes_the_whole_terminal_and_gives_it_back(door: str) -> None:
     process.send_signal(signal.SIGINT)
     while "\x1b[?1049l" not in shown:
         shown += os.read(ours, 65536).decode()
-    process.wait(60)
+    process.wait(PATIENCE)
     os.close(ours)
     assert shown.startswith("\x1b[?1049h")
     frame = shown.split("loop lag")[1]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.guide import blocks_in, commands_in
+from tests.patience import PATIENCE
 from tests.ports import reserve_door
 from tests.shell import Homebot, homebot_in
 from tests.system.attack_probe import until
@@ -76,7 +77,7 @@ def test_a_command_of_the_guides_runs(
     program, *words = shlex.split(command)
     assert program == "homebot"
     if words[0] == "history":
-        until(lambda: main(words) == 0 or None, 30.0)  # it begins after the start
+        until(lambda: main(words) == 0 or None, PATIENCE)  # it begins after the start
     codes = {0, 1} if words[0] == "doctor" else {0}  # a busy machine is a problem that it reports
     assert main(words) in codes, capsys.readouterr()
     assert capsys.readouterr().out
