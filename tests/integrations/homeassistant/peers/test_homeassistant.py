@@ -401,3 +401,13 @@ async def test_groups_in_one_another_reach_their_lights_by_one_message(ha_python
             assert (await turn_on(seen, "light.outer", on=is_on)).success
             for one in lights:
                 await is_reported(seen, one, "on_off", is_on)
+
+
+async def test_a_player_is_given_what_to_play(ha_python: str, tmp_path: Path) -> None:
+    address = "http://radio.example/Live.mp3"
+    async with home_assistant(ha_python, tmp_path) as home, house(home) as seen:
+        key, part = seen.parts()["media_player.bedroom"]
+        assert (await seen.command(key, part.id, "media", address)).success
+        with anyio.fail_after(PATIENCE):
+            while address not in str((await home.states())["media_player.bedroom"]["attributes"]):  # noqa: ASYNC110
+                await anyio.sleep(0.05)
