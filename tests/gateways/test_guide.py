@@ -12,12 +12,12 @@ from homebot.gateways.mdns.own_services import DOOR, HOMEBOT
 GUIDE = guide("protocols")
 SECRETS = {"key": f"{'A' * 43}="}
 """Of ESPHome; others take 32 digits."""
-FOLDER = re.compile(r"""(?<=[.["])(esphome|homeassistant|homekit_bridge|homekit|hue|matter|shelly|thing)""")
+FOLDER = re.compile(r"""(?<=[.["])(coap|esphome|homeassistant|homekit_bridge|homekit|hue|matter|shelly|thing)""")
 
 
 def table(shown: str) -> object:
     """Mark it with the folders that it names."""
-    named = {"things" if one == "thing" else one for one in FOLDER.findall(re.sub("#.*", "", shown))}
+    named = {"things" if one in {"coap", "thing"} else one for one in FOLDER.findall(re.sub("#.*", "", shown))}
     return pytest.param(shown, marks=[pytest.mark.rooms(*named)])
 
 
