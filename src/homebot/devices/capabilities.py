@@ -209,7 +209,7 @@ _CONTROLS = (
     ),
     CapabilityType("media_title", "text", "title of what a player plays"),
     CapabilityType("media_artist", "text", "who plays or speaks what a player plays"),
-    CapabilityType("media", "text", "set to what a player plays, such as an address", is_told_once=True),
+    CapabilityType("media", "text", "set to the address that a player plays", is_told_once=True),
     CapabilityType(
         "muted",
         "bool",

@@ -77,10 +77,10 @@ def open_now(path: Path) -> BufferedReader:
 def replace_file(path: Path, content: bytes) -> None:
     """Replace the file *path*, or the one that it links to, whole or not at all; it keeps its mode and owner.
 
-    A new file is for its owner alone. If the user is not in its group, the user's group may what others may. Blocking.
+    A new file is for its owner alone. Where the user is not in its group, the new group may as others. Blocking.
 
     Raises:
-        OSError: It cannot be written, or belongs to another user, whom only root could leave it to.
+        OSError: It cannot be written, or belongs to another user, and only root could leave it so.
     """
     path = path.resolve()
     descriptor, name = mkstemp(prefix=f".{path.name}.", dir=path.parent)

@@ -41,7 +41,7 @@ MAX_PER_HOST = 32
 """Endpoints at one address that are found by multicast: a host that answers from many ports is one host."""
 
 SESSIONS, SESSION = "homebot.coap_sessions", "thing"
-"""Entry-point group of integrations that describe what is at an endpoint, and the name there."""
+"""Entry-point group of integrations that describe the device at an endpoint, and the name there."""
 
 _TOO_MANY = "coap.endpoint_refused"
 

@@ -105,7 +105,7 @@ class Offers:
         while True:
             await self._news.wait()
             self._news = anyio.Event()
-            if connection.state.phase is not LinkPhase.CONNECTED:  # what it tells may be commanded: it listens first
+            if connection.state.phase is not LinkPhase.CONNECTED:  # commands may follow at once: it listens first
                 self._events.clear()  # each will be over
                 continue
             while self._waiting or self._events:

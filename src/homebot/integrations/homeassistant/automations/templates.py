@@ -663,7 +663,7 @@ class Templates:
 
 
 def _helper_of(node: nodes.Node) -> str:
-    """Return the helper whose moment *node* is; empty for another expression."""
+    """Return the helper of the moment *node*; empty for another expression."""
     match node:
         case nodes.Call(
             node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value="timestamp")]
