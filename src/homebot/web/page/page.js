@@ -1,1 +1,1 @@
-import"./chunk-F57GDIJ6.js";
+import"./chunk-EFSEGFNT.js";

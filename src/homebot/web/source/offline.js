@@ -34,23 +34,26 @@ function renew(build) {
   if (left > 0) waiting = setTimeout(renew, left, build);
   else {
     sessionStorage.setItem(RENEWED, build);
-    takeOver().catch(() => {}).then(() => location.reload());
+    takeOver().finally(dropIndex).catch(() => {}).then(() => location.reload());
   }
 }
 
 /** Let the worker of the newer build take over; without one the files come from homebot. */
 async function takeOver() {
-  const own = await workers?.getRegistration();
-  if (!own) return;
+  const own = await workers.getRegistration();
   const late = new Promise((resolve) => setTimeout(resolve, PATIENCE));
   await Promise.race([own.update(), late]).catch(() => {});
   const next = own.installing ?? own.waiting;
-  if (!next) {
-    await own.unregister();
-    return;
+  if (next) {
+    await Promise.race([late, new Promise((resolve) => {
+      next.onstatechange = () => (next.state === "installed" ? next.postMessage("take over") : ["activated", "redundant"].includes(next.state) && resolve());
+      next.onstatechange();
+    })]);
   }
-  const isActive = new Promise((resolve) => next.addEventListener("statechange", () => next.state === "installed" ? next.postMessage("take over") : ["activated", "redundant"].includes(next.state) && resolve()));
-  if (next.state === "installed") next.postMessage("take over");
-  await Promise.race([isActive, late]);
-  if (next.state !== "activated") await own.unregister();
+  if (next?.state !== "activated") await own.unregister();
+}
+
+/** Let the old worker, which stays while another tab has it, ask homebot for the page itself. */
+async function dropIndex() {
+  for (const name of await caches.keys()) if (name.includes(BUILD)) await (await caches.open(name)).delete("./");
 }
