@@ -4,6 +4,7 @@ import tomllib
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from homebot.errors import ConfigError
 from homebot.feature import feature_tables, load
@@ -11,19 +12,27 @@ from homebot.support.toml_lines import line_of
 
 
 def located(error: ConfigError, text: str = "") -> ConfigError:
-    """Return *error* with the line of its key in *text*, by default that of its file; the same if it is unknown."""
-    path = error.key.split(".")
-    with suppress(OSError, ValueError, RecursionError):
+    """Return *error* with the line of its key in *text*, by default that of its file, and as its house says it."""
+    from homebot.words.mistakes import mistake_in  # noqa: PLC0415 - after a mistake alone
+
+    path, language = error.key.split("."), ""
+    with suppress(OSError, LookupError, ValueError, RecursionError, TypeError):
         text = text or Path(error.source).read_text("utf-8-sig")
         if (row := feature_tables().get(path[0])) is not None and row.plugin and row.is_array:
             path[1:2] = [str(_apps_in(text, path[0]).index(app)) for app in path[1:2]]
-    line = line_of(text, *path)
-    config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
+        language = str(_tables(text)["home"]["language"])
+    line, reason = line_of(text, *path), mistake_in(language, error.reason)
+    config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, reason)
     return ConfigError.joined((config_error, *(located(other, text) for other in error.others)))
 
 
 @lru_cache(maxsize=1)  # the mistakes in a file follow each other
+def _tables(text: str) -> dict[str, Any]:
+    return tomllib.loads(text)
+
+
+@lru_cache(maxsize=1)  # as above
 def _apps_in(text: str, key: str) -> tuple[str, ...]:
     """Return the names of the apps of the array *key* of a feature in *text*, in order."""
-    row, tables = feature_tables()[key], tomllib.loads(text)
+    row, tables = feature_tables()[key], _tables(text)
     return tuple(load(row.reader)(tables.get(key, []), tables.get(row.section, {})))

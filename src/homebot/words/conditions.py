@@ -12,7 +12,7 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.words.days import CalendarDays, read_days_after_word
 from homebot.words.message_values import Comparison, MessageValue, read_comparison, read_limit, read_value
-from homebot.words.own_language import read_in_any_language
+from homebot.words.mistakes import read_in_any_language
 from homebot.words.people import check_known, read_person
 from homebot.words.phrases import (
     CHANCE,

@@ -15,9 +15,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import chain
 from pathlib import Path
-from typing import Final, Literal, TypeAlias, TypeVar, final
+from typing import Final, Literal, TypeAlias, final, get_args
 
-from homebot.errors import UsageError
 from homebot.words.message_values import with_values
 from homebot.words.tokens import Phrase, split_at
 
@@ -63,33 +62,26 @@ _ELISION: Final = "\N{RIGHT SINGLE QUOTATION MARK}"
 _WORD_END: Final = re.compile(rf"[\s,:|]+|(?<={_ELISION})")
 _ELIDED: Final = re.compile(rf"\b(\w{{1,7}})['{_ELISION}](?=\w)")
 
-ReadT = TypeVar("ReadT")
+
+def to_english(text: str, kind: TextKind) -> str | None:
+    """Return the English for *text*, which is in another language; None if it is in none of them."""
+    return reading_of(text, kind)[1] or None
 
 
-def read_in_any_language(text: str, kind: TextKind, read: Callable[[str], ReadT]) -> ReadT:
-    """Return what *read* makes of the English for *text*.
-
-    Raises:
-        UsageError: It is none; a text in another language is answered in it.
-    """
-    english = to_english(text, kind)
-    try:
-        return read(text if english is None else english)
-    except UsageError as exc:
-        if english is None and (hint := _hint(text, kind)):
-            raise UsageError(hint) from exc
-        raise
+def language_of(text: str) -> str:
+    """Return the language in which *text* is a trigger, condition or step; empty if it is in none but English."""
+    return next(filter(None, (reading_of(text, kind)[0] for kind in get_args(TextKind))), "")
 
 
 @lru_cache(maxsize=2000)
-def to_english(text: str, kind: TextKind) -> str | None:
-    """Return the English for *text*, which is in another language; None if it is in none of them."""
+def reading_of(text: str, kind: TextKind) -> tuple[str, str]:
+    """Return the language of *text*, and its English; both are empty if it is in none of them."""
     if len(text) > _MAX_CHARACTERS:
-        return None
+        return "", ""
     words = _words(text)
-    tables = (_table(code) for code in OWN_LANGUAGES)
-    readings = (table.read(text, kind) for table in tables if not words.isdisjoint(table.sure_marks))
-    return next(filter(None, readings), None)
+    likely = (code for code in OWN_LANGUAGES if not words.isdisjoint(_table(code).sure_marks))
+    readings = ((code, _table(code).read(text, kind)) for code in likely)
+    return next(((code, english) for code, english in readings if english), ("", ""))
 
 
 @lru_cache(maxsize=2000)
@@ -156,7 +148,7 @@ def _likely_tables(words: frozenset[str]) -> list["_Table"]:
     return sorted(tables, key=lambda table: -len(table.sure_marks & words))
 
 
-def _hint(text: str, kind: TextKind) -> str:
+def hint_for(text: str, kind: TextKind) -> str:
     """Return how *text* could be written, in its language; empty if that is not known."""
     if len(text) > _MAX_CHARACTERS:
         return ""

@@ -18,7 +18,8 @@ from homebot.words.amounts import read_amount, split_commands
 from homebot.words.colors import COLORS, WHITES
 from homebot.words.commands import STATE_WORDS, check_without_code, is_relative
 from homebot.words.message_values import MessageValue, read_message, with_values
-from homebot.words.own_language import TextKind, read_in_any_language, to_english
+from homebot.words.mistakes import read_in_any_language
+from homebot.words.own_language import TextKind, to_english
 from homebot.words.phrases import (
     DIM,
     DRIVE,

@@ -16,7 +16,7 @@ from homebot.support.names import find_name
 from homebot.words.amounts import read_amount
 from homebot.words.days import read_days_after_word
 from homebot.words.message_values import Comparison, MessageValue, read_comparison, read_value, split_capability
-from homebot.words.own_language import read_in_any_language
+from homebot.words.mistakes import read_in_any_language
 from homebot.words.people import HOME_FACTS, check_known, read_move, read_person, starts_unknown
 from homebot.words.phrases import (
     ALL,

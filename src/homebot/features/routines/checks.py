@@ -205,13 +205,13 @@ class HouseChecks:
                         yield f"for each {devices}: {problem}"
                 case Do(pieces=(_, *_)) as step:
                     if problem := await self._problem_of(await self._meant(step.target, parse_query(step.target))):
-                        yield f"{step.text!r}: {problem}"
+                        yield f"{line.text!r}: {problem}"
                 case Do() as step:
                     for problem in await self._command(step, effects, is_prompt=is_prompt):
-                        yield f"{step.text!r}: {problem}"
+                        yield f"{line.text!r}: {problem}"
                 case Dim() as step:
                     if problem := await self._problem_of(await self._meant(step.target, step.query)):
-                        yield f"{step.text!r}: {problem}"
+                        yield f"{line.text!r}: {problem}"
                 case Wait() | WaitFor() | WaitUntil():
                     is_prompt = False
 

@@ -37,6 +37,7 @@ from homebot.graph import Node
 from homebot.support.logger import get_logger
 from homebot.support.names import resolve_name
 from homebot.support.toml_text import toml_value
+from homebot.words.mistakes import mistake_in
 from homebot.words.own_language import in_language
 from homebot.words.rights import read_scope
 from homebot.words.suitable_parts import part_name
@@ -108,7 +109,12 @@ class RoutineServices:
         if not routines:
             return {}
         settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
-        return await self._checks.problems(settings, names, lacking)
+        problems = await self._checks.problems(settings, names, lacking)
+        return {name: [self._said(problem) for problem in found] for name, found in problems.items()}
+
+    def _said(self, message: str) -> str:
+        """Return *message* as the house, or the text that it is about, says it."""
+        return mistake_in(self._house.home.language, message)
 
     @property
     def _running(self) -> dict[str, Routine]:
@@ -180,7 +186,7 @@ class RoutineServices:
         try:
             asks = await self._asks(request) if request.unless_asks else ()
         except HomebotError as exc:
-            return _failure(exc)
+            return self._failure(exc)
         if asks:
             texts = ", ".join(f"{one.key} ({one.value})" if one.value else one.key for one in asks)
             return ChangeRoutineResponse(success=False, message=f"a person must agree: {texts}", asks=asks)
@@ -210,7 +216,7 @@ class RoutineServices:
         try:
             message = await change
         except HomebotError as exc:
-            return _failure(exc)
+            return self._failure(exc)
         _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
         if problem := await self._house.write_stores():
             message += f"\na restart would lose this, as it was not written: {problem}"
@@ -301,6 +307,10 @@ class RoutineServices:
                 f"{meant.name} is in the configuration; change it there, and then: homebot app reload {meant.app}"
             )
 
+    def _failure(self, error: HomebotError) -> ChangeRoutineResponse:
+        others = error.others if isinstance(error, ConfigError) else ()
+        return ChangeRoutineResponse(success=False, message=self._said("\n".join(map(str, (error, *others)))))
+
     def _named(self, name: str) -> RoutineInfo:
         """Return the routine with the name, or the name of the app, *name*.
 
@@ -323,10 +333,10 @@ class RoutineServices:
                 more |= {"is_kept": True, "text": self._kept.text(app), "of_habit": self._kept.is_of_habit(app)}
             yield info.model_copy(update=more)
         for app, problem in self._apps.wrong_apps("routines").items():
-            yield RoutineInfo(name=app, app=app, problem=problem)
+            yield RoutineInfo(name=app, app=app, problem=self._said(problem))
         for app in self._kept:
             if app not in running:
-                problem = self.problems.get(app, "it does not run; `homebot app list` says why")
+                problem = self._said(self.problems.get(app, "it does not run; `homebot app list` says why"))
                 yield RoutineInfo(name=app, app=app, is_kept=True, text=self._kept.text(app), problem=problem)
 
 
@@ -353,11 +363,6 @@ def _shown(info: RoutineInfo, steps: Sequence[str | Block], language: str) -> Ro
             "steps": tuple(step_text(step, language) for step in steps),
         }
     )
-
-
-def _failure(error: HomebotError) -> ChangeRoutineResponse:
-    others = error.others if isinstance(error, ConfigError) else ()
-    return ChangeRoutineResponse(success=False, message="\n".join(map(str, (error, *others))))
 
 
 def start(node: Node, house: FeatureContext) -> RoutineServices:

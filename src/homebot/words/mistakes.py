@@ -1,0 +1,117 @@
+"""Mistakes in the texts of routines, as other languages say them. Pure.
+
+A row of ``languages/mistakes.json`` is the form of an English message, and what German, French, Spanish, Dutch and
+Italian say for it. Values of the fields ``reason`` and ``advice`` are messages themselves, ``names`` are joined by
+"and" or "or", ``trigger``, ``condition`` and ``step`` are texts of routines; others stay as they are.
+"""
+
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Final, TypeVar
+
+from homebot.errors import UsageError
+from homebot.words.own_language import TextKind, hint_for, in_language, language_of, reading_of
+
+COLUMNS: Final = ("de", "fr", "es", "nl", "it")
+FIELD: Final = re.compile(r"\{([a-z]+\d?)\}")
+_QUOTED: Final = re.compile(r"'(?:[^'\\]++|\\.)*+'|\"(?:[^\"\\]++|\\.)*+\"")
+_SIGN: Final = re.compile(r": |; ")
+_MAX_CLAUSES: Final = 8
+_JOINTS: Final = (" or ", " and ")
+
+
+ReadT = TypeVar("ReadT")
+
+
+def read_in_any_language(text: str, kind: TextKind, read: Callable[[str], ReadT]) -> ReadT:
+    """Return what *read* makes of the English for *text*.
+
+    Raises:
+        UsageError: It is none; a text in another language is answered in it.
+    """
+    language, english = reading_of(text, kind)
+    try:
+        return read(english or text)
+    except UsageError as exc:
+        if english:
+            raise UsageError(mistake_in(language, str(exc).replace(repr(english), repr(text)))) from exc
+        if hint := hint_for(text, kind):
+            raise UsageError(hint) from exc
+        raise
+
+
+def mistake_in(language: str, message: str) -> str:
+    """Return the lines of an English *message* as *language* says them, or that of the text that a line quotes first.
+
+    What has no row stays English; names, and texts that people wrote, stay as they are.
+    """
+    return "\n".join(_said(line, _language_of_quoted(line) or language, _MAX_CLAUSES) for line in message.split("\n"))
+
+
+def _language_of_quoted(line: str) -> str:
+    """Return the language of the first quoted text in *line*; empty if it tells none."""
+    begin = min((place for place in map(line.find, "'\"") if place >= 0), default=len(line))
+    quoted = _QUOTED.match(line, begin)
+    return "" if quoted is None else language_of(quoted[0][1:-1])
+
+
+def _said(text: str, language: str, clauses: int) -> str:
+    """Return *text* by its row, else clause by clause, at most so many."""
+    if language not in COLUMNS or not clauses:
+        return text
+    for form, own in _rows():
+        if (values := _values(form, text)) is not None:
+            said = {form[at]: _value(form[at], value, language, clauses - 1) for at, value in values.items()}
+            pieces = FIELD.split(own[COLUMNS.index(language)])
+            return "".join(said[piece] if at % 2 else piece for at, piece in enumerate(pieces))
+    sign = _SIGN.search(text, _end_of_quoted(text, 0))
+    if sign is None:
+        return text
+    head = text[: sign.start()] if sign[0] == ": " else _said(text[: sign.start()], language, 1)  # or a name
+    return head + sign[0] + _said(text[sign.end() :], language, clauses - 1)
+
+
+@cache
+def _rows() -> Sequence[tuple[Sequence[str], Sequence[str]]]:
+    """Return the rows, the longest forms first, each as the texts and the fields between them in turn."""
+    path = Path(__file__).parent / "languages" / "mistakes.json"
+    table: Mapping[str, Sequence[str]] = json.loads(path.read_text(encoding="utf-8"))
+    forms = sorted(table, key=lambda form: -len(FIELD.sub("", form)))
+    return [(FIELD.split(form), table[form]) for form in forms]
+
+
+def _end_of_quoted(text: str, place: int) -> int:
+    quoted = _QUOTED.match(text, place)
+    return place if quoted is None else quoted.end()
+
+
+def _values(form: Sequence[str], text: str) -> dict[int, str] | None:
+    """Return the values of the fields of *form* in *text*, by their places in it; None if it has another form."""
+    if not text.startswith(form[0]):
+        return None
+    place, values = len(form[0]), dict[int, str]()
+    for at in range(1, len(form), 2):
+        literal, quoted = form[at + 1], _end_of_quoted(text, place)
+        if at == len(form) - 2:
+            end = len(text) - len(literal) if text.endswith(literal) else -1
+        else:
+            end = quoted if quoted > place and text.startswith(literal, quoted) else text.find(literal, place + 1)
+        if end <= place:
+            return None
+        values[at], place = text[place:end], end + len(literal)
+    return values if place == len(text) else None
+
+
+def _value(field: str, value: str, language: str, clauses: int) -> str:
+    match field.rstrip("123456789"):
+        case "reason" | "advice":
+            return _said(value, language, clauses)
+        case "trigger" | "condition" | "step" as kind:
+            return in_language(value, kind, language)
+        case "names":
+            for joint in _JOINTS:
+                value = value.replace(joint, _said(joint, language, 1))
+    return value
