@@ -833,6 +833,27 @@ PLAYS: tuple[Play, ...] = (
         "11:50 22:40",
     ),
     Play("presence_simulation_random", "", [], [], "17:45 18:25"),
+    Play(
+        "lists_of_entities",
+        "sensor.door_battery 15.4, sensor.valve_battery unavailable, sensor.phone_battery 5",
+        ["17:58 binary_sensor.kitchen_window on"],
+        [
+            "18:00:00 notify Door battery 15 %",
+            "22:00:00 light.hall on_off False",
+            "22:00:00 notify 1 open: Kitchen window",
+        ],
+        "17:50 22:10",
+    ),
+    Play("lists_of_entities", "sensor.phone_battery 5", [], ["22:00:00 light.hall on_off False"], "17:50 22:10"),
+    Play(
+        "lists_of_entities",
+        "light.sofa on, light.hall on",
+        ["23:00 sensor.bedroom_temperature unavailable", "23:10 sensor.kitchen_temperature 17"],
+        ["23:30:00 notify Still on: Hall light, Sofa light"],
+        "22:50 23:50",
+    ),
+    Play("lists_of_entities", "light.hall on", ["23:10 sensor.kitchen_temperature 17"], [], "22:50 23:50"),
+    Play("lists_of_entities", "light.sofa on", ["23:10 sensor.kitchen_temperature 18"], [], "22:50 23:50"),
 )
 
 
@@ -1055,6 +1076,11 @@ async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None
         "Brings back less than it sets",
         "Tells what it keeps",
     ]
+
+
+async def test_a_list_in_which_unknown_states_count_as_low_is_refused() -> None:
+    found = await imported("lists_of_entities")
+    assert [one.name for one in found.refused] == ["Unknown ones count as low"]
 
 
 async def test_a_value_of_another_entity_and_a_limit_of_its_own_are_refused() -> None:

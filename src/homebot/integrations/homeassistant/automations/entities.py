@@ -31,6 +31,10 @@ _HELPERS: Final = frozenset(
     }
 )
 
+_SENSED: Final = r"(?:attributes|binary_sensor|device_tracker|person|sun|weather|zone)"
+_COMMANDED: Final = re.compile(rf"\bstates(?!\(|\.{_SENSED}\b)|['\"](?!{_SENSED}\.)[a-z_]+\.[a-z]|_entities\(")
+"""What a template asks for that a command may change at once."""
+
 _OF_GROUPS: Final = frozenset({"binary_sensor", "fan", "input_boolean", "light", "siren", "switch"})
 """The domains of members of groups that are on or off."""
 
@@ -598,12 +602,13 @@ class Automation:
                 self.expressions[name] = value.value
         return self.constants
 
-    def forget_values(self) -> None:
-        """Forget the variables that a step may have changed: all but those of the trigger, and of the time."""
+    def forget_values(self, *, by_command: bool = False) -> None:
+        """Forget the variables that a step, or only a command, may have changed: not those of the trigger, and time."""
         self.expressions = {
             name: text
             for name, text in self.expressions.items()
-            if "state" not in text.replace("trigger.to_state.", "") and not (self.has_waited and "now()" in text)
+            if (by_command and "state" in text and not _COMMANDED.search(text))
+            or ("state" not in text.replace("trigger.to_state.", "") and not (self.has_waited and "now()" in text))
         }
 
     def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:

@@ -70,8 +70,9 @@ def value_text(automation: Automation, node: nodes.Node) -> tuple[str, str]:
 
 def _list_value(automation: Automation, node: nodes.Node) -> str:
     """Return the names, or the number, of the entities that *node* lists; empty for another value."""
-    listed = node.node if isinstance(node, nodes.Filter) and node.name == "join" else node
-    if (known := entity_list(listed)) is not None and known.is_named:
+    is_joined = isinstance(node, nodes.Filter) and node.name == "join"
+    known = entity_list(node.node if isinstance(node, nodes.Filter) and is_joined else node)
+    if known is not None and (known.told == "name" or (is_joined and not known.told)):
         return names_text(automation, known)
     return "" if (known := counted_list(node)) is None else f"{{{count_text(automation, known)}}}"
 

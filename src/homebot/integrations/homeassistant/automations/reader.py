@@ -255,7 +255,7 @@ class Actions:
             commands = {step.target for step in _single(steps) if isinstance(step, Do)}
             self._commanded |= commands
             if commands:
-                self._automation.forget_values()
+                self._automation.forget_values(by_command=True)
             return steps
         fields.left.clear()
         choice: Sequence[Step] = []

@@ -3,11 +3,17 @@
 Source: Jinja 3.1 documentation, List of Builtin Filters; Home Assistant core 2026.11, ``helpers/template``.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices.query.terms import Operator
-from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity, capability_of_class
+from homebot.integrations.homeassistant.automations.entities import (
+    Automation,
+    KnownEntity,
+    capability_of_class,
+    slug_of,
+)
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
     constants_in,
@@ -17,7 +23,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import UNKNOWN, limits_text, state_text
-from homebot.integrations.homeassistant.automations.template_numbers import SIGNS
+from homebot.integrations.homeassistant.automations.template_numbers import SIGNS, holds, whole_limit
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 
 _SAME: Final = frozenset({"list", "sort", "unique", "expand"})
@@ -25,25 +31,40 @@ _SAME: Final = frozenset({"list", "sort", "unique", "expand"})
 
 _NAME: Final = frozenset({"name", "attributes.friendly_name"})
 
+_PLACES: Final = {f"{place}_entities": f"{place}_id" for place in ("area", "device", "floor", "label")}
+"""The fields of a target with the places whose entities these functions list."""
+
+_OF_DOMAIN: Final = re.compile(r"\^?([a-z_]+)(?:\\?\.)?(?:\.\*)?")
+"""A pattern that the ids of a domain match."""
+
 
 class EntityList(NamedTuple):
     """Entities in a state; those of a list that are in no such state are left out.
 
     Attributes:
         ids: Their ids; without any, all of *domain*.
+        domain: Their domain; empty for any.
+        place: The field of a target and the place in it where they are; empty for anywhere.
         classes: The classes of devices that count; empty for all.
+        but: The ids that do not count.
         states: The states that count; empty for any.
         limit: A limit of their number.
-        is_named: Whether it is the list of their names.
+        is_known: Whether unknown states are left out.
+        told: What is listed of each: ``name`` or ``state``; empty for the entity or its id.
+        number: The filter that made a number of each state, and the number that counts while that is unknown.
         with_states: Whether the states stand beside the names.
     """
 
     ids: tuple[str, ...] = ()
     domain: str = ""
+    place: tuple[str, str] = ("", "")
     classes: frozenset[str] = frozenset()
+    but: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     limit: tuple[Operator, float] | None = None
-    is_named: bool = False
+    is_known: bool = False
+    told: str = ""
+    number: tuple[str, float | None] = ("", None)
     with_states: bool = False
 
     def texts(self, automation: Automation) -> list[str]:
@@ -52,29 +73,47 @@ class EntityList(NamedTuple):
         Raises:
             NotCarriedError: It asks for no state, or homebot knows none of the entities.
         """
-        if not self.ids and (of_class := self._of_classes()):
-            return of_class
+        if not self.ids and not any(self.place) and (of_all := self._of_all(automation)):
+            return of_all
         entities = self.entities(automation)
         if not self.ids:
-            automation.notes.append(f"states.{self.domain} means the devices that homebot knows now")
+            named = " ".join(self.place).strip() or f"states.{self.domain}"
+            automation.notes.append(f"{named} means the devices that homebot knows now")
         if not entities or not (self.states or self.limit):
             raise NotCarriedError(f"template: no state of entities of {self.domain or 'the list'} that homebot knows")
         return [text for entity in entities for text in self._of(entity)]
 
     def entities(self, automation: Automation) -> list[KnownEntity]:
         """Return those that homebot knows now, in any state."""
-        ids = automation.entities.expanded(self.ids)
-        return [*map(automation.entities.find, ids)] or automation.entities.of_class(self.domain, self.classes)
+        known = automation.entities
+        if self.ids or not any(self.place):
+            found = [*map(known.find, known.expanded(self.ids))] or known.of_class(self.domain, self.classes)
+        else:
+            found = known.of_target((self.domain,), *self.place)
+        others = [(entity.device.id, entity.part.id) for entity in map(known.find, self.but)]
+        return [entity for entity in found if (entity.device.id, entity.part.id) not in others]
 
-    def _of_classes(self) -> list[str]:
-        """Return the states of any device of the classes, also of later ones; none if only some of them count."""
+    def _of_all(self, automation: Automation) -> list[str]:
+        """Return the states of any light, or device of the classes, also of later ones; none if only some count."""
+        flags, limit = {"on": "true", "off": "false"}, self.limit
+        others = [f" not {entity.query}" for entity in map(automation.entities.find, self.but)]
+        if self.domain == "light" and not limit and not self.classes and {*self.states} <= flags.keys():
+            return [f"light {state}{''.join(others)}" for state in self.states]
         known = [capability_of_class(name) for name in self.classes]
         if self.domain not in {"sensor", "binary_sensor"} or not known or "" in known:
             return []
-        if self.limit is not None:
-            return [f"{name}{self.limit[0]}{self.limit[1]:.12g}" for name in known]
-        flags = {"on": "true", "off": "false"}
-        return [f"{name}={flags[state]}" for name in known for state in self.states if state in flags]
+        if limit is not None:
+            return [f"{name}{limit[0]}{limit[1]:.12g}{''.join(others)}" for name in known]
+        return [f"{name}={flags[state]}{''.join(others)}" for name in known for state in self.states if state in flags]
+
+    def limited(self, sign: str, limit: float) -> "EntityList | None":
+        """Return those whose number is on the side *sign* of *limit*; None if unknown ones count as well."""
+        kind, default = self.number
+        if sign not in SIGNS or self.limit is not None:
+            return None
+        if default is not None and not self.is_known and holds(default, SIGNS[sign], limit):
+            return None
+        return self._replace(limit=whole_limit(SIGNS[sign], limit) if kind == "int" else (SIGNS[sign], limit))
 
     def _of(self, entity: KnownEntity) -> list[str]:
         if self.limit is not None:
@@ -85,12 +124,18 @@ class EntityList(NamedTuple):
 def entity_list(node: nodes.Node | None) -> EntityList | None:
     """Return the entities that *node* lists; None for another expression."""
     match node:
+        case nodes.Name(name="states"):
+            return EntityList()
         case nodes.Getattr() if len(path := path_of(node)) == 2 and path[0] == "states":
             return EntityList(domain=path[1])
         case nodes.Call(node=nodes.Name(name="expand"), args=args):
             return _together([_group(arg) or entity_list(arg) for arg in args])
+        case nodes.Call(node=nodes.Name(name=name), args=[nodes.Const(value=str(place))]) if name in _PLACES:
+            return EntityList(place=(_PLACES[name], place if name == "device_entities" else slug_of(place)))
         case nodes.Const(value=str(entity)) if "." in entity and not entity.startswith("group."):
             return EntityList((entity,))
+        case nodes.Const(value=list() as values):
+            return _together([entity_list(nodes.Const(value)) for value in values])
         case nodes.List() | nodes.Tuple():
             return _together([*map(entity_list, node.items)])
         case nodes.For():
@@ -109,37 +154,59 @@ def _group(node: nodes.Node) -> EntityList | None:
 
 
 def _together(lists: Sequence[EntityList | None]) -> EntityList | None:
-    """Return the entities of all *lists*; None if one of them is none, or has no ids."""
+    """Return the only one of *lists*, or the entities of all; None if one of them is none, or has no ids."""
     ids = [known.ids for known in lists if known is not None and known.ids]
+    if len(lists) == 1:
+        return lists[0]
     return EntityList(sum(ids, ())) if lists and len(ids) == len(lists) else None
 
 
 def _filtered(known: EntityList, node: nodes.Filter) -> EntityList | None:
     """Return *known* after a filter; None for one that a list of homebot has no counterpart for."""
     if node.name in _SAME:
-        return known
+        return None if node.name == "unique" and known.told == "state" else known
     if node.name == "map" and not node.args:
         attributes = {str(one.value.value) for one in node.kwargs if isinstance(one.value, nodes.Const)}
-        return known._replace(is_named=attributes <= _NAME) if attributes <= _NAME | {"entity_id"} else None
-    values = [[*map(str, constants_in(arg))] for arg in node.args]
-    words = [*(value[0] for value in values if value), ""]
-    chosen = _FILTERS.get((node.name, words[0]))
-    return None if chosen is None else chosen(known, words[1], values[-1])
+        told = "state" if attributes == {"state"} else "name" if attributes <= _NAME else ""
+        return known._replace(told=told) if told or attributes == {"entity_id"} else None
+    values = [[*constants_in(arg)] for arg in node.args]
+    word, *rest = [str(value[0]) for value in values if value] or [""]
+    if node.name == "map" and word in {"float", "int"} and known.told == "state":
+        default = constant_number(node.args[1]) if len(node.args) > 1 else None
+        return known._replace(told="number", number=(word, default))
+    if node.name in {"select", "reject"} and known.told in {"state", "number"}:
+        return _of_values(known, node.name == "reject", word, values[-1] if rest else [])
+    chosen = _FILTERS.get((node.name, word)) if known.told != "state" else None
+    test = word if node.name in {"select", "reject"} else (*rest, "")[0]
+    return None if chosen is None else chosen(known, test, [*map(str, values[-1])])
+
+
+def _of_values(known: EntityList, is_denied: bool, test: str, values: Sequence[object]) -> EntityList | None:  # noqa: FBT001
+    """Return those of *known* whose states, or numbers, pass a test."""
+    if known.told == "state":
+        return (_but_by_state if is_denied else _by_state)(known, test, [*map(str, values)])
+    sign = _SIGN_WORDS.get(test, test)
+    sign = NEGATED.get(sign, "") if is_denied else sign
+    return known.limited(sign, float(str(values[0]))) if values else None
 
 
 def _by_state(known: EntityList, test: str, states: Sequence[str]) -> EntityList | None:
     """Return those in one of *states*, or in any other state than unknown ones."""
-    if test in _IN:
+    if test in _KNOWN:
+        return known._replace(is_known=True)
+    if test in _IN and not known.states:
         return known._replace(states=tuple(states))
-    return known if test in _NOT_IN and {*states} <= UNKNOWN else None
+    return known._replace(is_known=True) if test in _NOT_IN and {*states} <= UNKNOWN else None
 
 
 def _but_by_state(known: EntityList, test: str, states: Sequence[str]) -> EntityList | None:
     """Return those in none of *states*, which are unknown ones, or one of two."""
     if test not in _IN:
         return None
+    if {*states} <= UNKNOWN:
+        return known._replace(is_known=True)
     others = {"on": "off", "off": "on"}
-    return known if {*states} <= UNKNOWN else _by_state(known, "eq", [others[states[0]]]) if _is_flag(states) else None
+    return _by_state(known, "eq", [others[states[0]]]) if _is_flag(states) else None
 
 
 def _by_class(known: EntityList, test: str, classes: Sequence[str]) -> EntityList | None:
@@ -148,20 +215,60 @@ def _by_class(known: EntityList, test: str, classes: Sequence[str]) -> EntityLis
     return known._replace(classes=frozenset(classes)) if test in _IN else None
 
 
+def _by_domain(known: EntityList, test: str, domains: Sequence[str]) -> EntityList | None:
+    """Return those of the only one of *domains*."""
+    if test not in _IN or len(domains) != 1 or known.domain not in {"", *domains}:
+        return None
+    ids = tuple(one for one in known.ids if one.partition(".")[0] == domains[0])
+    return known._replace(domain=domains[0], ids=ids) if ids or not known.ids else None
+
+
+def _by_id(known: EntityList, test: str, ids: Sequence[str]) -> EntityList | None:
+    """Return those with one of *ids*, or with another one."""
+    if test in _IN:
+        return known._replace(ids=tuple(ids)) if not known.ids else None
+    return known._replace(but=(*known.but, *ids)) if test in _NOT_IN else None
+
+
+def _by_pattern(known: EntityList, test: str, patterns: Sequence[str]) -> EntityList | None:
+    """Return those of the domain that a pattern of ids means."""
+    found = _OF_DOMAIN.fullmatch(patterns[0]) if test == "match" or patterns[0].startswith("^") else None
+    return None if found is None else _by_domain(known, "eq", [found[1]])
+
+
 def _is_flag(states: Sequence[str]) -> bool:
     return [*states] in (["on"], ["off"])
 
 
 _IN: Final = frozenset({"eq", "==", "equalto", "in"})
 _NOT_IN: Final = frozenset({"ne", "!=", "notin"})
-_FILTERS: Final[Mapping[tuple[str, str], Callable[[EntityList, str, Sequence[str]], EntityList | None]]] = {
+_KNOWN: Final = frozenset({"is_number", "has_value", "defined"})
+_SIGN_WORDS: Final = {
+    **dict.fromkeys(("<", "lessthan"), "lt"),
+    **dict.fromkeys((">", "greaterthan"), "gt"),
+    **dict.fromkeys(("<=", "le"), "lteq"),
+    **dict.fromkeys((">=", "ge"), "gteq"),
+}
+_MATCH: Final = frozenset({"match", "search"})
+NEGATED: Final = {"lt": "gteq", "gteq": "lt", "gt": "lteq", "lteq": "gt"}
+"""The comparisons that hold if others do not."""
+
+_Reader: TypeAlias = Callable[[EntityList, str, Sequence[str]], EntityList | None]
+_FILTERS: Final[Mapping[tuple[str, str], _Reader]] = {
     ("selectattr", "state"): _by_state,
     ("select", "is_state"): lambda known, _, states: _by_state(known, "eq", states),
+    ("select", "has_value"): lambda known, *_: known._replace(is_known=True),
     ("rejectattr", "state"): _but_by_state,
     ("reject", "is_state"): lambda known, _, states: _but_by_state(known, "eq", states),
     ("selectattr", "attributes.device_class"): _by_class,
-    ("selectattr", "entity_id"): lambda known, test, ids: known._replace(ids=tuple(ids)) if test == "in" else None,
-    ("map", "state_attr"): lambda known, test, _: known._replace(is_named=True) if test == "friendly_name" else None,
+    ("selectattr", "entity_id"): lambda known, test, ids: (_by_pattern if test in _MATCH else _by_id)(known, test, ids),
+    ("rejectattr", "entity_id"): lambda known, test, ids: _by_id(known, "ne", ids) if test in _IN else None,
+    **{("select", test): _by_pattern for test in ("match", "search")},
+    ("select", "in"): _by_id,
+    ("reject", "in"): lambda known, _, ids: _by_id(known, "ne", ids),
+    ("selectattr", "domain"): _by_domain,
+    ("map", "states"): lambda known, *_: known._replace(told="state"),
+    ("map", "state_attr"): lambda known, test, _: known._replace(told="name") if test == "friendly_name" else None,
 }
 """By its name and first word what a filter leaves of a list, by its test and the values of that."""
 
@@ -185,27 +292,44 @@ def list_of_loop(node: nodes.For) -> EntityList:
     tests, body = _tests_of(node)
     for test in tests:
         known = None if known is None else _tested(known, test, name)
-    if known is not None and known.is_named and not tests and _names_in(body) == {(name,)}:
+    outputs = [part for part in body if isinstance(part, nodes.Output)]
+    told = {field for part in outputs for field in _told_in(part, name)} - {_UNIT}
+    names = {("name",), ("attributes", "friendly_name"), ("entity_id",), ()}
+    others = [part for part in body if part not in outputs and (not isinstance(part, nodes.If) or _told_in(part, name))]
+    if known is not None and known.told == "name" and told == {()} and not tests:
         return known  # each name once more
-    values = _names_in(body)
-    names = {(name, "name"), (name, "attributes", "friendly_name"), (name, "entity_id")}
-    others = [part for part in body if not isinstance(part, nodes.Output | nodes.If)]
-    if known is None or others or not values & names or values - names - {(name, "state")}:
+    if known is None or known.told or others or not told & names or told - names - {("state",)}:
         raise refused_template(shown_tree(node.iter), "a list in a message has the names of entities in a state")
-    return known._replace(is_named=True, with_states=(name, "state") in values)
+    return known._replace(told="name", with_states=("state",) in told)
 
 
-def _names_in(body: Sequence[nodes.Node]) -> set[tuple[str, ...]]:
-    """Return the names in *body*, with their fields, such as ``s.attributes.friendly_name``."""
-    if not body:
-        return set()
-    whole: set[tuple[str, ...]] = set()
-    for part in body:
-        if path := path_of(part):
-            whole.add(path)
-        else:
-            whole |= _names_in([*part.iter_child_nodes()])
-    return whole
+def _field(node: nodes.Node, name: str) -> tuple[str, ...] | None:
+    """Return the field of the entity *name* that *node* is, none for it or its id; None for another expression."""
+    match node:
+        case nodes.Call(node=nodes.Name(name="states"), args=[entity]) if _field(entity, name) in _ITSELF:
+            return ("state",)
+        case nodes.Call(node=nodes.Name(name="state_attr"), args=[entity, nodes.Const(value=str(attribute))]) if (
+            _field(entity, name) in _ITSELF
+        ):
+            return ("attributes", attribute)
+    path = path_of(node)
+    return path[1:] if path[:1] == (name,) else None
+
+
+_ASKED: Final = ((), ("entity_id",), ("state",))
+_ITSELF: Final[tuple[tuple[str, ...], ...]] = ((), ("entity_id",))
+
+
+_UNIT: Final = ("attributes", "unit_of_measurement")
+
+
+def _told_in(node: nodes.Node, name: str) -> set[tuple[str, ...]]:
+    """Return the fields of the entity *name* that *node* writes; one called ``?`` for other values than the round."""
+    if (field := _field(node, name)) is not None:
+        return {field}
+    if isinstance(node, nodes.Name):
+        return set() if node.name == "loop" else {("?",)}
+    return {field for part in node.iter_child_nodes() for field in _told_in(part, name)}
 
 
 def _tests_of(node: nodes.For) -> tuple[list[nodes.Node], Sequence[nodes.Node]]:
@@ -230,25 +354,33 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
             first = _tested(known, left, name)
             return None if first is None else _tested(first, right, name)
         case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=right)]):
-            is_number = False
+            kind, default = "", None
             while isinstance(left, nodes.Filter) and left.name in {"float", "int"} and left.node is not None:
-                left, is_number = left.node, True
-            path = path_of(left)
-            if path == (name, "state") and is_number and sign in SIGNS:
-                return known._replace(limit=(SIGNS[sign], constant_number(right)))
-            chosen = _FIELDS.get(path[1:]) if path[:1] == (name,) and not is_number else None
+                default = constant_number(left.args[0]) if left.args else default
+                kind, left = left.name, left.node
+            field = _field(left, name)
+            if kind and field == ("state",):
+                return known._replace(number=(kind, default)).limited(sign, constant_number(right))
+            chosen = _FIELDS.get(field or ()) if not kind else None
             return None if chosen is None else chosen(known, sign, [*map(str, constants_in(right))])
-        case nodes.Test(name="defined") | nodes.Call(node=nodes.Name(name="is_number" | "has_value"), args=[_]):
+        case nodes.Test(name="defined", node=inner) if _field(inner, name) is not None:
             return known
-        case nodes.Call(node=nodes.Name(name="is_state"), args=[entity, nodes.Const(value=str(state))]) if path_of(
-            entity
-        ) in {(name, "entity_id"), (name,)}:
-            return known._replace(states=(state,))
+        case nodes.Call(node=nodes.Name(name="is_number" | "has_value"), args=[inner]) if _field(inner, name) in _ASKED:
+            return known._replace(is_known=True)
+        case nodes.Call(node=nodes.Name(name="is_state"), args=[entity, nodes.Const(value=str(state))]) if (
+            _field(entity, name) in _ITSELF
+        ):
+            return _by_state(known, "eq", [state])
     return None
 
 
-_FIELDS: Final = {("state",): _by_state, ("attributes", "device_class"): _by_class}
-"""The elements that a comparison in a loop leaves of a list, by the comparison."""
+_FIELDS: Final[Mapping[tuple[str, ...], _Reader]] = {
+    ("state",): _by_state,
+    ("attributes", "device_class"): _by_class,
+    ("entity_id",): _by_id,
+    ("domain",): _by_domain,
+}
+"""The elements that a comparison in a loop leaves of a list, by the field that it compares."""
 
 
 def any_of_queries(texts: Sequence[str]) -> str:
@@ -258,12 +390,11 @@ def any_of_queries(texts: Sequence[str]) -> str:
 
 def count_text(automation: Automation, known: EntityList) -> str:
     """Return the number of the entities of *known*, of which each is a device of its own."""
-    if known == EntityList(domain="light", states=("on",)):
-        return "count of light on"
-    devices = [entity.device.id for entity in known.entities(automation)]
+    texts = [*dict.fromkeys(known.texts(automation))]
+    devices = [entity.device.id for entity in known.entities(automation)] if texts[0][:6] != "light " else []
     if len({*devices}) < len(devices):
         raise NotCarriedError("template: several of the entities that it counts are one device")
-    return f"count of {any_of_queries([*dict.fromkeys(known.texts(automation))])}"
+    return f"count of {any_of_queries(texts)}"
 
 
 def names_text(automation: Automation, known: EntityList) -> str:

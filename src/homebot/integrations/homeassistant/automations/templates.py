@@ -61,8 +61,11 @@ from homebot.integrations.homeassistant.automations.states import (
 from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, is_calculated
 from homebot.integrations.homeassistant.automations.template_elapsed import Elapsed, elapsed_limit, is_last_run
 from homebot.integrations.homeassistant.automations.template_lists import (
+    NEGATED,
+    EntityList,
     count_text,
     counted_list,
+    entity_list,
     list_of_loop,
     names_text,
 )
@@ -121,6 +124,8 @@ class Templates:
         if isinstance(expression, nodes.Name) and expression.name in self._automation.expressions:
             expression = expression_of(self._automation.expressions[expression.name])
         expression = self._of_its_state(self._inlined(expression))
+        if isinstance(expression, nodes.Filter) and entity_list(expression) is not None:
+            raise refused_template(text, "a list itself is neither true nor false; write `| count > 0` behind it")
         if isinstance(expression, nodes.Const):  # a template is rendered to a text, which is true or not
             return [] if str(expression.value).strip().casefold() in _TRUE else [NEVER]
         return self._read(expression)
@@ -323,7 +328,7 @@ class Templates:
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
-        for read in (self._of_entity, days_of, weeks_of, self._known, self._tested, _any_light, self._counted):
+        for read in (self._of_entity, days_of, weeks_of, self._known, self._tested, self._counted):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -437,13 +442,25 @@ class Templates:
         """Return the condition that any, or none, of several entities is in a state; None for another expression."""
         sign, most = "gt", 0.0
         match node:
+            case nodes.Compare(
+                expr=nodes.Filter(name="min" | "max" as end, node=numbers), ops=[nodes.Operand(op=sign, expr=limit)]
+            ) if (known := entity_list(numbers)) is not None and sign in SIGNS:
+                return self._of_extreme(known, end, sign, constant_number(limit))
             case nodes.Compare(expr=counted, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]):
                 known = counted_list(counted)
+            case nodes.Compare(
+                expr=nodes.Filter() as listed,
+                ops=[nodes.Operand(op="eq" | "ne" as sign, expr=nodes.Const(value=[] | "") | nodes.List(items=[]))],
+            ):
+                known = entity_list(listed.node if listed.name == "join" else listed)
+            case nodes.Filter() | nodes.For():
+                known = counted_list(node) or entity_list(node)
             case _:
-                known = counted_list(node)
+                known = None
         if known is None:
             return None
-        if (known.domain, known.states, known.ids) == ("person", ("home",), ()) and (sign in SIGNS or not most):
+        is_of_people = known.domain == "person" or (known.ids and all(one.startswith("group.") for one in known.ids))
+        if is_of_people and known.states == ("home",) and (sign in SIGNS or not most):
             number_sign = SIGNS.get(sign, "<=" if sign == "eq" else ">")
             return [(people_text(self._automation, number_sign, float(most)),)]
         any_of_them = self._any_of([[(f"({text})",)] for text in known.texts(self._automation)])
@@ -454,6 +471,15 @@ class Templates:
                 return self._denied(any_of_them)
         count = f"{{{count_text(self._automation, known)}}}"
         return [tuple(f"{count} {limit}" for limit in limits) for limits in _limits_of_count(sign, int(most))]
+
+    def _of_extreme(self, known: EntityList, end: str, sign: str, limit: float) -> list[Condition]:
+        """Return the condition that the least, or the greatest, number of a list is above or below a limit."""
+        is_any = (end == "min") is (SIGNS[sign][0] == "<")
+        limited = known.limited(sign if is_any else NEGATED[sign], limit)
+        if known.told != "number" or limited is None:
+            raise refused_template(end, "a number of its list may be unknown; write `select('is_number')` before it")
+        held = self._any_of([[(f"({text})",)] for text in limited.texts(self._automation)])
+        return held if is_any else self._denied(held)
 
     def _by_a_state(self) -> list[Condition]:
         """Return the condition that a state started it: any other trigger has none, and ends with an error."""
@@ -746,33 +772,6 @@ def _limits_of_count(sign: str, number: int) -> list[tuple[str, ...]]:
         case "lteq":
             return [(below,)]
     return [(f"{'above' if sign == 'gt' else 'below'} {number}",)]
-
-
-_ANY_OR_NONE: Final = {"gt": "", "ne": "", "eq": "not "}
-
-
-def _any_light(node: nodes.Expr) -> list[Condition] | None:
-    """Return the condition that some light is on, or none; None for another expression."""
-    match node:
-        case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=0))]) if (
-            sign in _ANY_OR_NONE and _is_count_of_lights(left)
-        ):
-            return [(f"{_ANY_OR_NONE[sign]}(light on)",)]
-    return None
-
-
-def _is_count_of_lights(node: nodes.Node | None) -> bool:
-    """Return whether *node* is the number of lights that are on."""
-    names = []
-    while isinstance(node, nodes.Filter):
-        names.append((node.name, *(value.value for value in node.args if isinstance(value, nodes.Const))))
-        node = node.node
-    counts, chosen = (
-        {("count",), ("length",)},
-        {("selectattr", "state", sign, "on") for sign in ("eq", "==", "equalto")},
-    )
-    is_counted = len(names) > 1 and names[0] in counts and names[-1] in chosen
-    return is_counted and {*names[1:-1]} <= {("list",)} and path_of(node) == ("states", "light")
 
 
 def bracketed(text: str) -> str:
