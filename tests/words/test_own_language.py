@@ -21,6 +21,11 @@ FOLDER = Path(own_language.__file__).parent / "languages"
 ROUTINES = json.loads(Path(__file__).with_name("routines_in_languages.json").read_text("utf-8"))
 """Ten routines, as natives of six languages write them."""
 
+NATIVES: Mapping[str, Mapping[TextKind, Mapping[str, str]]] = json.loads(
+    Path(__file__).with_name("what_natives_write.json").read_text("utf-8")
+)
+"""Texts by languages, with their English, that were written by somebody who did not know the forms."""
+
 READERS: Mapping[TextKind, Callable[[str], object]] = {
     "trigger": read_trigger,
     "condition": read_condition,
@@ -44,6 +49,15 @@ _DEVICES = (
     "no window open for 10m",
     "motion occupied in Flur",
     "no motion in Flur for 5m",
+    "smoke detected in Flur",
+    "water detected in Flur",
+    "not Flur on",
+    "not Flur open",
+    "nobody is home for 10m",
+    "not everybody is home",
+    "Flur occupied",
+    "Flur smoke detected",
+    "Flur water detected",
     "temperature in Flur below 18.5 °C",
     "humidity in Flur above 70 % for 10m",
     "temperature of Flur above 25 °C",
@@ -78,6 +92,9 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "Flur changes",
         "temperature of Flur rises above 25 °C",
         "temperature of Flur falls below 18 °C",
+        "temperature in Flur rises above 25 °C",
+        "temperature in Flur falls below 18 °C",
+        "setpoint of Flur changes",
         "sun elevation below 4°",
         "sun elevation above 10°",
         "sun azimuth below 240.5°",
@@ -88,6 +105,10 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "Anna arrives",
         "Anna leaves",
         "Flur press",
+        "Flur press single",
+        "Flur press double",
+        "Flur press triple",
+        "Flur press long",
     ),
     "condition": (
         *_DEVICES,
@@ -98,6 +119,8 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "before sunrise",
         "between 22:00 and 6:30",
         "between sunset and 23:00",
+        "between sunset - 30m and 6:30",
+        "after sunrise + 1h",
         "on weekdays",
         "on sat,sun",
         "on 24 december",
@@ -144,6 +167,10 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "Flur on, 20 %",
         "Flur 40 %",
         "Flur 21.5 °C",
+        "Flur heating",
+        "Flur heating, 21.5 °C",
+        "Flur cooling",
+        "Flur cooling, 24 °C",
         "Flur open",
         "Flur close",
         "Flur lock",
@@ -218,6 +245,13 @@ def test_ten_routines_mean_the_same_in_each_language(language: str, number: int)
     english, own = ROUTINES[number]["en"], ROUTINES[number][language]
     for kind, read in READERS.items():
         assert [read(text) for text in own[kind]] == [read(text) for text in english[kind]]
+
+
+@pytest.mark.parametrize("language", OWN_LANGUAGES)
+@pytest.mark.parametrize("kind", READERS)
+def test_what_natives_write_is_read(language: str, kind: TextKind) -> None:
+    texts = NATIVES[language][kind]
+    assert {text: to_english(text, kind) for text in texts} == texts
 
 
 def test_no_english_text_is_taken_for_another_language() -> None:

@@ -78,9 +78,7 @@ def reading_of(text: str, kind: TextKind) -> tuple[str, str]:
     """Return the language of *text*, and its English; both are empty if it is in none of them."""
     if len(text) > _MAX_CHARACTERS:
         return "", ""
-    words = _words(text)
-    likely = (code for code in OWN_LANGUAGES if not words.isdisjoint(_table(code).sure_marks))
-    readings = ((code, _table(code).read(text, kind)) for code in likely)
+    readings = ((table.code, table.read(text, kind)) for table in _likely_tables(_words(text)))
     return next(((code, english) for code, english in readings if english), ("", ""))
 
 
@@ -160,7 +158,7 @@ def hint_for(text: str, kind: TextKind) -> str:
 @cache
 def _table(code: str) -> "_Table":
     table = json.loads((Path(__file__).parent / "languages" / f"{code}.json").read_text(encoding="utf-8"))
-    return _Table(table, table["date"])
+    return _Table(code, table, table["date"])
 
 
 def _words(text: str) -> frozenset[str]:
@@ -177,7 +175,8 @@ class _Table:
         blocks: The sentences of choices and loops.
     """
 
-    def __init__(self, table: Mapping[str, Mapping[str, str]], date: str) -> None:
+    def __init__(self, code: str, table: Mapping[str, Mapping[str, str]], date: str) -> None:
+        self.code = code
         self._forms = {kind: _rows(table[kind]) for kind in _SECTIONS}
         self._lists = {kind: _rows(table[kind]) for kind in _LISTS}
         self._meanings = {
@@ -262,7 +261,7 @@ class _Table:
         return None
 
     def _compiled(self, kind: str, *, is_english: bool) -> Iterator[tuple[str, "_WordForm"]]:
-        sections = {"trigger": ("trigger", "state"), "condition": ("state", "condition")}.get(kind, (kind,))
+        sections = {"trigger": ("moment", "trigger", "state"), "condition": ("state", "condition")}.get(kind, (kind,))
         for section in sections:
             for english, own in self._forms[section].items():
                 if is_english:
@@ -291,7 +290,8 @@ class _Table:
                 return self._length(text, lambda unit: self._meanings["units"].get(unit) or _ENGLISH_UNITS.get(unit))
             case "h" | "k":
                 plain = self._plain(text)
-                return self._meanings["sun"].get(plain.casefold()) or _clock(plain)
+                known = self._meanings["sun"].get(plain.casefold()) or _clock(plain)
+                return known or self._first(self._phrases, text, "moment", self._in)
             case "u":
                 return self._meanings["sun"].get(self._plain(text).casefold())
             case "d":
@@ -323,7 +323,9 @@ class _Table:
                 return self._length(text, _ENGLISH_UNITS.get, self._lists["units"])
             case "h" | "k" | "u":
                 found = self._lists["sun"].get(text.casefold())
-                return found[0] if found else (_clock(text) if slot != "u" and ":" in text else None)
+                if found or slot == "u":
+                    return found[0] if found else None
+                return _clock(text) if ":" in text else self._first(self._english, text, "moment", self._out)
             case "d":
                 return self._days_out(text)
             case "n":
@@ -349,14 +351,18 @@ class _Table:
             return text
         if (pronoun := self._meanings["it"].get(text.casefold())) is not None:
             return pronoun
-        for own, english in (row for kind in kinds for row in self._meanings[kind].items()):
-            if f"{text.casefold()} ".startswith(f"{own} "):
-                return f"{english}{self._with_place(text[len(own) :])}"
-        return self._with_place(self._plain(text))
+        places = self._lists["words"]["in"]
+        for kind in (*kinds, "plurals"):
+            for own, english in self._meanings[kind].items():
+                if f"{text.casefold()} ".startswith(f"{own} "):
+                    rest, of_types = text[len(own) :], [*places, *self._lists["words"]["of"]]
+                    if kind != "plurals" or not rest or rest.split()[0].casefold() in of_types:  # else a name
+                        return f"{english}{self._with_place(rest, of_types)}"
+        return self._with_place(self._plain(text), places)
 
-    def _with_place(self, text: str) -> str:
+    def _with_place(self, text: str, places: Sequence[str]) -> str:
         head, *words = text.split(" ")
-        places, articles = self._lists["words"]["in"], self._lists["words"]["the"]
+        articles = self._lists["words"]["the"]
         kept = [head]
         for word in words:
             if word.casefold() in places:
@@ -377,7 +383,7 @@ class _Table:
     def _length(
         self, text: str, unit_of: Callable[[str], str | None], shown: Mapping[str, list[str]] | None = None
     ) -> str | None:
-        if _LENGTHS.sub("", text).strip():
+        if _LENGTHS.sub("", text).strip(" ."):
             return None
         pieces = []
         for number, name in _LENGTHS.findall(text):
@@ -414,6 +420,8 @@ class _Table:
         return self._date.format(day=numbers[0], month=months[0][0]) if numbers else months[0][0]
 
     def _days_in(self, text: str) -> str | None:
+        if whole := self._meanings["days"].get(text.casefold()):
+            return whole
         days = [
             self._range(part, self._lists["words"]["to"]) for part in split_at(text, ",", *self._lists["words"]["and"])
         ]
@@ -451,8 +459,8 @@ class _WordForm:
         return self._phrase.match(text)
 
 
-_SECTIONS: Final = ("state", "trigger", "condition", "step", "value")
-_LISTS: Final = ("words", "units", "amounts", "days", "months", "sun", "values", "it", "some", "all", "none")
+_SECTIONS: Final = ("state", "moment", "trigger", "condition", "step", "value")
+_LISTS: Final = ("words", "units", "amounts", "days", "months", "sun", "values", "it", "some", "all", "plurals", "none")
 
 
 def _rows(table: Mapping[str, str]) -> dict[str, list[str]]:
