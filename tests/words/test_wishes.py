@@ -33,6 +33,7 @@ HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night
         ("not kitchen not lit.", "Kitchen", True),
         ("upstairs dark", "upstairs", False),
         ("house dark", "", False),
+        ("make the living room bright", "Living", True),
     ],
 )
 def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
@@ -54,6 +55,8 @@ def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
         ("rosie at the charging station", "rosie", DOCK, False),
         ("rosie is back in its dock", "rosie", DOCK, False),
         ("rosie docked", "rosie", DOCK, False),
+        ("send rosie home", "rosie", DOCK, False),
+        ("rosie is back home", "rosie", DOCK, False),
         ("send rosie to the kitchen", "rosie", "Kitchen", False),
         ("robot into the living room", "robot", "Living", False),
     ],
@@ -70,6 +73,7 @@ def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -
         ("all lights off", "all lights", "off"),
         ("no lights on", "lights", "off"),
         ("no lights on in the hall", "lights in the hall", "off"),
+        ("no lights on in the house", "lights", "off"),
         ("hall lamp is not on", "hall lamp", "off"),
         ("lights in kitchen on", "lights in kitchen", "on"),
         ("the front lock is locked", "front lock", "locked"),
@@ -79,6 +83,7 @@ def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -
         ("living heat is set to 19", "living heat", "19"),
         ("living heat 19", "living heat", "19"),
         ("living lamp 40 %", "living lamp", "40 %"),
+        ("living lamp on at 40 %", "living lamp", "40 %"),
         ("living lamp is red", "living lamp", "red"),
         ("office 2 lamp on", "office 2 lamp", "on"),
         ("turn on the kitchen lamp", "kitchen lamp", "on"),

@@ -110,12 +110,13 @@ MEANT_STEPS: Final = (
 """How steps that are no command are written instead: a form, the advice, and the steps."""
 
 # Wishes.
-LIT: Final = Phrase("{room} [should] [is|are|be] [no~not] word~lit|dark")
+LIT: Final = Phrase("{room} [should] [is|are|be] [no~not] word~lit|bright|dark")
 IN_ROOM: Final = Phrase(
     "{robot:word} [should] [is|be] [no~not] in [the] {room}", "[send|bring] [the] {robot:word} to|into [the] {room}"
 )
 DOCKED: Final = Phrase(
     "{robot:word} [is] way~docked|charging",
+    "[send|bring] [the] {robot:word} [is] [back] way~home",
     "{robot:word} [is] [back] way~at|in|on [the|its] dock|charger",
     "{robot:word} [is] [back] way~at|in|on [the|its] docking|charging station",
 )
@@ -123,7 +124,7 @@ SCENE_WISH: Final = Phrase("[apply|start] scene {name}", "[apply|start] [the] {n
 STATE_WISH: Final = Phrase(
     "{what} [should] [is|are|be] [no~not] {state:word} in {where}", "{what} [should] [is|are|be] [no~not] {state:word}"
 )
-AT_VALUE: Final = Phrase("{what} [should] [is|are|be] [set] at|to {value:number}")
+AT_VALUE: Final = Phrase("{what} [should] [is|are|be] [set|on] at|to {value:number}")
 THE: Final = Phrase("[make|keep] the {what}", "make|keep {what}")
 LAST_ROOM: Final = Phrase("{what} in {room}")
 ROOM: Final = Phrase("{name} room")

@@ -156,7 +156,7 @@ def _wish(text: str, known: KnownNames) -> GoalCondition:
     is_not = fold(first) in {"no", "not"} and bool(rest)
     plain = _without_the(rest) if is_not else plain
     if (lit := LIT.match(plain)) is not None:
-        is_lit = (fold(lit["word"]) == "lit") ^ is_not ^ bool(lit["no"])
+        is_lit = (fold(lit["word"]) != "dark") ^ is_not ^ bool(lit["no"])
         area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
         return RoomCondition(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
     return _of_robot(text, plain, known, is_not=is_not) or _state(text, plain, known, is_not=is_not)
@@ -180,9 +180,9 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> GoalCon
         if is_not ^ bool(found["no"]):
             state = _OPPOSITE.get(state, "")
         if state:
-            return _of_parts(
-                text, f"{found['what']} in {found['where']}" if "where" in found else found["what"], state, known
-            )
+            where = found.get("where", "house")
+            everywhere = fold(_without_the(where)) in _EVERYWHERE
+            return _of_parts(text, found["what"] if everywhere else f"{found['what']} in {where}", state, known)
     words = _without_at(plain)
     if is_not or " not " in fold(words):
         raise UsageError(f"{text!r}: what should be so instead is unclear; say that")

@@ -101,6 +101,7 @@ async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
         ("anna is home", "'anna is home' names no state; write it like"),
         ("hall lamp halfway", "'hall lamp halfway' names no state; write it like"),
         ("  ", "the goal is empty"),
+        ("hall at 21 °C", "nothing in Hall takes 21 °C"),
     ],
 )
 async def test_what_cannot_be_reached_says_why(family: Family, goal: str, reason: str) -> None:

@@ -142,7 +142,8 @@ class _Meanings:
             except RefusedError as exc:
                 problem = f"{device_and_parts[0].name}: {exc.what}: {exc.reason}"
         if not meant:
-            raise UsageError(f"{wish.text}: {problem}")
+            nothing = f"nothing in {wish.target} takes {wish.command}; `homebot find` shows what is there"
+            raise UsageError(f"{wish.text}: {nothing if wish.area else problem}")
         return tuple(meant)
 
     async def of_room(self, wish: RoomCondition) -> tuple[GoalPart, ...]:
