@@ -15,14 +15,14 @@ from homebot.features.habits.messages import HabitProposal
 from homebot.features.habits.proposal import is_same, proposal_of, undone_commands
 from homebot.features.habits.recorded import Home, recorded_days
 from homebot.features.habits.trial import try_habits
-from homebot.features.habits.words import HabitWords
 from homebot.features.routines.text import read_routines
 from homebot.words.conditions import read_condition
+from homebot.words.device_words import DeviceWords
 from homebot.words.triggers import read_trigger
 
 BERLIN = Home(ZoneInfo("Europe/Berlin"), 52.5, 13.4)
 START = 1_767_567_600.0  # Monday, 2026-01-05, midnight in Berlin
-WORDS = HabitWords(HOUSE)
+WORDS = DeviceWords(HOUSE)
 OWNER = issuer_of_client("owner")
 TWO = "hall_lamp_two"
 

@@ -42,10 +42,10 @@ from homebot.features.habits.messages import (
 from homebot.features.habits.proposal import UNDONE, is_same, name_of, proposal_of, undone_commands
 from homebot.features.habits.recorded import MAX_HAPPENINGS, Home, recorded_days
 from homebot.features.habits.trial import try_habits
-from homebot.features.habits.words import HabitWords
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.support.folding import fold
+from homebot.words.device_words import DeviceWords
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -220,7 +220,7 @@ def _search(
     Args:
         made: The names of the routines that were made of habits, by app.
     """
-    words = HabitWords(devices)
+    words = DeviceWords(devices)
     yield None
     days = recorded_days(words, series, entries, home)
     best: dict[tuple[str, str], TriedHabit] = {}

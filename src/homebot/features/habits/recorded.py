@@ -20,7 +20,7 @@ from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.value import PlainValue
 from homebot.features.habits.days import DAY, MIN_DAYS, Days, Happening
-from homebot.features.habits.words import HabitWords, WatchedRoom, rounded
+from homebot.words.device_words import DeviceWords, WatchedRoom, rounded
 
 MAX_HAPPENINGS: Final = 200_000
 """The largest number that is searched, about 40 MB; the newest count."""
@@ -48,7 +48,7 @@ def is_persons(entry: JournalEntry) -> bool:
 
 
 def recorded_days(
-    words: HabitWords, series: Sequence[HistorySeries], entries: Sequence[JournalEntry], home: Home
+    words: DeviceWords, series: Sequence[HistorySeries], entries: Sequence[JournalEntry], home: Home
 ) -> Days:
     """Return the days of *series*, the states of the house, and *entries* of its journal, oldest first."""
     refused = {entry.command for entry in entries if any(not verdict.allowed for verdict in entry.verdicts)}
@@ -66,7 +66,7 @@ def recorded_days(
     return Days(known, lambda at: midnights[_index(midnights, at)], conditions, moments, members)
 
 
-def _changes(words: HabitWords, series: Iterable[HistorySeries]) -> Iterator[Happening]:
+def _changes(words: DeviceWords, series: Iterable[HistorySeries]) -> Iterator[Happening]:
     for history in series:
         before, is_event = "", history.capability in EVENTS
         for at, word in zip(history.times, history.words, strict=False):
@@ -79,7 +79,7 @@ def _changes(words: HabitWords, series: Iterable[HistorySeries]) -> Iterator[Hap
             before = word
 
 
-def _deeds(words: HabitWords, entry: JournalEntry) -> Iterator[Happening]:
+def _deeds(words: DeviceWords, entry: JournalEntry) -> Iterator[Happening]:
     """Yield the deed of a person, as the value and the step that sets it; a level says that it is on, too."""
     settings: Iterable[Setting] = entry.settings
     if len(entry.settings) > 1:
@@ -146,7 +146,7 @@ def _calendar(midnights: Sequence[float], home: Home) -> Iterator[tuple[str, Cal
 
 
 def _presence(
-    words: HabitWords, rooms: Iterable[WatchedRoom], series: Iterable[HistorySeries]
+    words: DeviceWords, rooms: Iterable[WatchedRoom], series: Iterable[HistorySeries]
 ) -> Iterator[tuple[str, Callable[[float], bool]]]:
     """Yield the presence of people at home, and of anyone in each room."""
     known: defaultdict[tuple[str, str], list[HistorySeries]] = defaultdict(list)

@@ -6,11 +6,11 @@ import pytest
 from tests.recorded_house import HOUSE
 
 from homebot.devices.value import PlainValue
-from homebot.features.habits.words import HabitWords
+from homebot.words.device_words import DeviceWords
 from homebot.words.steps import Do, read_step
 from homebot.words.triggers import read_trigger
 
-WORDS = HabitWords(HOUSE)
+WORDS = DeviceWords(HOUSE)
 VALUES: tuple[PlainValue, ...] = (True, False, 40.0, 20.9, "open", "closed", "opening", "locked", "", "x y", "on")
 
 

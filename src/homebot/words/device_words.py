@@ -44,7 +44,7 @@ class WatchedRoom(NamedTuple):
 
 
 @final
-class HabitWords:
+class DeviceWords:
     """The words for *devices*. A value that no text means, or that several devices share, has an empty one."""
 
     def __init__(self, devices: Sequence[Device]) -> None:
