@@ -1,1 +1,1 @@
-import"./chunk-EFSEGFNT.js";
+import"./chunk-55XG4TZS.js";

@@ -52,6 +52,7 @@ export const SIGNS = {
   alert: mdi.mdiAlert,
   hide: mdi.mdiEyeOff,
   show: mdi.mdiEye,
+  scene: mdi.mdiPalette,
 };
 
 /** Icons of the most usual things, first where they are on, open or moved, then where they are not. */
@@ -154,7 +155,7 @@ const SCENES = [
 const firstOf = (rows, text) => rows.find(([words]) => words.test(text))?.[1];
 
 export const roomSign = (name) => PLACES[iconOf(roomKey(name))] ?? PLACES[firstOf(ROOMS, name) ?? "room"];
-export const sceneSign = (name) => firstOf(SCENES, name) ?? mdi.mdiPalette;
+export const sceneSign = (name) => firstOf(SCENES, name) ?? SIGNS.scene;
 
 /** What the icon of a device shows, by its kind, else by words of its name, else by its type. */
 export function thingOf(device) {

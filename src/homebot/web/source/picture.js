@@ -1,9 +1,10 @@
 // The newest picture of a camera, a cover or a map, asked for again while it is looked at.
 import { signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
-import { call, connection, onOpen } from "./door.js";
+import { useState } from "preact/hooks";
+import { ask, call, onOpen } from "./door.js";
 import { html } from "./html.js";
 import { say, sayReason } from "./language.js";
+import { useOpen } from "./opened.js";
 import { capital } from "./words.js";
 
 const AGAIN = 2000; // ms
@@ -22,23 +23,11 @@ export const hasPicture = (device) => device.type === "camera" || named.value.so
 /** The picture of a device or a name; *isExtra* where there may be none, which is no problem. */
 export function Picture({ of, text, isExtra = false }) {
   const [found, setFound] = useState({ source: "", problem: "" });
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (!isOpen) return undefined;
-    let timer = 0;
-    let isCurrent = true;
-    const look = async () => {
-      const { success, message, media_type: type, data } = await call("/page/picture", { device: of }, PATIENCE).catch((error) => ({ message: error.message }));
-      if (!isCurrent) return;
-      setFound((old) => (success ? { source: `data:${type};base64,${data}`, problem: "" } : { ...old, problem: message }));
-      timer = setTimeout(look, success && !isExtra ? AGAIN : SELDOM);
-    };
-    look();
-    return () => {
-      isCurrent = false;
-      clearTimeout(timer);
-    };
-  }, [of, isOpen]);
+  useOpen(async (isCurrent) => {
+    const { success, message, media_type: type, data } = await ask("/page/picture", { device: of }, PATIENCE);
+    if (isCurrent()) setFound((old) => (success ? { source: `data:${type};base64,${data}`, problem: "" } : { ...old, problem: message }));
+    return success && !isExtra ? AGAIN : SELDOM;
+  }, [of]);
   const { source, problem } = found;
   if (isExtra && (!source || problem)) return null;
   return html`<figure class="picture">${source ? html`<img src=${source} alt=${text} class=${problem ? "old" : ""} />` : html`<span class="pane"></span>`}

@@ -31,7 +31,7 @@ export const RARE_THINGS = {
   soil_sensor: [mdi.mdiFlower, mdi.mdiFlower],
   pressure_sensor: [mdi.mdiGauge, mdi.mdiGauge],
   flow_sensor: [mdi.mdiWavesArrowRight, mdi.mdiWavesArrowRight],
-  x_scene: [mdi.mdiPalette, mdi.mdiPalette],
+  x_scene: [SIGNS.scene, SIGNS.scene],
   x_person: [mdi.mdiAccount, mdi.mdiAccount],
   x_household: [mdi.mdiAccountGroup, mdi.mdiAccountGroup],
   x_tracker: [mdi.mdiAccount, mdi.mdiAccount],

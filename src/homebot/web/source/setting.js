@@ -1,9 +1,10 @@
 // A step of the setup: it writes the file of the configuration, shows its lines, and can be taken back.
 import { signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
-import { ask, call, connection } from "./door.js";
+import { useState } from "preact/hooks";
+import { ask, call } from "./door.js";
 import { html } from "./html.js";
 import { say, sayReason } from "./language.js";
+import { useOpen } from "./opened.js";
 
 const WITHIN = 60; // seconds for a reload of homebot
 
@@ -31,11 +32,10 @@ export const Restart = () => html`<button type="button" name="again" onClick=${r
 /** A table of the file, read again after each step; null until then. */
 export function useTable(name) {
   const [table, setTable] = useState(null);
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (!isOpen || told.value?.isPending) return;
+  useOpen(() => {
+    if (told.value?.isPending) return;
     call("/setup/table", { table: [name] }).then(({ values }) => setTable(Object.fromEntries(values.map(({ key, value }) => [key, JSON.parse(value)]))), () => {});
-  }, [isOpen, told.value]);
+  }, [told.value]);
   return table;
 }
 

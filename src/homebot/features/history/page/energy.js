@@ -1,12 +1,13 @@
 // Energy: now, today beside comparable days, seven days, by room, by device, and what no meter of a device counted.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { now, zone } from "../../clock.js";
-import { call, connection } from "../../door.js";
+import { call } from "../../door.js";
 import { deviceOf, read, shown } from "../../house.js";
 import { html } from "../../html.js";
 import { Sign } from "../../icons.js";
 import { signOf } from "../../kinds.js";
 import { locale, say } from "../../language.js";
+import { useOpen } from "../../opened.js";
 import { Mini } from "./mini.js";
 import { counted, isHouseMeter, powerOf } from "../../summaries.js";
 import { openSheet } from "../../tile.js";
@@ -23,13 +24,11 @@ const weekday = (date) => new Intl.DateTimeFormat(locale.value, { weekday: "shor
 
 export function Energy() {
   const [days, setDays] = useState(null);
-  const isOpen = connection.value.state === "open";
   const metered = shown.value.filter((one) => read(one, "power") !== undefined || read(one, "energy") !== undefined);
-  useEffect(() => {
-    if (!isOpen) return;
+  useOpen(() => {
     const since = { sec: Math.floor(now() - DAYS * DAY), nanosec: 0 };
     call("/history/energy", { since }).then((answer) => setDays(answer.days), () => setDays([]));
-  }, [isOpen, metered.length]);
+  }, [metered.length]);
   const users = metered.filter((one) => read(one, "power") >= LEAST && !isHouseMeter(one)).sort((a, b) => read(b, "power") - read(a, "power"));
   const most = Math.max(1, ...users.map((one) => read(one, "power")));
   if (!metered.length) return html`<h1>${say("Energy")}</h1><p class="empty">${say("No device tells its power or energy yet.")}</p>`;

@@ -1,9 +1,10 @@
 // The history of a device: one of its values as a plot, and its energy by day.
 import { useEffect, useState } from "preact/hooks";
 import { now } from "../../clock.js";
-import { call, connection } from "../../door.js";
+import { call } from "../../door.js";
 import { html } from "../../html.js";
 import { locale, numberText, say, sayReason } from "../../language.js";
+import { useOpen } from "../../opened.js";
 import { Plot } from "../../plot.js";
 import { label, unitOf, wordsOf } from "../../words.js";
 
@@ -18,16 +19,15 @@ export function History({ device }) {
   const [period, setPeriod] = useState(86_400);
   const [answer, setAnswer] = useState(null);
   const reading = chosen ?? kept[0];
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (!reading || !isOpen) return;
+  useOpen(() => {
+    if (!reading) return;
     const to = now();
     const asked = { device: device.id, part: reading.part, capability: reading.capability, points: POINTS, since: { sec: Math.max(0, Math.floor(to - period)), nanosec: 0 } };
     call("/history/read", asked).then(
       (found) => setAnswer({ ...found, now: to, period, capability: reading.capability }),
       (error) => setAnswer({ message: error.message, series: [] }),
     );
-  }, [device.id, reading?.part, reading?.capability, period, isOpen]);
+  }, [device.id, reading?.part, reading?.capability, period]);
   if (!reading) return null;
   return html`<section>
     <h2>${say("History")}</h2>

@@ -1,9 +1,10 @@
 // Today of a device in one small drawing: a line of its number, or a strip of when it was on or open.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { now } from "../../clock.js";
-import { call, connection } from "../../door.js";
+import { call } from "../../door.js";
 import { html } from "../../html.js";
 import { say } from "../../language.js";
+import { useOpen } from "../../opened.js";
 import { hour, label, valueText } from "../../words.js";
 
 const HOURS = 24;
@@ -14,13 +15,12 @@ const TELLING = ["power", "local_temperature", "temperature", "humidity", "on_of
 export function Mini({ device, capability }) {
   const own = capability ?? TELLING.find((one) => [...device.states.values()].some(({ capability: name, value }) => name === one && value !== null));
   const [answer, setAnswer] = useState(null);
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (!own || !isOpen) return;
+  useOpen(() => {
+    if (!own) return;
     const to = now();
     const since = to - HOURS * 3600;
     call("/history/read", { device: device.id, capability: own, points: 120, since: { sec: Math.floor(since), nanosec: 0 } }).then((found) => setAnswer({ since, to, series: found.series.find((one) => one.times.length) }), () => {});
-  }, [device.id, own, isOpen]);
+  }, [device.id, own]);
   const { series, since, to } = answer ?? {};
   if (!series) return null;
   const x = (at) => Math.max(0, (WIDTH * (at - since)) / (to - since));

@@ -1,9 +1,10 @@
 // The bridges of the house in Apple Home: the code that pairs each, and what is not there.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { ask, call, may } from "../../door.js";
 import { html } from "../../html.js";
 import { say, sayReason } from "../../language.js";
 import { Remove } from "../../managing.js";
+import { useOpen } from "../../opened.js";
 
 const AGAIN = 5000; // ms
 const EDGE = 4; // modules that are to be light around a QR code: ISO/IEC 18004, 6.3.8
@@ -12,12 +13,7 @@ const EDGE = 4; // modules that are to be light around a QR code: ISO/IEC 18004,
 export function Homekit() {
   const [found, setFound] = useState(null);
   const look = () => call("/homekit_bridge/pairing").then(setFound, () => {});
-  useEffect(() => {
-    if (!may("manage")) return undefined;
-    look();
-    const timer = setInterval(look, AGAIN);
-    return () => clearInterval(timer);
-  }, [may("manage")]);
+  useOpen(() => may("manage") && look().then(() => AGAIN), [may("manage")]);
   if (!found) return null;
   return html`<section>
     <h2>Apple Home</h2>

@@ -1,12 +1,13 @@
 // The routines: on or off, what they do, their last runs, and a form that writes their text.
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import { agree, tell } from "../../acts.js";
 import { Added } from "../../added.js";
-import { ask, call, connection, may } from "../../door.js";
+import { ask, call, may } from "../../door.js";
 import { html } from "../../html.js";
 import { say, sayReason } from "../../language.js";
 import { later } from "../../later.js";
 import { Managing, Remove } from "../../managing.js";
+import { useOpen } from "../../opened.js";
 import { seconds, spoken, timeIn, timeText } from "../../words.js";
 
 const Gallery = later(async () => (await import("./gallery.js")).Gallery);
@@ -16,14 +17,8 @@ const MODES = ["single", "restart", "queued", "parallel"];
 export function Routines() {
   const [found, setFound] = useState(null);
   const [written, setWritten] = useState(null); // the routine in the form: null for none, {} for a new one
-  const isOpen = connection.value.state === "open";
   const look = () => call("/routines/list", { check: true }).then(setFound, (error) => setFound({ routines: [], problem: error.message }));
-  useEffect(() => {
-    if (!isOpen) return undefined;
-    look();
-    const timer = setInterval(look, AGAIN);
-    return () => clearInterval(timer);
-  }, [isOpen]);
+  useOpen(() => look().then(() => AGAIN));
   const change = async (routine, what, more) => {
     const asked = { name: routine.name, change: what, ...more };
     let answer = await ask("/routines/change", { ...asked, unless_asks: true });

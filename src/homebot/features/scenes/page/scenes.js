@@ -1,13 +1,14 @@
 // The scenes: applied and undone with a button; with the right to it they are saved, edited and removed.
 import { signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { agree, tell } from "../../acts.js";
-import { ask, call, connection, may, missing } from "../../door.js";
+import { ask, call, may, missing } from "../../door.js";
 import { html } from "../../html.js";
 import { SIGNS, Sign, sceneSign } from "../../icons.js";
 import { say, sayReason } from "../../language.js";
 import { later } from "../../later.js";
 import { Lacking } from "../../managing.js";
+import { useOpen } from "../../opened.js";
 import { capital, spoken } from "../../words.js";
 
 const NewScene = later(async () => (await import("./edit.js")).NewScene);
@@ -33,10 +34,7 @@ async function apply(scene, more) {
 /** The scenes of a room; without one, those of the owner. */
 export function Scenes({ room }) {
   const [opened, setOpened] = useState(null); // the scene whose box is open, "new", or null
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (isOpen) load();
-  }, [isOpen]);
+  useOpen(() => void load());
   const isIn = (scene) => [scene.area, ...scene.parts.map((one) => one.area)].some((one) => one.toLowerCase() === room.toLowerCase());
   const shown = scenes.value.filter((one) => (room === undefined ? !one.is_native : isIn(one)));
   const open = (what) => () => setOpened(what === opened ? null : what);

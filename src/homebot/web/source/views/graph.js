@@ -1,8 +1,9 @@
 // The graph as a picture: nodes that publish, topics, nodes that subscribe.
-import { useEffect, useState } from "preact/hooks";
-import { call, connection } from "../door.js";
+import { useState } from "preact/hooks";
+import { call } from "../door.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
+import { useOpen } from "../opened.js";
 
 const ROW = 26;
 const WIDTH = 1000;
@@ -14,10 +15,7 @@ const LONGEST = 36;
 export function Graph() {
   const [ends, setEnds] = useState(null);
   const [chosen, setChosen] = useState("");
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (isOpen) call("/rosapi/endpoints").then((answer) => setEnds(answer.endpoints), () => {});
-  }, [isOpen]);
+  useOpen(() => void call("/rosapi/endpoints").then((answer) => setEnds(answer.endpoints), () => {}));
   if (!ends) return html`<p class="empty">${say("Asking homebot for its graph …")}</p>`;
   const links = ends.filter((one) => (one.kind === "publisher" || one.kind === "subscription") && !one.name.includes("/_"));
   const near = new Set(links.filter((one) => !chosen || one.node === chosen || one.name === chosen).map((one) => one.name));

@@ -1,10 +1,11 @@
 // The plan of the home, with its devices and robots, where places have geometry.
 import { computed, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { call, connection, subscribe } from "../door.js";
+import { call, subscribe } from "../door.js";
 import { deviceOf, isHidden, rooms as devicesOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
+import { useOpen } from "../opened.js";
 import { openSheet } from "../tile.js";
 import { isActive, summary, titled } from "../words.js";
 
@@ -20,10 +21,7 @@ narrow.addEventListener("change", () => (isNarrow.value = narrow.matches));
 export function Plan() {
   const [places, setPlaces] = useState(null);
   const [floor, setFloor] = useState(null);
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (isOpen) call("/discovery/places").then(setPlaces, () => {});
-  }, [isOpen]);
+  useOpen(() => void call("/discovery/places").then(setPlaces, () => {}));
   useEffect(() => subscribe("/robots/poses", (pose) => (robots.value = new Map(robots.value).set(pose.robot, pose))), []);
   if (!places) return html`<p class="empty">${say("Asking homebot for the plan …")}</p>`;
   const drawn = places.rooms.filter((room) => room.areas.length);

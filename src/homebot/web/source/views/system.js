@@ -6,6 +6,7 @@ import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
 import { locale, say, sayReason } from "../language.js";
 import { Managing } from "../managing.js";
+import { useOpen } from "../opened.js";
 import { Screen } from "./screen.js";
 import { capital, label, seconds, spoken, timeIn, timeText } from "../words.js";
 
@@ -18,23 +19,11 @@ const WARNING = 30;
 export function System() {
   const [found, setFound] = useState(null);
   const [approved, setApproved] = useState(0);
-  const isOpen = connection.value.state === "open";
-  useEffect(() => {
-    if (!isOpen) return undefined;
-    let timer = 0;
-    let isCurrent = true;
-    const look = async () => {
-      const now = await examine();
-      if (!isCurrent) return;
-      setFound(now);
-      timer = setTimeout(look, AGAIN);
-    };
-    look();
-    return () => {
-      isCurrent = false;
-      clearTimeout(timer);
-    };
-  }, [isOpen, approved]);
+  useOpen(async (isCurrent) => {
+    const now = await examine();
+    if (isCurrent()) setFound(now);
+    return AGAIN;
+  }, [approved]);
   if (!found) return html`<p class="empty">${say("Asking homebot how it is …")}</p>`;
   return html`
     <nav class="choices" aria-label=${say("Set up")}>${Object.entries(SETUP).map(([name, text]) => html`<a key=${name} href=${`#/${name}`}>${say(text)}</a>`)}</nav>
