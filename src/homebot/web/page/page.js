@@ -1,1 +1,1 @@
-import"./chunk-55XG4TZS.js";
+import"./chunk-OTPBRPD7.js";

@@ -34,4 +34,3 @@ export function Amount({ device, capability, text = label(capability) }) {
   const value = Math.round(read(device, capability) ?? 0);
   return html`<label class="amount"><span>${text}</span><input type="range" min="0" max="100" value=${value} onChange=${(event) => perform(device, setting("", capability, event.target.valueAsNumber))} /><output>${valueText(capability, value, "%")}</output></label>`;
 }
-

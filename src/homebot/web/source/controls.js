@@ -1,7 +1,7 @@
 // The controls of a device, one for each value that it takes: words, a slider, a colour, steps, a choice or a field.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { codeOf, command } from "./acts.js";
-import { html } from "./html.js";
+import { html, written } from "./html.js";
 import { say } from "./language.js";
 import { Stepper } from "./stepper.js";
 import { HoldButton } from "./touch.js";
@@ -94,8 +94,7 @@ function Slider({ name, now, unit, least, most, capability, send }) {
 function Field({ short, name, now, unit, least, most, capability, send }) {
   const [code, setCode] = useState("");
   const submit = (event) => {
-    event.preventDefault();
-    send(new FormData(event.target).get("value"), code);
+    send(written(event).get("value"), code);
     setCode("");
   };
   const settable = capability.options.filter((one) => !vocabulary.value.passing[capability.name]?.includes(one));

@@ -1,20 +1,17 @@
 // All that is known of a device, which the list of devices does not tell; such as the texts that it takes.
-import { useEffect, useState } from "preact/hooks";
-import { call, connection } from "./door.js";
+import { useState } from "preact/hooks";
+import { call } from "./door.js";
 import { takes } from "./house.js";
+import { useOpen } from "./opened.js";
 
 const GATHER = 200; // ms for which changes are gathered
 
 /** A device with its parts, asked for where *isWanted*, and again after it changed; null until homebot answers. */
 export function useFull(id, isWanted, changedAt = 0) {
   const [full, setFull] = useState(null);
-  const isAsked = connection.value.state === "open" && isWanted;
-  useEffect(() => {
-    if (!isAsked) return undefined;
-    const look = () => call("/discovery/find_devices", { ids: [id] }).then((answer) => setFull(answer.devices[0] ?? null), () => {});
-    const timer = setTimeout(look, changedAt ? GATHER : 0);
-    return () => clearTimeout(timer);
-  }, [id, isAsked, changedAt]);
+  useOpen(() => {
+    if (isWanted) call("/discovery/find_devices", { ids: [id] }).then((answer) => setFull(answer.devices[0] ?? null), () => {});
+  }, [id, isWanted, changedAt], changedAt ? GATHER : 0);
   return full;
 }
 

@@ -1,11 +1,12 @@
 // What the owner says of a device: its name, room and tags, and whether the page hides it.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { ask, call } from "./door.js";
-import { html } from "./html.js";
+import { html, written } from "./html.js";
 import { isHidden, rooms } from "./house.js";
 import { say, sayReason } from "./language.js";
 import { keep } from "./layout.js";
 import { Managing } from "./managing.js";
+import { useOpen } from "./opened.js";
 
 const wordsIn = (text) => text.split(",").map((one) => one.trim()).filter(Boolean);
 
@@ -13,14 +14,11 @@ export function Owner({ device }) {
   const [places, setPlaces] = useState([]);
   const [told, setTold] = useState(null);
   const [isDoubtful, setIsDoubtful] = useState(false);
-  useEffect(() => {
-    call("/discovery/places").then((answer) => setPlaces(answer.rooms.map((one) => one.name)), () => {});
-  }, []);
+  useOpen(() => void call("/discovery/places").then((answer) => setPlaces(answer.rooms.map((one) => one.name)), () => {}));
   const known = [...new Set([...places, ...rooms.value.map(([name]) => name)])].filter(Boolean);
   const list = `rooms of ${device.id}`;
   const submit = async (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     const [name, room] = [given.get("name").trim(), given.get("room").trim()];
     const tags = wordsIn(given.get("tags"));
     const hides = given.get("hidden") === "on";

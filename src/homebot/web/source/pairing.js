@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { ask } from "./door.js";
 import { shown } from "./house.js";
-import { html } from "./html.js";
+import { html, written } from "./html.js";
 import { say, sayReason } from "./language.js";
 
 const MORE = 10; // seconds after which no answer comes any more
@@ -18,8 +18,7 @@ export function Unpaired({ gateway, unpaired }) {
     return () => clearTimeout(timer);
   }, [left]);
   const pair = async (event) => {
-    event.preventDefault();
-    const code = new FormData(event.target).get("code")?.trim() ?? "";
+    const code = written(event).get("code")?.trim() ?? "";
     setBefore(new Set(shown.value.map((one) => one.id)));
     setAnswer(null);
     setLeft(Math.round(within));

@@ -1,9 +1,10 @@
 // Why a device is as it is, in the words of homebot's journal.
 import { useEffect, useState } from "preact/hooks";
-import { call, connection, subscribe } from "./door.js";
+import { call, subscribe } from "./door.js";
 import { html } from "./html.js";
 import { say, sayReason } from "./language.js";
 import { Entry } from "./entry.js";
+import { useOpen } from "./opened.js";
 import { timeText } from "./words.js";
 
 const FINDINGS = {
@@ -22,17 +23,11 @@ const SHORT = new Set(["requested", "outcome", "changed", "reverted", "denied"])
 export function Why({ device, isShort }) {
   const [why, setWhy] = useState(null);
   const [asked, setAsked] = useState(0); // grows when homebot is to be asked again
-  const isOpen = connection.value.state === "open";
   const { id, changedAt } = device;
-  useEffect(() => {
-    if (!isOpen) return undefined;
-    let isCurrent = true;
-    const timer = setTimeout(() => call("/control/why", { device: id }).then((answer) => isCurrent && setWhy(answer), () => isCurrent && setWhy(null)), DELAY);
-    return () => {
-      isCurrent = false;
-      clearTimeout(timer);
-    };
-  }, [id, isOpen, changedAt, asked]);
+  useOpen(async (isCurrent) => {
+    const answer = await call("/control/why", { device: id }).catch(() => null);
+    if (isCurrent()) setWhy(answer);
+  }, [id, changedAt, asked], DELAY);
   useEffect(() => subscribe("/control/events", (event) => event.device === id && setAsked((old) => old + 1)), [id]);
   if (!why) return html`<section class="why"><h3>${say("Why")}</h3></section>`;
   const names = new Map(why.names.map((one) => [one.key, one.value]));

@@ -1,7 +1,7 @@
 // Where alerts, questions and notifications go. Addresses hold passwords: homebot shows their beginning and end alone.
 import { useState } from "preact/hooks";
 import { ask } from "../../door.js";
-import { html } from "../../html.js";
+import { html, written } from "../../html.js";
 import { say, sayReason } from "../../language.js";
 import { Remove } from "../../managing.js";
 import { change, textOf, told, useTable } from "../../setting.js";
@@ -17,8 +17,7 @@ export function Addresses() {
   const { urls = [], urls_by: by = {}, topic } = table;
   const write = (list) => (list.length || topic || Object.keys(by).length ? change(["notify"], { urls: textOf(list) }) : change([], {}, { remove: ["notify"] }));
   const add = async (event) => {
-    event.preventDefault();
-    const url = new FormData(event.target).get("url").trim();
+    const url = written(event).get("url").trim();
     if (await write([...urls, url])) setAdded(added + 1);
   };
   const test = async () => {

@@ -1,5 +1,5 @@
 // The history of a device: one of its values as a plot, and its energy by day.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { now } from "../../clock.js";
 import { call } from "../../door.js";
 import { html } from "../../html.js";
@@ -75,9 +75,7 @@ function flagsOf({ times, ends, words }) {
 
 function Energy({ id }) {
   const [days, setDays] = useState([]);
-  useEffect(() => {
-    call("/history/energy", { device: id }).then((answer) => setDays(answer.days), () => {});
-  }, [id]);
+  useOpen(() => void call("/history/energy", { device: id }).then((answer) => setDays(answer.days), () => {}), [id]);
   if (!days.length) return null;
   const most = Math.max(...days.map((one) => one.used)) || 1;
   return html`<h3>${say("Energy by day")}</h3>

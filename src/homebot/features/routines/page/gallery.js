@@ -1,17 +1,16 @@
 // The gallery of ready-made routines: one is chosen, asks for its devices and values, and gives a text to save.
 import { useEffect, useState } from "preact/hooks";
 import { ask, call } from "../../door.js";
-import { html } from "../../html.js";
+import { html, written } from "../../html.js";
 import { say, sayReason } from "../../language.js";
+import { useOpen } from "../../opened.js";
 import { capital, spoken } from "../../words.js";
 
 /** `onText` gets the text of the chosen one. */
 export function Gallery({ onText, onClose }) {
   const [routines, setRoutines] = useState([]);
   const [chosen, setChosen] = useState(null);
-  useEffect(() => {
-    call("/routines/gallery").then((answer) => setRoutines(answer.routines), () => {});
-  }, []);
+  useOpen(() => void call("/routines/gallery").then((answer) => setRoutines(answer.routines), () => {}));
   return html`<section class="card fields" aria-labelledby="gallery"><h2 id="gallery">${say("Ready-made routines")}</h2>
     ${chosen ? html`<${Inputs} routine=${chosen} onText=${onText} onBack=${() => setChosen(null)} />` : html`<div class="list">${routines.map((one) => html`<button key=${one.name} type="button" name=${one.name} onClick=${() => setChosen(one)}>${say(one.about)}</button>`)}</div>`}
     <p class="buttons"><button type="button" onClick=${onClose}>${say("not now")}</button></p>
@@ -26,8 +25,7 @@ function Inputs({ routine, onText, onBack }) {
       call("/discovery/find_devices", { query: find }).then(({ devices }) => setFits((old) => ({ ...old, [key]: devices.map((one) => one.name) })), () => setFits((old) => ({ ...old, [key]: [] })));
   }, [routine.name]);
   const submit = async (event) => {
-    event.preventDefault();
-    const inputs = [...new FormData(event.target)].map(([key, value]) => ({ key, value }));
+    const inputs = [...written(event)].map(([key, value]) => ({ key, value }));
     const { success, message, text } = await ask("/routines/gallery", { name: routine.name, inputs });
     if (success) onText(text);
     else setProblem(sayReason(message));

@@ -2,7 +2,7 @@
 import { tell } from "../../acts.js";
 import { ask, may } from "../../door.js";
 import { deviceOf, rooms } from "../../house.js";
-import { html } from "../../html.js";
+import { html, written } from "../../html.js";
 import { say, sayReason } from "../../language.js";
 import { Lacking, Remove } from "../../managing.js";
 import { spoken, titled } from "../../words.js";
@@ -20,8 +20,7 @@ async function change(name, what, more) {
 /** A form for the name of a scene, and for the devices whose present values it has. */
 export function NewScene({ room, onClose }) {
   const submit = async (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     const values = given.getAll("device").map((key) => ({ key, value: "now" }));
     if (await change(given.get("name").trim(), "save", { values })) onClose();
   };
@@ -44,8 +43,7 @@ export function OneScene({ scene, onClose }) {
   const mayChange = may("manage") && !scene.is_native && !scene.is_configured;
   const keyOf = (one) => (one.part ? `${one.device}#${one.part}` : one.device);
   const submit = async (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     const values = parts.map((one, at) => ({ key: keyOf(one), value: given.get(`value${at}`).trim() })).filter(({ value }, at) => value !== parts[at].text);
     if (values.length && !(await change(name, "edit", { values }))) return;
     const target = given.get("name").trim();

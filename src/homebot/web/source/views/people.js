@@ -1,7 +1,7 @@
 // The people of the home: by their phones, and by trackers that homebot knows.
 import { useState } from "preact/hooks";
 import { shown } from "../house.js";
-import { html } from "../html.js";
+import { html, written } from "../html.js";
 import { say } from "../language.js";
 import { Remove } from "../managing.js";
 import { change, textOf, useTable } from "../setting.js";
@@ -14,8 +14,7 @@ export function People() {
   const trackers = shown.value.filter((device) => device.type === "x_tracker").map((device) => device.name);
   const { trackers: own = [], ping = "" } = people[changed] ?? {};
   const save = async (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     const found = { trackers: given.getAll("trackers"), ping: given.get("ping").trim() };
     const [filled, empty] = [true, false].map((isFilled) => Object.keys(found).filter((key) => found[key].length > 0 === isFilled));
     const values = Object.fromEntries(filled.map((key) => [key, textOf(found[key])]));

@@ -1,7 +1,7 @@
 // What is asked of this screen alone: its language, light or dark, whether it is at a wall, and its token.
 import { EXPIRED, connection, logIn, logOut, missing, token } from "../door.js";
 import { isLoggingIn } from "../frame.js";
-import { html } from "../html.js";
+import { html, written } from "../html.js";
 import { LANGUAGES, choose, language, say } from "../language.js";
 import { theme, wall } from "../screen.js";
 import { allRooms } from "../summaries.js";
@@ -22,8 +22,7 @@ export function Screen() {
 
 export function LogIn({ reason }) {
   const submit = (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     isLoggingIn.value = false;
     logIn(given.get("token").trim(), given.get("remember") === "on");
   };

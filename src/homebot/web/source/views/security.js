@@ -1,21 +1,22 @@
 // Security: the house in one sentence, each door and window as a large state, the alarm, cameras, smoke, water and motion.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { Added } from "../added.js";
 import { ActButton } from "../buttons.js";
-import { call, connection } from "../door.js";
-import { Entry } from "../entry.js";
+import { call } from "../door.js";
 import { shown } from "../house.js";
 import { html } from "../html.js";
 import { SIGNS, Sign, thingOf, thingSigns } from "../icons.js";
 import { kindOf, signOf, stateOf, toneOf } from "../kinds.js";
 import { say } from "../language.js";
+import { second } from "../later.js";
+import { useOpen } from "../opened.js";
 import { isOpen, placeName } from "../summaries.js";
 import { Picture, hasPicture, isOfDevice, named } from "../picture.js";
 import { Tile, openSheet } from "../tile.js";
 import { capital, titled } from "../words.js";
 
 const HAZARDS = new Set(["smoke_co_alarm", "water_leak_detector", "water_freeze_detector", "occupancy_sensor", "siren"]);
-const LATELY = 8; // entries
+const Lately = second("Lately");
 
 /** Doors, each with its contact and its lock where places or equal names tell them; a lock without a door is one too. */
 function doorsOf(devices, places) {
@@ -33,10 +34,7 @@ const isDoorOpen = ({ device, lock }) => isOpen(device) || Boolean(lock && isOpe
 
 export function Security() {
   const [places, setPlaces] = useState([]);
-  const isConnected = connection.value.state === "open";
-  useEffect(() => {
-    if (isConnected) call("/discovery/places").then((answer) => setPlaces(answer.doors), () => {});
-  }, [isConnected]);
+  useOpen(() => void call("/discovery/places").then((answer) => setPlaces(answer.doors), () => {}));
   const devices = shown.value;
   const doors = doorsOf(devices, places);
   const open = doors.filter(isDoorOpen);
@@ -54,7 +52,7 @@ export function Security() {
       <div class="column">
         ${doors.length > 0 && html`<section aria-labelledby="doors"><h2 id="doors">${say("Doors and windows")}</h2><div class="guards">${order.map((one) => html`<${Guard} key=${one.device.id} door=${one} />`)}</div></section>`}
         ${hazards.length > 0 && html`<section class="hazards" aria-labelledby="hazards"><h2 id="hazards">${say("Smoke, water, motion")}</h2><div class="tiles">${hazards.map((one) => html`<${Tile} key=${one.id} id=${one.id} room=${one.room} />`)}</div></section>`}
-        <${Lately} ids=${doors.flatMap(({ device, lock }) => [device.id, ...(lock ? [lock.id] : [])]).concat(panels.map((one) => one.id))} />
+        <${Lately} title=${say("Lately")} among=${1000} most=${8} ids=${doors.flatMap(({ device, lock }) => [device.id, ...(lock ? [lock.id] : [])]).concat(panels.map((one) => one.id))} />
       </div>
       ${panels.length + cameras.length > 0 && html`<div class="column">
         ${panels.map((one) => html`<${Panel} key=${one.id} device=${one} />`)}
@@ -82,14 +80,4 @@ function Guard({ door }) {
       <span class="state">${capital(state)}</span><span class="name"><bdi>${placeName(device)}</bdi> <small>${[titled(device.room), tone === "open" && since?.trim()].filter(Boolean).join(" · ")}</small></span></button>
     ${act && html`<${ActButton} device=${acting} act=${act} name="wide" />`}
   </div>`;
-}
-
-function Lately({ ids }) {
-  const [entries, setEntries] = useState([]);
-  const isConnected = connection.value.state === "open";
-  useEffect(() => {
-    if (!isConnected) return;
-    call("/control/journal", { limit: 1000 }).then((answer) => setEntries(answer.entries.filter((one) => ["requested", "changed"].includes(one.kind) && ids.includes(one.device)).reverse().slice(0, LATELY)), () => {});
-  }, [isConnected, ids.join()]);
-  return entries.length > 0 && html`<section class="card lately" aria-labelledby="lately"><h2 id="lately">${say("Lately")}</h2><ol class="log">${entries.map((one, at) => html`<${Entry} key=${at} entry=${one} />`)}</ol></section>`;
 }

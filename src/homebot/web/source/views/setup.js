@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Added } from "../added.js";
 import { ask, call, connection, makeToken, onOpen } from "../door.js";
 import { count, rooms, shown } from "../house.js";
-import { html } from "../html.js";
+import { html, written } from "../html.js";
 import { LANGUAGES, choose, language, say, sayReason } from "../language.js";
 import { Managing } from "../managing.js";
 import { Unpaired } from "../pairing.js";
@@ -51,8 +51,7 @@ const Language = () => html`<p class="choices">${Object.entries(LANGUAGES).map((
 function Place() {
   const [here, setHere] = useState(null);
   const save = async (event) => {
-    event.preventDefault();
-    const given = Object.fromEntries(new FormData(event.target));
+    const given = Object.fromEntries(written(event));
     const values = { name: textOf(given.name.trim()), zone: textOf(given.zone.trim()) };
     for (const key of ["latitude", "longitude"]) if (given[key]) values[key] = Number(given[key]).toFixed(3);
     await change(["home"], values);
@@ -96,8 +95,7 @@ function Devices() {
 function Gateway({ name, url = "", onAdded }) {
   const keys = Object.entries(GATEWAYS[name] ?? {});
   const save = async (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     const filled = keys.map(([key]) => [key, given.get(key).trim()]).filter(([, value]) => value);
     const values = filled.filter(([key]) => !SECRET.includes(key)).map(([key, value]) => [key, textOf(key === "url" && !value.includes("://") ? `${SCHEMES[name] ?? name}://${value}` : value)]);
     const secrets = filled.filter(([key]) => SECRET.includes(key));
@@ -121,8 +119,7 @@ function Rooms() {
   const known = rooms.value.map(([name]) => name).filter(Boolean);
   const without = shown.value.filter((device) => !device.room).slice(0, MOST_ROOMS);
   const save = async (event) => {
-    event.preventDefault();
-    const given = [...new FormData(event.target)].filter(([, room]) => room.trim());
+    const given = [...written(event)].filter(([, room]) => room.trim());
     const problems = [];
     for (const [device, room] of given) {
       const { message } = await ask("/discovery/place", { device, room: room.trim(), is_new: true });
@@ -144,8 +141,7 @@ const RIGHT_TEXTS = { look: "look", act: "look and act", manage: "everything" };
 function Screens() {
   const [made, setMade] = useState("");
   const make = async (event) => {
-    event.preventDefault();
-    const given = new FormData(event.target);
+    const given = written(event);
     const answer = await makeToken(given.get("name").trim(), RIGHTS[given.get("may")]);
     told.value = answer.success ? null : answer;
     setMade(answer.token ? `${location.origin}/#token=${answer.token}` : "");
