@@ -26,6 +26,14 @@ from homebot.words.triggers import Becomes, PersonMoves, Press, read_trigger
 _MAX_CHARACTERS: Final = 80
 _STEPS: Final = {"%": 5.0, "°C": 0.5}
 _PEOPLE: Final = {"x_person": ("{} has left", "{} arrives"), "x_household": ("everybody has left", "somebody arrives")}
+_PRESENCE: Final[Mapping[str, Sequence[tuple[str, str, bool]]]] = {
+    "x_person": (("{} is home", "at_home", True), ("{} is away", "at_home", False)),
+    "x_household": (
+        ("somebody is home", "at_home", True),
+        ("nobody is home", "at_home", False),
+        ("everybody is home", "all_at_home", True),
+    ),
+}
 _NO_TIME: Final = Time(sec=0, nanosec=0)
 
 
@@ -58,13 +66,15 @@ class DeviceWords:
 
     def people(self) -> Mapping[str, str]:
         """Return the conditions that somebody is at home, with the device of the person or the household."""
-        texts = {"x_person": "{} is home", "x_household": "somebody is home"}
-        known = (
-            (texts[device.service_type].format(device.name), device)
-            for device in self._devices.values()
-            if device.service_type in texts
-        )
-        return {text: device.id for text, device in known if _holds(text, device, "at_home")}
+        people = (device_id for device_id, device in self._devices.items() if device.service_type in _PRESENCE)
+        return {texts[0]: device_id for device_id in people if (texts := self.presence(device_id))}
+
+    def presence(self, device_id: str) -> Sequence[str]:
+        """Return the conditions about a person or the household: at home, and away; none for another device."""
+        device = self._devices[device_id]
+        rows = _PRESENCE.get(device.service_type, ())
+        texts = ((text.format(device.name), capability, value) for text, capability, value in rows)
+        return [text for text, capability, value in texts if _holds(text, device, capability, value=value)]
 
     def rooms(self) -> Sequence[WatchedRoom]:
         """Return the rooms with sensors of presence."""
@@ -72,7 +82,7 @@ class DeviceWords:
         for area in dict.fromkeys(device.area for device in self._devices.values() if device.area):
             texts = f"somebody in {area}", f"nobody in {area}"
             there = [device for device in self._devices.values() if fold(device.area) == fold(area)]
-            if sensors := tuple(device.id for device in there if _holds(texts[0], device, "occupancy")):
+            if sensors := tuple(device.id for device in there if _holds(texts[0], device, "occupancy", value=True)):
                 rooms.append(WatchedRoom(texts, sensors, frozenset(device.id for device in there)))
         return rooms
 
@@ -103,9 +113,26 @@ class DeviceWords:
         if (moves := _PEOPLE.get(device.service_type)) is not None and capability == "at_home":
             text = moves[bool(value)].format(device.name)
             return text if isinstance(_read(text), PersonMoves) else ""
-        for text in self._texts(device_id, capability, value, " = "):
+        for text in _texts(self.reference(device_id), capability, value, " = "):
             read = _read(text)
             if isinstance(read, Becomes) and _means(read, device, part, capability, value=value):
+                return text
+        return ""
+
+    def limit(self, device_id: str, part: str, capability: str, number: float, sign: str) -> str:
+        """Return the trigger that a value ``below`` or ``above`` *number* starts, as *sign* says."""
+        device, reference = self._devices.get(device_id), self.reference(device_id)
+        if device is None or not reference or not self._is_clear(device, part, capability):
+            return ""
+        name, limit = capability.replace("_", " "), value_text(capability, number)
+        beyond, within = (number - 1.0, number + 1.0) if sign == "below" else (number + 1.0, number - 1.0)
+        for text in (f"{name} of {reference} {sign} {limit}", f"{reference} {name} {sign} {limit}"):
+            read = _read(text)
+            if (
+                isinstance(read, Becomes)
+                and _means(read, device, part, capability, value=beyond)
+                and not _means(read, device, part, capability, value=within)
+            ):
                 return text
         return ""
 
@@ -122,26 +149,28 @@ class DeviceWords:
                 return text if [button.id for button in buttons if read.is_of(button)] == [part] else ""
         return ""
 
-    def _step(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
-        """Return the step that sets this value, rounded; none for a part that always asks."""
+    def command(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
+        """Return the step that sets this value, rounded; of one of several parts that have it, by their ids."""
         device = self._devices.get(device_id)
-        if device is None or not self._is_clear(device, part, capability):
+        own = next((candidate for candidate in device.parts if candidate.id == part), None) if device else None
+        if device is None or own is None or own.part.category or _is_passing(own, capability, value):
             return ""
-        (own,) = (candidate for candidate in device.parts if candidate.id == part)
-        if always_asks(device, own) or _is_passing(own, capability, value):
-            return ""
+        is_clear = self._is_clear(device, part, capability)
+        reference, parts = (self.reference(device_id), device.parts) if is_clear else (f"{device_id}#{part}", (own,))
         value = rounded(capability, value)
-        done = "close" if value == "closed" else value
-        for text in self._texts(device_id, capability, done, " "):
-            if _sets(text, self.reference(device_id), device) == (part, {capability: value}):
+        verbs = CAPABILITIES.get(capability, OWN).words.items() if not isinstance(value, float) else ()
+        done = next((verb for verb, result in verbs if result == value), value)
+        for text in _texts(reference, capability, done, " "):
+            if _sets(text, reference, device, parts) == (part, {capability: value}):
                 return text
         return ""
 
-    def _texts(self, device_id: str, capability: str, value: PlainValue, between: str) -> Iterator[str]:
-        reference, word = self.reference(device_id), value_text(capability, value)
-        if reference and value is not None:
-            yield f"{reference} {word}"
-            yield f"{reference} {capability}{between}{word}"
+    def _step(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
+        """Return the same; none for a part that always asks."""
+        device = self._devices.get(device_id)
+        own = next((candidate for candidate in device.parts if candidate.id == part), None) if device else None
+        is_free = device is not None and own is not None and not always_asks(device, own)
+        return self.command(device_id, part, capability, value) if is_free else ""
 
     @staticmethod
     def _is_clear(device: Device, part: str, capability: str) -> bool:
@@ -164,6 +193,13 @@ def rounded(capability: str, value: PlainValue) -> PlainValue:
     return value if step is None else round(value / step) * step
 
 
+def _texts(reference: str, capability: str, value: PlainValue, between: str) -> Iterator[str]:
+    word = value_text(capability, value)
+    if reference and value is not None:
+        yield f"{reference} {word}"
+        yield f"{reference} {capability}{between}{word}"
+
+
 def _is_passing(part: DevicePart, capability: str, value: PlainValue) -> bool:
     """Return whether a value is only on the way, or says the same as a word: a cover at 0 % is closed."""
     if capability == "position" and value in {0.0, 100.0}:
@@ -178,15 +214,15 @@ def _read(text: str) -> object:
         return None
 
 
-def _holds(text: str, device: Device, capability: str) -> bool:
-    """Return whether the condition *text* holds if a part of *device* reports that this is so."""
+def _holds(text: str, device: Device, capability: str, *, value: bool) -> bool:
+    """Return whether the condition *text* holds if a part of *device* reports this *value*."""
     try:
         read = read_condition(text)
     except UsageError:
         return False
     having = (part.id for part in device.parts if any(can.name == capability for can in part.part.capabilities))
     return isinstance(read, Matches) and any(
-        _means(read.state, device, part, capability, value=True) for part in having
+        _means(read.state, device, part, capability, value=value) for part in having
     )
 
 
@@ -205,8 +241,10 @@ def _means(read: Becomes, device: Device, part: str, capability: str, *, value: 
     return fits(read.query, facets_of(with_it)) and not fits(read.query, facets_of(without)) and not read.lasting
 
 
-def _sets(text: str, reference: str, device: Device) -> tuple[str, dict[str, PlainValue]] | None:
-    """Return the part and the values that the step *text* sets; None if it does not set one part of *device*."""
+def _sets(
+    text: str, reference: str, device: Device, parts: tuple[DevicePart, ...]
+) -> tuple[str, dict[str, PlainValue]] | None:
+    """Return the part and the values that the step *text* sets; None if it does not set one of *parts*."""
     try:
         step = read_step(text)
     except UsageError:
@@ -214,7 +252,7 @@ def _sets(text: str, reference: str, device: Device) -> tuple[str, dict[str, Pla
     if not isinstance(step, Do) or step.target != reference or step.values:
         return None
     request = CommandDevicesRequest(target=step.target, command=step.command)
-    by_part = [(part.id, parsed) for part, parsed in settings_by_part(request, device, device.parts)]
+    by_part = [(part.id, parsed) for part, parsed in settings_by_part(request, device, parts)]
     if len(by_part) != 1 or not isinstance(by_part[0][1], dict):
         return None
     return by_part[0][0], by_part[0][1]

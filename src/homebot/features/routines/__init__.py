@@ -9,6 +9,7 @@ LIST_ROUTINES: Final = OfferedService("/routines/list", Right.READ, "homebot/srv
 CHANGE_ROUTINE: Final = OfferedService("/routines/change", Right.MANAGE, "homebot/srv/ChangeRoutine")
 PROPOSE_ROUTINE: Final = OfferedService("/routines/propose", Right.ACT, "homebot/srv/ProposeRoutine")
 ROUTINE_GALLERY: Final = OfferedService("/routines/gallery", Right.READ, "homebot/srv/ReadRoutineGallery")
+ROUTINE_SENTENCES: Final = OfferedService("/routines/sentences", Right.READ, "homebot/srv/ListRoutineSentences")
 
 KEPT_ROUTINES: Final = "routines"
 """The store of the routines that the owner wrote by a command."""
@@ -16,7 +17,7 @@ KEPT_ROUTINES: Final = "routines"
 FEATURE: Final = Feature(
     name="routines",
     server="homebot.features.routines.routine_services:start",
-    services=(LIST_ROUTINES, CHANGE_ROUTINE, PROPOSE_ROUTINE, ROUTINE_GALLERY),
+    services=(LIST_ROUTINES, CHANGE_ROUTINE, PROPOSE_ROUTINE, ROUTINE_GALLERY, ROUTINE_SENTENCES),
     stores=(KEPT_ROUTINES,),
     keeps_apps="routine",
     tables={

@@ -1,4 +1,4 @@
-"""Messages about the gallery of ready-made routines."""
+"""Messages about the gallery of ready-made routines, and about sentences to pick."""
 
 from typing import Annotated
 
@@ -50,3 +50,28 @@ class RoutineGalleryResponse(ServiceAnswer):
 
 
 ReadRoutineGallery = ServiceType("homebot/srv/ReadRoutineGallery", RoutineGalleryRequest, RoutineGalleryResponse)
+
+
+class RoutineSentencesRequest(Message):
+    """Request for the sentences that a routine may have about a device.
+
+    Attributes:
+        device: Its id; empty for what is about none, such as a time.
+        language: The language of the sentences, such as ``de``; empty for that of the house.
+    """
+
+    device: ShortText = ""
+    language: ShortText = ""
+
+
+class RoutineSentencesResponse(Message):
+    """Sentences for each key of a routine; a value to change stands in braces, ``{…}`` for a text."""
+
+    when: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    steps: tuple[str, ...] = ()
+
+
+ListRoutineSentences = ServiceType(
+    "homebot/srv/ListRoutineSentences", RoutineSentencesRequest, RoutineSentencesResponse
+)

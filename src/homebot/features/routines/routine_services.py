@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, final
 
@@ -26,10 +26,20 @@ from homebot.devices.app_messages import (
 )
 from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
 from homebot.devices.device import KeyValue
-from homebot.errors import ConfigError, HomebotError, UsageError
-from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES, ROUTINE_GALLERY
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.names import LIST_SCENES
+from homebot.devices.scene_messages import ListScenes, ScenesRequest
+from homebot.errors import ConfigError, HomebotError, ServiceError, UsageError
+from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES, ROUTINE_GALLERY, ROUTINE_SENTENCES
 from homebot.features.routines.kept_routines import KeptRoutines
-from homebot.features.routines.messages import ReadRoutineGallery, RoutineGalleryRequest, RoutineGalleryResponse
+from homebot.features.routines.messages import (
+    ListRoutineSentences,
+    ReadRoutineGallery,
+    RoutineGalleryRequest,
+    RoutineGalleryResponse,
+    RoutineSentencesRequest,
+    RoutineSentencesResponse,
+)
 from homebot.features.routines.program import Block, step_text
 from homebot.features.routines.routine import Routine
 from homebot.features.routines.text import WrittenRoutine, acts_on, read_routines, with_act
@@ -71,6 +81,8 @@ class RoutineServices:
             self._node.create_service(ChangeRoutine, name, self.change)
         elif name == ROUTINE_GALLERY.name:
             self._node.create_service(ReadRoutineGallery, name, _read_gallery)
+        elif name == ROUTINE_SENTENCES.name:
+            self._node.create_service(ListRoutineSentences, name, self.sentences)
         else:
             self._node.create_service(ProposeRoutine, name, self.propose)
 
@@ -83,6 +95,10 @@ class RoutineServices:
         from homebot.features.routines.checks import HouseChecks  # noqa: PLC0415 - with the first question
 
         return HouseChecks(self._node, self._refusal, with_robots=not self._house.is_rehearsal)
+
+    @cached_property
+    def _lookup(self) -> DeviceLookup:
+        return DeviceLookup(self._node)
 
     def kept_apps(self) -> Iterable[str]:
         """Return the names of the apps of the kept routines."""
@@ -180,6 +196,26 @@ class RoutineServices:
             steps = {app: one.settings.do for app, one in self._running.items()}
             infos = tuple(_shown(one, steps.get(one.app, ()), language) for one in infos)
         return RoutinesResponse(routines=infos, zone=zone_name(self._house.home.zone))
+
+    async def sentences(self, request: RoutineSentencesRequest) -> RoutineSentencesResponse:
+        """Return the sentences that a routine may have about a device, or about none."""
+        from homebot.features.routines import sentences  # noqa: PLC0415 - for the form of the page
+        from homebot.words.device_words import DeviceWords  # noqa: PLC0415 - likewise
+
+        devices = await self._lookup.all_known()
+        language = request.language or self._house.home.language
+        words = await to_thread.run_sync(DeviceWords, devices)
+        if not request.device:
+            scenes: tuple[str, ...] = ()
+            with closing(self._node.create_client(ListScenes, LIST_SCENES)) as client, suppress(ServiceError):
+                scenes = tuple([one.name for one in (await client.call(ScenesRequest())).scenes])
+            names = [info.name for info in self._infos()]
+            has_place = self._house.home.latitude is not None
+            return sentences.of_house(words, language, scenes, names, has_place=has_place)
+        for device in devices:
+            if device.id == request.device:
+                return await to_thread.run_sync(sentences.of_device, words, device, language)
+        raise UsageError(f"device: there is no device {request.device!r}; `homebot devices` lists those that there are")
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""

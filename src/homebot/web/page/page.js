@@ -1,1 +1,1 @@
-import"./chunk-OTPBRPD7.js";
+import"./chunk-ZOVRBMRX.js";

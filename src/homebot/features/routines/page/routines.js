@@ -5,12 +5,12 @@ import { Added } from "../../added.js";
 import { ask, call, may } from "../../door.js";
 import { html } from "../../html.js";
 import { say, sayReason } from "../../language.js";
-import { later } from "../../later.js";
 import { Managing, Remove } from "../../managing.js";
 import { useOpen } from "../../opened.js";
 import { seconds, spoken, timeIn, timeText } from "../../words.js";
+import { Gallery } from "./gallery.js";
+import { Picker } from "./picker.js";
 
-const Gallery = later(async () => (await import("./gallery.js")).Gallery);
 const AGAIN = 5000; // ms
 const MODES = ["single", "restart", "queued", "parallel"];
 
@@ -76,20 +76,25 @@ function Parts({ of: { when, conditions, steps }, children }) {
 const lines = (text) => text.split("\n").map((one) => one.trim()).filter(Boolean);
 
 /** The list of a key in TOML; a line that is a table, such as a choice, is left as it is. */
-const list = (key, text) => `${key} = [${lines(text).map((one) => (one.startsWith("{") ? one : JSON.stringify(one))).join(", ")}]\n`;
+const listOf = (key, text) => `${key} = [${lines(text).map((one) => (one.startsWith("{") ? one : JSON.stringify(one))).join(", ")}]\n`;
 
 function textOf({ name, when, conditions, steps, mode }) {
-  const more = (lines(conditions).length ? list("if", conditions) : "") + list("do", steps) + (mode === MODES[0] ? "" : `mode = "${mode}"\n`);
-  return `[[routines]]\nname = ${JSON.stringify(name.trim())}\n${list("when", when)}${more}`;
+  const more = (lines(conditions).length ? listOf("if", conditions) : "") + listOf("do", steps) + (mode === MODES[0] ? "" : `mode = "${mode}"\n`);
+  return `[[routines]]\nname = ${JSON.stringify(name.trim())}\n${listOf("when", when)}${more}`;
 }
 
 /** Fields that write the text of a new routine; a known one is edited as text. */
 function Form({ routine, change, onClose }) {
   const isNew = !routine.text;
+  const [parts, setParts] = useState({ name: "", when: "", conditions: "", steps: "", mode: MODES[0] });
   const [text, setText] = useState(routine.text ?? routine.draft ?? "");
   const [problem, setProblem] = useState("");
   const area = useRef(null); // of the text
-  const write = (event) => setText(textOf(Object.fromEntries(new FormData(event.currentTarget))));
+  const write = (key, value) => {
+    const own = { ...parts, [key]: value };
+    setParts(own);
+    setText(textOf(own));
+  };
   const submit = async (event) => {
     event.preventDefault();
     const { success, message } = await change(routine, isNew ? "new" : "edit", { text });
@@ -98,15 +103,18 @@ function Form({ routine, change, onClose }) {
     area.current.focus();
     area.current.setSelectionRange(...placeIn(text, message));
   };
-  const field = (name, title, example) => html`<label>${title} <textarea name=${name} rows="2" placeholder=${example} required=${name !== "conditions"}></textarea></label>`;
+  const onInput = ({ target }) => write(target.name, target.value);
+  const list = (key, word, title) => html`<div class="fields" role="group" aria-label=${say(`${word}|routine`)}>
+    <label>${title} <textarea name=${key} rows="2" required=${word !== "if"} value=${parts[key]} onInput=${onInput}></textarea></label>
+    <${Picker} kind=${key} word=${say(`${word}|routine`)} onPick=${(sentence) => write(key, [...lines(parts[key]), sentence].join("\n"))} />
+  </div>`;
   return html`<form class="card fields" onSubmit=${submit}>
-    ${isNew && !routine.draft && html`<div onInput=${(event) => write({ currentTarget: event.currentTarget.closest("form") })}>
-      <label><span>${say("Name")}</span> <input name="name" required maxlength="100" /></label>
-      ${field("when", say("when: what starts it, a line each"), "hall motion occupied\n22:30 on weekdays")}
-      ${field("conditions", say("if: what must hold then, all of it"), "sun is down")}
-      ${field("steps", say("do: its steps, a line each"), "hall lamp on, 20 %\nwait 5m\nundo")}
-      <label>${say("if it starts while it runs")} <select name="mode">${MODES.map((one) => html`<option key=${one} value=${one}>${say(`${one}|mode`)}</option>`)}</select></label>
-    </div>`}
+    ${isNew && !routine.draft && html`
+      <label><span>${say("Name")}</span> <input name="name" required maxlength="100" value=${parts.name} onInput=${onInput} /></label>
+      ${list("when", "when", say("when: what starts it, a line each"))}
+      ${list("conditions", "if", say("if: what must hold then, all of it"))}
+      ${list("steps", "do", say("do: its steps, a line each"))}
+      <label>${say("if it starts while it runs")} <select name="mode" onChange=${onInput}>${MODES.map((one) => html`<option key=${one} value=${one}>${say(`${one}|mode`)}</option>`)}</select></label>`}
     <label>${say("the text")} <textarea ref=${area} class="code" rows="7" spellcheck="false" required value=${text} onInput=${(event) => setText(event.target.value)}></textarea></label>
     <p role="alert" class="bad">${sayReason(problem)}</p>
     <p class="buttons"><button>${say("save")}</button> <button type="button" onClick=${onClose}>${say("not now")}</button></p>
