@@ -176,8 +176,9 @@ def blocking_is_an_error() -> Iterator[None]:
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
             function.can_block_in("homebot/support/file_access.py", {"read_secret"})
             function.can_block_in("homebot/messages/interfaces/interfaces.py", {"read_folder"})
-            # The tables of languages, 40 kB of ours, are read with the first text of a routine.
+            # The tables of languages, 120 kB of ours, are read with the first text of a routine, and the first mistake.
             function.can_block_in("homebot/words/own_language.py", {"_table"})
+            function.can_block_in("homebot/words/mistakes.py", {"_table"})
             # The text of a type is read when it is first named, as its module would be: some hundred bytes of ours.
             function.can_block_in("homebot/messages/interfaces/interfaces.py", {"_read"})
             # Not ours: pydantic looks for its plug-ins once, when the first model is built.

@@ -3,7 +3,7 @@
 import ast
 import itertools
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -21,6 +21,12 @@ _PLACES = {
     **dict.fromkeys(("CertificateError", "UsageError"), 0),
 }
 """By error: the place of its message among the arguments."""
+
+_MISTAKES = dict.fromkeys(("UsageError", "ValueError", "_NoStepError", "NoTargetError"), 0) | {
+    "RefusedError": 1,
+    "ConfigError": 2,
+}
+"""As :data:`_PLACES`, for the text of a routine."""
 
 _OF_OTHERS = re.compile(
     "(cli|mqtt|bridges|testing|house|compat|recording|replay|robots|features/(machine|ros2|recording))/"
@@ -58,6 +64,27 @@ def told_messages() -> set[str]:
     names = (module.relative_to(_PACKAGE).as_posix() for module in _PACKAGE.rglob("*.py"))
     found = {text for name in names if not _OF_OTHERS.match(name) for text in _of(name)}
     return {text for text in found if re.search("[a-z]{2}", text) and not re.search(" ,| $", text)}  # lacks a value
+
+
+def mistakes_told_in(name: str) -> set[str]:
+    """Return what the errors of a module say that a mistake of a person raises, and its advice.
+
+    A module is named by its path in the package. Advice is what functions return or yield, and what begins as such;
+    parts of other texts, and words alone, are left out.
+    """
+    told, more = {*_of(name, _MISTAKES)}, set[str]()
+    for node in ast.walk(_tree(name)):
+        if isinstance(node, _Function):
+            returned = (one.value for one in ast.walk(node) if isinstance(one, ast.Return | ast.Yield))
+            for value in filter(None, returned):
+                texts = value.elts if isinstance(value, ast.Tuple) else [value]
+                more.update(itertools.chain.from_iterable(_texts(one, name, node) for one in texts))
+        elif isinstance(node, ast.Constant | ast.JoinedStr):
+            more.update(
+                text for text in _texts(node, name, None) if re.match("(?:write|say|known are|numbers are) ", text)
+            )
+    told |= {text for text in more if not any(text in other for other in told | more - {text})}
+    return {text for text in told if re.search("[a-z]{2} .*[a-z]{2}", text) and not re.search(" ,| $", text)}
 
 
 @cache
@@ -99,11 +126,11 @@ def _bind(nodes: Iterable[ast.AST], names: dict[str, list[ast.AST]]) -> None:
                 names.setdefault(name, []).append(value)
 
 
-def _of(name: str) -> Iterator[str]:
+def _of(name: str, places: Mapping[str, int] = _PLACES) -> Iterator[str]:
     def visit(node: ast.AST, function: _Function | None) -> Iterator[str]:
         function = node if isinstance(node, _Function) else function
         if isinstance(node, ast.Call):
-            for argument in _arguments(node, name):
+            for argument in _arguments(node, name, places):
                 yield from _texts(argument, name, function)
         for child in ast.iter_child_nodes(node):
             yield from visit(child, function)
@@ -111,10 +138,11 @@ def _of(name: str) -> Iterator[str]:
     return visit(_tree(name), None)
 
 
-def _arguments(call: ast.Call, name: str) -> Iterator[ast.expr]:
+def _arguments(call: ast.Call, name: str, places: Mapping[str, int]) -> Iterator[ast.expr]:
     called = ast.unparse(call.func).rpartition(".")[2]
-    place = _PLACES.get(called)
-    if place is not None and place < len(call.args) and (called != "UsageError" or name.startswith(_SETUP)):
+    place = places.get(called)
+    is_told = called != "UsageError" or places is _MISTAKES or name.startswith(_SETUP)
+    if place is not None and place < len(call.args) and is_told:
         yield call.args[place]
     if called == "Verdict" or (called.endswith("Response") and called not in _UNASKED):
         yield from (one.value for one in call.keywords if one.arg in {"reason", "message"})
@@ -133,6 +161,8 @@ def _texts(node: ast.AST, name: str, function: _Function | None, depth: int = _D
             return ["".join(texts) for texts in itertools.product(*map(of, parts))]
         case ast.FormattedValue(value=value, conversion=-1, format_spec=None) | ast.Await(value=value):
             return of(value)
+        case ast.FormattedValue(conversion=114):  # !r
+            return [f"'{FIELD}'"]
         case ast.IfExp(body=one, orelse=other):
             return of(one) + of(other)
         case ast.BoolOp(values=values):

@@ -2,7 +2,8 @@
 
 A row of ``languages/mistakes.json`` is the form of an English message, and what German, French, Spanish, Dutch and
 Italian say for it. Values of the fields ``reason`` and ``advice`` are messages themselves, ``names`` are joined by
-"and" or "or", ``trigger``, ``condition`` and ``step`` are texts of routines; others stay as they are.
+"and" or "or", ``trigger``, ``condition`` and ``step`` are texts of routines, ``steps`` several in quotation marks, and
+``text`` is all of what stands in quotation marks; each language has its own ``example``. Others stay as they are.
 """
 
 import json
@@ -10,17 +11,17 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final, TypeVar, final
 
 from homebot.errors import UsageError
 from homebot.words.own_language import TextKind, hint_for, in_language, language_of, reading_of
 
 COLUMNS: Final = ("de", "fr", "es", "nl", "it")
-FIELD: Final = re.compile(r"\{([a-z]+\d?)\}")
+FIELD: Final = re.compile(r"\{(\w+)\}")
 _QUOTED: Final = re.compile(r"'(?:[^'\\]++|\\.)*+'|\"(?:[^\"\\]++|\\.)*+\"")
 _SIGN: Final = re.compile(r": |; ")
 _MAX_CLAUSES: Final = 8
-_JOINTS: Final = (" or ", " and ")
+_JOINTS: Final = (" or ", " and ", " more")
 
 
 ReadT = TypeVar("ReadT")
@@ -48,7 +49,13 @@ def mistake_in(language: str, message: str) -> str:
 
     What has no row stays English; names, and texts that people wrote, stay as they are.
     """
-    return "\n".join(_said(line, _language_of_quoted(line) or language, _MAX_CLAUSES) for line in message.split("\n"))
+    return "\n".join(_table().said(line, _language_of_quoted(line) or language) for line in message.split("\n"))
+
+
+@cache
+def _table() -> "MistakeTable":
+    path = Path(__file__).parent / "languages" / "mistakes.json"
+    return MistakeTable(json.loads(path.read_text(encoding="utf-8")))
 
 
 def _language_of_quoted(line: str) -> str:
@@ -58,29 +65,50 @@ def _language_of_quoted(line: str) -> str:
     return "" if quoted is None else language_of(quoted[0][1:-1])
 
 
-def _said(text: str, language: str, clauses: int) -> str:
-    """Return *text* by its row, else clause by clause, at most so many."""
-    if language not in COLUMNS or not clauses:
-        return text
-    for form, own in _rows():
-        if (values := _values(form, text)) is not None:
-            said = {form[at]: _value(form[at], value, language, clauses - 1) for at, value in values.items()}
-            pieces = FIELD.split(own[COLUMNS.index(language)])
-            return "".join(said[piece] if at % 2 else piece for at, piece in enumerate(pieces))
-    sign = _SIGN.search(text, _end_of_quoted(text, 0))
-    if sign is None:
-        return text
-    head = text[: sign.start()] if sign[0] == ": " else _said(text[: sign.start()], language, 1)  # or a name
-    return head + sign[0] + _said(text[sign.end() :], language, clauses - 1)
+@final
+class MistakeTable:
+    """A table of messages.
 
+    Args:
+        table: By the form of an English message, those of the :data:`COLUMNS`.
+    """
 
-@cache
-def _rows() -> Sequence[tuple[Sequence[str], Sequence[str]]]:
-    """Return the rows, the longest forms first, each as the texts and the fields between them in turn."""
-    path = Path(__file__).parent / "languages" / "mistakes.json"
-    table: Mapping[str, Sequence[str]] = json.loads(path.read_text(encoding="utf-8"))
-    forms = sorted(table, key=lambda form: -len(FIELD.sub("", form)))
-    return [(FIELD.split(form), table[form]) for form in forms]
+    def __init__(self, table: Mapping[str, Sequence[str]]) -> None:
+        forms = sorted(table, key=lambda form: -len(FIELD.sub("", form)))
+        self._rows = [(FIELD.split(form), table[form]) for form in forms]
+
+    def said(self, text: str, language: str, clauses: int = _MAX_CLAUSES) -> str:
+        """Return the English *text* by its row, else clause by clause, at most so many."""
+        if language not in COLUMNS or not clauses:
+            return text
+        for form, own in self._rows:
+            if (values := _values(form, text)) is not None:
+                said = {form[at]: self._value(form[at], value, language, clauses - 1) for at, value in values.items()}
+                pieces = FIELD.split(own[COLUMNS.index(language)])
+                return "".join(said.get(piece, f"{{{piece}}}") if at % 2 else piece for at, piece in enumerate(pieces))
+        sign = _SIGN.search(text, _end_of_quoted(text, 0))
+        if sign is None:
+            return text
+        head, joint = text[: sign.start()], sign[0]
+        if joint == "; ":  # else it is a name, or the place of the mistake
+            head, joint = (self.said(one, language, 1) for one in (head, joint))
+        return head + joint + self.said(text[sign.end() :], language, clauses - 1)
+
+    def _value(self, field: str, value: str, language: str, clauses: int) -> str:
+        match field.rstrip("123456789"):
+            case "reason" | "advice":
+                return self.said(value, language, clauses)
+            case "trigger" | "condition" | "step" as kind:
+                return in_language(value, kind, language)
+            case "steps":
+                value = _QUOTED.sub(lambda step: f"'{in_language(step[0][1:-1], 'step', language)}'", value)
+            case "names":
+                pass
+            case _:
+                return value
+        for joint in _JOINTS:
+            value = value.replace(joint, self.said(joint, language, 1))
+        return value
 
 
 def _end_of_quoted(text: str, place: int) -> int:
@@ -94,24 +122,14 @@ def _values(form: Sequence[str], text: str) -> dict[int, str] | None:
         return None
     place, values = len(form[0]), dict[int, str]()
     for at in range(1, len(form), 2):
-        literal, quoted = form[at + 1], _end_of_quoted(text, place)
-        if at == len(form) - 2:
-            end = len(text) - len(literal) if text.endswith(literal) else -1
+        literal = form[at + 1]
+        if form[at].startswith("text"):
+            end = _end_of_quoted(text, place)
+        elif at == len(form) - 2:
+            end = len(text) - len(literal)
         else:
-            end = quoted if quoted > place and text.startswith(literal, quoted) else text.find(literal, place + 1)
-        if end <= place:
+            end = text.find(literal, place + 1)
+        if end <= place or not text.startswith(literal, end):
             return None
         values[at], place = text[place:end], end + len(literal)
     return values if place == len(text) else None
-
-
-def _value(field: str, value: str, language: str, clauses: int) -> str:
-    match field.rstrip("123456789"):
-        case "reason" | "advice":
-            return _said(value, language, clauses)
-        case "trigger" | "condition" | "step" as kind:
-            return in_language(value, kind, language)
-        case "names":
-            for joint in _JOINTS:
-                value = value.replace(joint, _said(joint, language, 1))
-    return value

@@ -119,7 +119,7 @@ async def test_a_routine_that_starts_itself_through_others_is_named() -> None:
         {"name": "D", "when": ["heater on"], "do": ["study lamp off"]},
     )
     assert found["A"] == (
-        "it would start itself: 'study lamp on, 20 %' of A starts B, 'heater on' of B starts C, "
+        "it would start itself: 'study lamp on, 20 %' of A starts B; 'heater on' of B starts C; "
         "'lights in hall on' of C starts A",
     )
     assert [*found] == ["A", "B", "C"]
@@ -132,7 +132,7 @@ async def test_two_that_toggle_each_other_are_named() -> None:
         {"name": "B", "when": ["study lamp off"], "do": ["hall lamp toggle"]},
         {"name": "C", "when": ["heater on"], "do": ["heater toggle"]},
     )
-    assert found["A"] == ("it would start itself: 'study lamp toggle' of A starts B, 'hall lamp toggle' of B starts A",)
+    assert found["A"] == ("it would start itself: 'study lamp toggle' of A starts B; 'hall lamp toggle' of B starts A",)
     assert [*found] == ["A", "B"]
 
 

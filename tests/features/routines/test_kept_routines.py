@@ -68,8 +68,8 @@ class Owner:
     async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
         return await self._propose.call(request)
 
-    async def routines(self) -> dict[str, RoutineInfo]:
-        return {one.name: one for one in (await self._list.call(RoutinesRequest())).routines}
+    async def routines(self, *, check: bool = False) -> dict[str, RoutineInfo]:
+        return {one.name: one for one in (await self._list.call(RoutinesRequest(check=check))).routines}
 
     async def troubles(self) -> str:
         return "\n".join((await self._health.call(HealthRequest())).troubles)

@@ -168,7 +168,7 @@ class HouseChecks:
         effects: list[Effect] = []
         self._targeted.clear()
         try:
-            await self._command(step, effects, is_prompt=True)
+            await self._command(step, effects, step.text, is_prompt=True)
         except ServiceError:
             return False
         return bool(effects) and not _is_change(step) and not any(effect.acts_each_time for effect in effects)
@@ -207,7 +207,7 @@ class HouseChecks:
                     if problem := await self._problem_of(await self._meant(step.target, parse_query(step.target))):
                         yield f"{line.text!r}: {problem}"
                 case Do() as step:
-                    for problem in await self._command(step, effects, is_prompt=is_prompt):
+                    for problem in await self._command(step, effects, line.text, is_prompt=is_prompt):
                         yield f"{line.text!r}: {problem}"
                 case Dim() as step:
                     if problem := await self._problem_of(await self._meant(step.target, step.query)):
@@ -282,10 +282,10 @@ class HouseChecks:
         named = f"{' or '.join(devices[:_MAX_NAMED])}{', …' if len(devices) > _MAX_NAMED else ''}"
         return f"one of {named} suffices; for all of them write 'no {busy} for {length}'"
 
-    async def _command(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
-        """Return why *step* cannot be carried out, and add its effects."""
+    async def _command(self, step: Do, effects: list[Effect], text: str, *, is_prompt: bool) -> list[str]:
+        """Return why *step*, written as *text*, cannot be carried out, and add its effects."""
         if step.command == APPLY:
-            return await self._scene(step, effects, is_prompt=is_prompt)
+            return await self._scene(step, effects, text, is_prompt=is_prompt)
         is_toggled = step.command.casefold() == "toggle"
         request = CommandDevicesRequest(
             target=step.target,
@@ -309,10 +309,10 @@ class HouseChecks:
                 taken += 1
                 results = (parsed, dict.fromkeys(parsed, False)) if is_toggled else (parsed,)
                 may_be = is_toggled or _is_change(step)
-                effects += [Effect(step.text, device, part.id, result, is_prompt, may_be) for result in results]
+                effects += [Effect(text, device, part.id, result, is_prompt, may_be) for result in results]
         return refused if len(targets) <= 1 or not taken else []
 
-    async def _scene(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
+    async def _scene(self, step: Do, effects: list[Effect], text: str, *, is_prompt: bool) -> list[str]:
         """Return why the scene of *step* is unknown, and add the effects of its known values."""
         with closing(self._node.create_client(ListScenes, LIST_SCENES)) as client:
             answer = await client.call(ScenesRequest(name=step.target.partition(" ")[2]))
@@ -320,7 +320,7 @@ class HouseChecks:
         for part in (part for scene in answer.scenes for part in scene.parts):
             if part.settings and part.device in devices:
                 settings = {one.capability: one.value.plain() for one in part.settings}
-                effects.append(Effect(step.text, devices[part.device], part.part, settings, is_prompt))
+                effects.append(Effect(text, devices[part.device], part.part, settings, is_prompt))
         return [] if answer.success else [answer.message]
 
     async def _why_none(self, target: str, problem: str) -> str:

@@ -106,7 +106,7 @@ def loops(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
     for name in known:
         if (way := _way_back(name, ways)) is not None:
             steps = (f"{step!r} of {one} starts {after}" for one, step, after in way)
-            yield name, f"it would start itself: {', '.join(steps)}"
+            yield name, f"it would start itself: {'; '.join(steps)}"
 
 
 def fights(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:

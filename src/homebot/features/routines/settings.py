@@ -114,10 +114,11 @@ class RoutineSettings(AppSettings):
 
     @model_validator(mode="after")
     def _check_steps(self) -> "RoutineSettings":
-        steps = [line.step for line in program_of(self.do)]
+        lines = program_of(self.do)
+        steps = [line.step for line in lines]
         if steps[0] == Undo():
             raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
-        if alone := next((step.text for step in steps if isinstance(step, Do | Dim) and step.target == IT), ""):
+        if alone := next((text for text, step in lines if isinstance(step, Do | Dim) and step.target == IT), ""):
             raise ValueError(f"do: {alone!r}: `it` is the device in turn of a for_each; write which device is meant")
         conditions = chain.from_iterable(step.conditions for step in steps if isinstance(step, Branch))
         if inner := next((text for text, asked in conditions if LastRun in map(type, single_conditions(asked))), ""):
@@ -127,9 +128,9 @@ class RoutineSettings(AppSettings):
         if other := next((end.text for end in ends if end.trigger not in waited), ""):
             raise ValueError(f"do: wait ended by {other!r} is none of the triggers of a `wait for`")
         states = {fold(trigger.text) for trigger in map(read_trigger, self.when) if isinstance(trigger, Becomes)}
-        for step in steps:
+        for text, step in lines:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:
-                raise ValueError(f"do: {step.text!r} brings about what starts it, so it would start itself")
+                raise ValueError(f"do: {text!r} brings about what starts it, so it would start itself")
         return self
 
 
