@@ -15,13 +15,12 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
     """Return *error* with the line of its key in *text*, by default that of its file, and as its house says it."""
     from homebot.words.mistakes import mistake_in  # noqa: PLC0415 - after a mistake alone
 
-    path, language = error.key.split("."), ""
-    with suppress(OSError, LookupError, ValueError, RecursionError, TypeError):
+    path = error.key.split(".")
+    with suppress(OSError, ValueError, RecursionError):
         text = text or Path(error.source).read_text("utf-8-sig")
         if (row := feature_tables().get(path[0])) is not None and row.plugin and row.is_array:
             path[1:2] = [str(_apps_in(text, path[0]).index(app)) for app in path[1:2]]
-        language = str(_tables(text)["home"]["language"])
-    line, reason = line_of(text, *path), mistake_in(language, error.reason)
+    line, reason = line_of(text, *path), mistake_in(_language_in(text), error.reason)
     config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, reason)
     return ConfigError.joined((config_error, *(located(other, text) for other in error.others)))
 
@@ -29,6 +28,13 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
 @lru_cache(maxsize=1)  # the mistakes in a file follow each other
 def _tables(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
+
+
+def _language_in(text: str) -> str:
+    """Return the language of the house in *text*; empty if it says none."""
+    with suppress(LookupError, TypeError, ValueError, RecursionError):
+        return str(_tables(text)["home"]["language"])
+    return ""
 
 
 @lru_cache(maxsize=1)  # as above
