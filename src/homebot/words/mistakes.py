@@ -1,9 +1,9 @@
 """Mistakes in the texts of routines, as other languages say them. Pure.
 
-A row of ``languages/mistakes.json`` is the form of an English message, and what German, French, Spanish, Dutch and
-Italian say for it. Values of the fields ``reason`` and ``advice`` are messages themselves, ``names`` are joined by
+A row of ``languages/mistakes.json`` is the form of an English message, and those of German, French, Spanish, Dutch and
+Italian. Values of the fields ``reason`` and ``advice`` are messages themselves, ``names`` are joined by
 "and" or "or", ``trigger``, ``condition`` and ``step`` are texts of routines, ``steps`` several in quotation marks, and
-``text`` is all of what stands in quotation marks; each language has its own ``example``. Others stay as they are.
+``text`` is a whole text in quotation marks; each language has its own ``example``. Others stay as they are.
 """
 
 import json
@@ -28,7 +28,7 @@ ReadT = TypeVar("ReadT")
 
 
 def read_in_any_language(text: str, kind: TextKind, read: Callable[[str], ReadT]) -> ReadT:
-    """Return what *read* makes of the English for *text*.
+    """Return the result of *read* for the English for *text*.
 
     Raises:
         UsageError: It is none; a text in another language is answered in it.
@@ -47,7 +47,7 @@ def read_in_any_language(text: str, kind: TextKind, read: Callable[[str], ReadT]
 def mistake_in(language: str, message: str) -> str:
     """Return the lines of an English *message* as *language* says them, or that of the text that a line quotes first.
 
-    What has no row stays English; names, and texts that people wrote, stay as they are.
+    A message without a row stays English; names, and texts of people, stay as they are.
     """
     return "\n".join(_table().said(line, _language_of_quoted(line) or language) for line in message.split("\n"))
 
