@@ -55,6 +55,8 @@ _DEVICES = (
     "not Flur open",
     "nobody is home for 10m",
     "not everybody is home",
+    "power of Flur below 5 W",
+    "power of Flur above 5 W for 3m",
     "Flur occupied",
     "Flur smoke detected",
     "Flur water detected",

@@ -3,9 +3,9 @@
 A language is a table ``languages/CODE.json``. Its forms stand by the English form, the one that is shown first. Slots
 are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or another name, ``t`` a length of time,
 ``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``e`` and ``f`` days of the year or months, ``n`` a
-number with its unit, ``v`` a measured value, ``w`` a type after "no", ``s`` and ``i`` states, ``g`` triggers, ``m`` a
-message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and ``y`` are a second
-value and device. Values in braces may stand for numbers, and in messages.
+number with its unit, ``v`` a measured value, ``w`` a type after "no", ``a`` all of one, ``s`` and ``i`` states, ``g``
+triggers, ``m`` a message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and
+``y`` are a second value and device. Values in braces may stand for numbers, and in messages.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
@@ -54,6 +54,7 @@ _ENGLISH_UNITS: Final = {
 _ENGLISH: Final = frozenset({"a", "do", "i", "lamp", "lamps", "minutes", "message", "of", "u", "was"})
 """English words, besides those of the forms, that another language has too."""
 
+_LISTS_OF_SLOTS: Final = {"w": "none", "a": "every"}
 _KINDS_OF_SLOTS: Final = {"t": "{t:length}", "n": "{n:number}"}
 _QUOTES: Final = {'"': '"', "'": "'", "„": "“”", "“": "”", "«": "»"}
 _ELISION: Final = "\N{RIGHT SINGLE QUOTATION MARK}"
@@ -273,7 +274,7 @@ class _Table:
     def _in(self, slot: str, text: str) -> str | None:
         match slot:
             case "x" | "y":
-                return self._device_in(text, "all", "some")
+                return self._device_in(text, "all", "some", every="all ")
             case "c":
                 return self._device_in(text, "all")
             case "r":
@@ -298,8 +299,9 @@ class _Table:
                 return self._days_in(text)
             case "n":
                 return self._amount(text, ".", self._meanings["amounts"])
-            case "v" | "q" | "w":
-                return self._meanings["none" if slot == "w" else "values"].get(self._plain(text).casefold())
+            case "v" | "q" | "w" | "a":
+                meanings = self._meanings[_LISTS_OF_SLOTS.get(slot, "values")]
+                return meanings.get(text.casefold()) or meanings.get(self._plain(text).casefold())
             case "s" | "i":
                 return self.read(text, "state")
         return _unquoted(text)
@@ -307,7 +309,7 @@ class _Table:
     def _out(self, slot: str, text: str) -> str | None:
         match slot:
             case "x" | "y":
-                return self._device_out(text, "all", "some")
+                return self._device_out(text, "some", "plurals")
             case "c":
                 return self._device_out(text.removesuffix(" to"), "all")
             case "r" | "p" | "o" | "b":
@@ -330,8 +332,8 @@ class _Table:
                 return self._days_out(text)
             case "n":
                 return self._amount(text, ",", {})
-            case "v" | "q" | "w":
-                rows = self._lists["none" if slot == "w" else "values"]
+            case "v" | "q" | "w" | "a":
+                rows = self._lists[_LISTS_OF_SLOTS.get(slot, "values")]
                 return next(iter(rows.get(text.casefold(), ())), None)
             case "s" | "i":
                 shown = self.shown(text, "state") or ""
@@ -345,8 +347,12 @@ class _Table:
             words = words[1:]
         return " ".join(words)
 
-    def _device_in(self, text: str, *kinds: str) -> str:
-        """Return *text* without its article; types are translated only after words such as "all", since names stay."""
+    def _device_in(self, text: str, *kinds: str, every: str = "") -> str:
+        """Return *text* without its article; types are translated only after words such as "all", since names stay.
+
+        Args:
+            every: What stands before all of a type.
+        """
         if text[:1] in _QUOTES:
             return text
         if (pronoun := self._meanings["it"].get(text.casefold())) is not None:
@@ -357,7 +363,7 @@ class _Table:
                 if f"{text.casefold()} ".startswith(f"{own} "):
                     rest, of_types = text[len(own) :], [*places, *self._lists["words"]["of"]]
                     if kind != "plurals" or not rest or rest.split()[0].casefold() in of_types:  # else a name
-                        return f"{english}{self._with_place(rest, of_types)}"
+                        return f"{every if kind == 'all' else ''}{english}{self._with_place(rest, of_types)}"
         return self._with_place(self._plain(text), places)
 
     def _with_place(self, text: str, places: Sequence[str]) -> str:
@@ -460,7 +466,21 @@ class _WordForm:
 
 
 _SECTIONS: Final = ("state", "moment", "trigger", "condition", "step", "value")
-_LISTS: Final = ("words", "units", "amounts", "days", "months", "sun", "values", "it", "some", "all", "plurals", "none")
+_LISTS: Final = (
+    "words",
+    "units",
+    "amounts",
+    "days",
+    "months",
+    "sun",
+    "values",
+    "it",
+    "some",
+    "all",
+    "plurals",
+    "every",
+    "none",
+)
 
 
 def _rows(table: Mapping[str, str]) -> dict[str, list[str]]:
