@@ -158,6 +158,13 @@ def test_a_hint_is_told_in_the_language_of_the_text_that_it_quotes() -> None:
     assert mistake_in("en", hint) == said
 
 
+@pytest.mark.parametrize("language", OWN_LANGUAGES)
+def test_a_message_that_is_in_a_language_stays_as_it_is(language: str) -> None:
+    """Some are told by the reader of a text, and once more where they leave."""
+    answers = [answer for rows in MISTAKES.values() for _, _, answer in rows]
+    assert [mistake_in(language, answer) for answer in answers] == answers
+
+
 def test_what_has_no_row_stays_as_it_is() -> None:
     assert mistake_in("it", "Anna: nothing; of the kind") == "Anna: nothing; of the kind"
     assert mistake_in("en", "'x on': a bracket is not closed") == "'x on': a bracket is not closed"

@@ -19,7 +19,9 @@ from homebot.words.own_language import TextKind, hint_for, in_language, language
 COLUMNS: Final = ("de", "fr", "es", "nl", "it")
 FIELD: Final = re.compile(r"\{(\w+)\}")
 _QUOTED: Final = re.compile(r"'(?:[^'\\]++|\\.)*+'|\"(?:[^\"\\]++|\\.)*+\"")
-_SIGN: Final = re.compile(r": |; ")
+_SIGN: Final = re.compile(r"(?<! )[:;] ")
+"""Not those of French, as a message may be in a language already."""
+
 _MAX_CLAUSES: Final = 8
 _JOINTS: Final = (" or ", " and ", " more")
 
@@ -89,10 +91,10 @@ class MistakeTable:
         sign = _SIGN.search(text, _end_of_quoted(text, 0))
         if sign is None:
             return text
-        head, joint = text[: sign.start()], sign[0]
-        if joint == "; ":  # else it is a name, or the place of the mistake
-            head, joint = (self.said(one, language, 1) for one in (head, joint))
-        return head + joint + self.said(text[sign.end() :], language, clauses - 1)
+        head, tail = text[: sign.start()], text[sign.end() :]
+        own_head = head if sign[0] == ": " else self.said(head, language, 1)  # or it is a name, or the place
+        own = own_head, self.said(tail, language, clauses - 1)
+        return (sign[0] if own == (head, tail) else self.said(sign[0], language, 1)).join(own)
 
     def _value(self, field: str, value: str, language: str, clauses: int) -> str:
         match field.rstrip("123456789"):

@@ -87,7 +87,7 @@ async def test_the_line_of_a_mistake_in_its_form_stays_for_the_page(tmp_path: Pa
     async with homebot(tmp_path, home={"language": "it"}) as owner:
         answer = await owner.change("new", text="[[routines]]\nname = Sera\n")
     assert answer.message == (
-        "the text non è TOML valido: Invalid value (at line 2, column 8); un testo sta tra virgolette, true e false in "
+        "il testo non è TOML valido: Invalid value (at line 2, column 8); un testo sta tra virgolette, true e false in "
         "minuscolo"
     )
 
