@@ -77,6 +77,7 @@ async def test_nothing_is_said_of_routines_that_work() -> None:
 @pytest.mark.parametrize(
     ("change", "problem"),
     [
+        ({"when": ["hall_lam on"]}, "'hall_lam on': no device has the word 'lam'; similar: hall lamp"),
         ({"do": ["hull lamp on"]}, "'hull lamp on': no device fits 'hull lamp'; did you mean hall_lamp?"),
         ({"do": ["scene Film"]}, "'scene Film': there is no scene 'Film'; `homebot scene list` shows them"),
         ({"do": ["lights in garage off"]}, "'lights in garage off': "),

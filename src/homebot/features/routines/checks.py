@@ -345,7 +345,9 @@ class HouseChecks:
     async def _ask(self, query: Query, limit: int = 1) -> QueryDevicesResponse:
         key = repr(query), limit  # many routines ask for the same
         if key not in self._answers:
-            self._answers[key] = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=limit))
+            self._answers[key] = await self._query.call(
+                QueryDevicesRequest(query=query_terms(query), limit=limit, is_spelled=True)
+            )
         return self._answers[key]
 
 
