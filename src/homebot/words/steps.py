@@ -265,7 +265,7 @@ def _read_step(plain: str) -> Step:
         raise
 
 
-EXAMPLES: Final = {"now": "2000-01-01 00:00:00"}
+EXAMPLES: Final = {"now": "2000-01-01 00:00:00", "time": "00:00"}
 """What stands for values while a step is read, by their kinds; others are 1."""
 
 
@@ -277,7 +277,7 @@ def _read_filled(plain: str) -> Step:
     """
     pieces = read_message(plain)
     for piece in pieces:
-        if not isinstance(piece, str) and not piece.is_number and piece.kind != "now":
+        if not isinstance(piece, str) and not piece.is_number and piece.kind not in EXAMPLES:
             raise UsageError(
                 f"{plain!r}: {{{piece.text}}} is no number; a step has only numbers of the house, and {{now}}"
             )

@@ -38,6 +38,7 @@ from homebot.words.commands import SET
 from homebot.words.conditions import Condition
 from homebot.words.message_values import MessageValue
 from homebot.words.steps import (
+    EXAMPLES,
     Dim,
     Do,
     Notify,
@@ -360,7 +361,7 @@ class RoutineRun:
             piece
             if isinstance(piece, str)
             else self._piece(piece, devices, None)
-            if piece.kind == "now"
+            if piece.kind in EXAMPLES
             else value_of(piece, devices, sun)
             for piece in step.pieces
         ]

@@ -53,7 +53,7 @@ FEATURES = {"climate": 401, "light": 44, "fan": 49}
 """What entities of these domains can do, if the house does not say it."""
 
 
-HOUSEHOLDS = {"everyone_left_and_first_home", "heating_schedule", "vacuum_when_nobody_home"}
+HOUSEHOLDS = {"everyone_left_and_first_home", "heating_schedule", "persons_and_places", "vacuum_when_nobody_home"}
 """The houses whose automations ask for the household: here of Anna, by her phone."""
 
 
@@ -854,6 +854,106 @@ PLAYS: tuple[Play, ...] = (
     ),
     Play("lists_of_entities", "light.hall on", ["23:10 sensor.kitchen_temperature 17"], [], "22:50 23:50"),
     Play("lists_of_entities", "light.sofa on", ["23:10 sensor.kitchen_temperature 18"], [], "22:50 23:50"),
+    Play(
+        "ends_and_events",
+        "switch.stove on",
+        [
+            "10:10 binary_sensor.kitchen_smoke on",
+            "10:10:20 binary_sensor.kitchen_smoke off",
+            "10:10:40 binary_sensor.kitchen_smoke on",
+        ],
+        [
+            "10:10:00 siren.hall on_off True",
+            "10:10:00 light.hall on_off True",
+            *(f"10:10:{at} notify Smoke at 10:10" for at in ("00", "40")),
+            "10:10:00 switch.stove on_off False",
+            "10:11:40 siren.hall on_off False",
+        ],
+    ),
+    Play(
+        "ends_and_events",
+        "quiet on",
+        ["10:10 binary_sensor.kitchen_smoke on"],
+        [
+            "10:10:00 light.hall on_off True",
+            "10:10:00 siren.hall on_off True",
+            "10:11:00 siren.hall on_off False",
+        ],
+    ),
+    Play(
+        "ends_and_events",
+        "sensor.outside 21.5",
+        ["10:10 binary_sensor.mailbox on", "10:20 binary_sensor.fridge on"],
+        [
+            "10:11:00 notify There is mail",
+            "10:11:00 notify Mail at 10:11 and 21.5 degrees",
+            "10:23:00 notify Open for 3 minutes",
+        ],
+    ),
+    Play(
+        "ends_and_events",
+        "",
+        [
+            "10:10 binary_sensor.mailbox on",
+            "10:10:50 binary_sensor.mailbox off",
+            "10:20 binary_sensor.fridge on",
+            "10:22 binary_sensor.fridge off",
+        ],
+    ),
+    Play(
+        "ends_and_events",
+        "",
+        ["10:10 sensor.phone_next_alarm 2026-01-14T10:40:00+00:00"],
+        ["10:20:00 light.hall level 52"],
+    ),
+    Play("ends_and_events", "", ["10:10 sensor.phone_next_alarm 2026-01-15T10:40:00+00:00"]),
+    Play(
+        "persons_and_places",
+        "",
+        ["10:10 anna not_home", "10:30 anna home"],
+        [
+            "10:10:01 light.hall on_off False",
+            "10:20:01 lock.front_door lock locked",
+            "10:30:01 light.hall on_off True",
+        ],
+    ),
+    Play(
+        "persons_and_places",
+        "",
+        ["10:10 anna not_home", "10:15 anna home", "10:20 binary_sensor.hall_motion on"],
+        ["10:10:01 light.hall on_off False", "10:15:01 light.hall on_off True"],
+    ),
+    Play(
+        "persons_and_places",
+        "anna not_home, device_tracker.guest_phone unknown",
+        ["10:30 binary_sensor.hall_motion on"],
+        ["10:30:00 notify Somebody is in the hall"],
+    ),
+    Play(
+        "persons_and_places",
+        "device_tracker.guest_phone home",
+        [
+            "10:10 device_tracker.guest_phone not_home",
+            "10:20 device_tracker.guest_phone Office",
+            "10:25 device_tracker.guest_phone Office latitude=52.1",
+            "10:30 device_tracker.guest_phone unavailable",
+            "10:35 device_tracker.guest_phone Office",
+        ],
+        [
+            "10:10:00 notify The guest was in home",
+            "10:20:00 notify Office",
+            "10:20:00 notify The guest was in not_home",
+        ],
+    ),
+    Play(
+        "persons_and_places",
+        "device_tracker.guest_phone city_gym, anna not_home",
+        ["10:05 device_tracker.guest_phone home", "10:08 binary_sensor.hall_motion on"],
+        [
+            "10:05:00 notify The guest was in city_gym",
+            "10:05:00 notify home",
+        ],
+    ),
 )
 
 
@@ -1076,6 +1176,11 @@ async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None
         "Brings back less than it sets",
         "Tells what it keeps",
     ]
+
+
+async def test_a_siren_that_not_each_run_turns_on_keeps_no_length() -> None:
+    found = await imported("ends_and_events")
+    assert [one.name for one in found.refused] == ["Siren in a branch"]
 
 
 async def test_a_list_in_which_unknown_states_count_as_low_is_refused() -> None:

@@ -26,7 +26,11 @@ _BY_SUN: Final[dict[Condition, list[Condition]]] = {
     ("after sunrise", "before sunset"): [("sun is up",)],
 }
 _OPPOSITES: Final = {"sun is up": "sun is down", "sun is down": "sun is up"}
-_HOUSEHOLD: Final = {"somebody is home": "nobody is home", "nobody is home": "somebody is home"}
+_HOUSEHOLD: Final = {
+    "somebody is home": "nobody is home",
+    "nobody is home": "somebody is home",
+    "everybody is home": "not everybody is home",
+}
 _LASTING: Final = re.compile(r" for (?:less than )?[\w.]+\)$")
 _OTHER_SIDE: Final = {"after": "before", "before": "after"}
 _LIMIT: Final = re.compile(r"(?P<value>[^<>]*)(?P<sign>[<>])(?P<number>[-+.e\d]+\))")
@@ -167,9 +171,9 @@ def denied(conditions: Sequence[Condition]) -> list[Condition]:
 
 
 def _opposite(text: str) -> str:
-    if "place=" in text or text.endswith((" is home", " is away")):
-        if opposite := _HOUSEHOLD.get(text, ""):
-            return opposite
+    if text.endswith(" is home") and not text.startswith("not "):
+        return _HOUSEHOLD.get(text) or f"{text.removesuffix(' is home')} is away"
+    if text.endswith(" is away"):
         raise NotCarriedError("condition not: where somebody is may be unknown; ask for `not_home`")
     if text.endswith(")") and _LASTING.search(text):
         raise NotCarriedError("condition not: with `for`; ask for the other state")

@@ -120,6 +120,7 @@ class _Meant(NamedTuple):
     capability: str
 
 
+_OF_PERSONS: Final = re.compile("famil|household|people|person|resident|everyone|everybody|bewohner")
 _ASKED: Final = re.compile(r"\b(?:name|id)=")
 _COMPARED: Final = re.compile(r" of (?:name|id)=")
 
@@ -334,6 +335,12 @@ class Entities:
     def people(self) -> int:
         """The number of its persons."""
         return sum(device.service_type == "x_person" for device in self._devices)
+
+    def is_household(self, entity_id: str, *, by_name: bool = False) -> bool:
+        """Return whether a group, which is asked for who is at home or is called so, is that of all known persons."""
+        members = self._groups.get(entity_id, ())
+        is_meant = entity_id.startswith("group.") and (not by_name or _OF_PERSONS.search(entity_id) is not None)
+        return is_meant and self.knows_people and len(members) in {0, self.people}
 
     def of_target(self, domains: Sequence[str], kind: str, place: str) -> list["KnownEntity"]:
         """Return the entities of *domains* that the target *place* means; *kind* is its field."""
@@ -579,6 +586,10 @@ class Automation:
             raise NotCarriedError(f"automation.trigger: {name} waits; start it by the trigger of this one too")
         self.notes.append(f"`run routine {name}` runs it beside this one, whatever its conditions")
         return name
+
+    def fires(self, event: str) -> bool:
+        """Return whether an action of the file sends an event."""
+        return any(f"'event': {event!r}" in text for text in {*self.calling, *self.others})
 
     def asks_for(self, action: str) -> bool:
         """Return whether an automation of the file asks for a button of messages, beside the message with it."""

@@ -132,6 +132,8 @@ def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
         return [StartTrigger(press_text(name, ""), data=((_ANSWERS[kind], action),))]
     if kind in _SENDERS:
         return _of_device(automation, kind, data)
+    if automation.fires(kind) and not data.left:
+        return [StartTrigger(press_text(own_event(automation, kind).name, ""))]
     known = ", ".join((*_SENDERS, *APP_EVENTS))
     raise NotCarriedError(f"trigger event: {kind!r}{ADVICE.get(kind, '')}; carried over are events of {known}")
 
@@ -142,14 +144,24 @@ def message_button(automation: Automation, action: str) -> KnownEntity:
     Raises:
         NotCarriedError: There is none; the message says how to write it.
     """
-    name = slug_of(action)
+    return _button_helper(automation, action, f"the button {action!r} of a message", ", and press it on the page")
+
+
+def own_event(automation: Automation, kind: str) -> KnownEntity:
+    """Return the helper that stands for an event which automations of the file send each other.
+
+    Raises:
+        NotCarriedError: There is none; the message says how to write it.
+    """
+    return _button_helper(automation, kind, f"the event {kind!r} of your own", "")
+
+
+def _button_helper(automation: Automation, called: str, what: str, use: str) -> KnownEntity:
+    name = slug_of(called)
     try:
         return automation.entities.find(f"input_button.{name}")
     except NotCarriedError:
-        raise NotCarriedError(
-            f"the button {action!r} of a message: write `{name} = {{ button = true }}` in the table [helpers], and "
-            "press it on the page"
-        ) from None
+        raise NotCarriedError(f"{what}: write `{name} = {{ button = true }}` in the table [helpers]{use}") from None
 
 
 def tag_triggers(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:

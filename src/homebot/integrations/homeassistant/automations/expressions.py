@@ -151,6 +151,16 @@ def with_trigger(node: nodes.Node, triggers: Sequence[StartTrigger], *, is_state
     path, entities = path_of(node), {trigger.entity for trigger in triggers}
     if is_state and path == ("trigger", "to_state", "state") and len(entities) == 1 and "" not in entities:
         return nodes.Call(nodes.Name("states", "load"), [nodes.Const(min(entities))], [], None, None)
+    match node:
+        case (
+            nodes.Call(node=nodes.Getattr(node=length, attr="total_seconds"), args=[])
+            | nodes.Getattr(node=length, attr="seconds")
+        ) if (
+            path_of(length) == ("trigger", "for")
+            and len(given := {one.value(("trigger", "for")) for one in triggers}) == 1
+        ):
+            if (text := given.pop()) is not None:
+                return nodes.Const(sum(60**place * int(part) for place, part in enumerate(reversed(text.split(":")))))
     if len(values := {trigger.value(path) for trigger in triggers}) == 1 and (value := values.pop()) is not None:
         return nodes.Const(value)
 

@@ -107,13 +107,6 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
             path_of(inner) == ("trigger", "entity_id")
         ):
             return "{name}", ""
-        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if (
-            _TIME_FORM.fullmatch(form)
-            and path_of(inner) in {("trigger", "to_state", last) for last in ("last_changed", "last_updated")}
-            and not automation.has_waited
-        ):
-            automation.notes.append("the time in a message is that of the home's zone")
-            return "{time}", ""
         case nodes.Or(left=left, right=right) if (
             path_of(right)[:1] == ("trigger",) and value_text(automation, left)[0] == "{room}"
         ):
@@ -127,20 +120,39 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
 
 def _moment(automation: Automation, node: nodes.Node) -> str:
     """Return the value that *node*, this moment in any form, is in a message; empty for another expression."""
+    form, moment = "", node
     match node:
-        case (
-            nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))])
-            | nodes.Filter(
-                name="timestamp_custom",
-                node=nodes.Call(node=nodes.Name(name="as_timestamp"), args=[inner]),
-                args=[nodes.Const(value=str(form))],
-            )
-        ) if is_now(inner):
-            if _TIME_FORM.fullmatch(form):
-                return "{time}"
-            automation.notes.append("a day in a message is written as 2026-12-24, with its time")
-            return "{now}"
-    return "{now}" if is_now(node) else ""
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]):
+            moment = inner
+        case nodes.Filter(name="timestamp_custom", node=inner, args=[nodes.Const(value=str(form)), *_]) if inner:
+            moment = inner
+    while True:
+        match moment:
+            case (
+                nodes.Filter(name="as_local" | "as_timestamp" | "as_datetime", node=inner)
+                | nodes.Call(node=nodes.Name(name="as_local" | "as_timestamp"), args=[inner, *_])
+            ) if inner and form:
+                moment = inner
+            case _:
+                break
+    if not is_now(moment) and not (form and _is_of_start(automation, moment)):
+        return ""
+    if _TIME_FORM.fullmatch(form):
+        return "{time}"
+    if form:
+        automation.notes.append("a day in a message is written as 2026-12-24, with its time")
+    return "{now}"
+
+
+def _is_of_start(automation: Automation, node: nodes.Node) -> bool:
+    """Return whether *node* is the time of the change that started it, which is this moment."""
+    is_change = path_of(node) in {("trigger", "to_state", last) for last in ("last_changed", "last_updated")}
+    lengths = [length for trigger in automation.triggers if (length := dict(trigger.data).get("for"))]
+    if not is_change or automation.has_waited or not all(length.startswith("0:00:") for length in lengths):
+        return False
+    note_length(automation)
+    automation.notes.append("the time in a message is that of the home's zone")
+    return True
 
 
 def _before(automation: Automation) -> tuple[str, str] | None:

@@ -34,6 +34,7 @@ from homebot.integrations.homeassistant.automations.entities import (
     is_of_device,
     slug_of,
 )
+from homebot.integrations.homeassistant.automations.event_triggers import own_event
 from homebot.integrations.homeassistant.automations.expressions import round_limit
 from homebot.integrations.homeassistant.automations.fields import (
     NotCarriedError,
@@ -81,6 +82,9 @@ _MAX_DIGITS: Final = 4
 
 
 _FOREVER: Final = "365d"
+_ENDING: Final = {"siren.turn_on": "siren.turn_off"}
+"""Services with a length, after which the other one follows by itself."""
+
 _MAX_WRITTEN: Final = 50
 """Steps that repeated actions become if each round is written."""
 
@@ -101,6 +105,13 @@ class Actions:
         self._snapshots: dict[str, set[str]] = {}
         self._commanded: set[str] = set()
         self._forgotten: set[str] = set()
+        self._is_sure = True
+        self._ends: list[str] = []
+
+    @property
+    def mode(self) -> str:
+        """The mode of the routine: one that only waits for the end of what it turned on begins anew."""
+        return "restart" if self._ends else self._mode
 
     def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
         """Return the conditions of the automation that its actions begin with, and its steps.
@@ -108,6 +119,10 @@ class Actions:
         A new run ends the one before it, or waits for it, before its actions ask for anything.
         """
         first, steps = self._read(self._with_snapshot(nodes))
+        if self._ends:
+            if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in _single(steps)):
+                raise NotCarriedError("data: `duration` beside a wait; write the steps `wait 2m` and `off` after it")
+            steps += self._ends
         if first and self._automation.has_waited and self._mode in {"restart", "queued"}:
             with self._automation.in_line(nodes[0].line):
                 first, steps = [], _choice(first, steps, [])
@@ -137,7 +152,9 @@ class Actions:
             if not steps:
                 first += first_here
                 continue
+            was_sure, self._is_sure = self._is_sure, False
             further, rest = self._read(nodes[number + 1 :])
+            self._is_sure = was_sure
             with self._automation.in_line(node.line):
                 steps += _choice([*first_here, *further], rest, [])
             break
@@ -232,9 +249,11 @@ class Actions:
                     default = _choice(conditions, steps, default)
                 return default
             case "sequence":
-                return self._branch(fields.items("sequence"))
+                return self._branch(fields.items("sequence"), is_sure=True)
             case "parallel":
                 return self._parallel(fields)
+            case "event":
+                return self._event(fields)
             case "repeat":
                 return self._repeated(fields.inner("repeat"))
             case "":
@@ -247,6 +266,7 @@ class Actions:
             fields.left.clear()
             self._automation.notes.append(f"{mark} is the time of the last run, which homebot knows itself")
             return []
+        self._take_length(fields)
         call = Located(dict(fields.left), 0)
         ways = templates_of(self._automation).ways(call)
         if not ways:
@@ -270,6 +290,25 @@ class Actions:
             way.end()
             choice = _choice(conditions, steps, choice)
         return choice
+
+    def _take_length(self, fields: UnreadFields) -> None:
+        """Take the length from the call of a service that ends by itself: its end follows all other steps.
+
+        Raises:
+            NotCarriedError: Not each run comes to it, or there are several.
+        """
+        data, name = fields.left.get("data"), service_name(fields.left)
+        if name not in _ENDING or data is None or not isinstance(data.value, dict) or "duration" not in data.value:
+            return
+        if not self._is_sure or self._ends:
+            raise NotCarriedError(
+                "data: `duration` of a step that not each run takes; write the steps `wait 2m` and `off`"
+            )
+        length = UnreadFields(data, "data").duration("duration")
+        fields.left["data"] = data._replace(value={key: one for key, one in data.value.items() if key != "duration"})
+        kept = {key: one for key, one in fields.left.items() if key in {"target", "entity_id"}}
+        call = UnreadFields(Located({**kept, "action": Located(_ENDING[name], 0)}, 0), "action")
+        self._ends = [f"wait {length}", *cast("list[str]", steps_of_service(self._automation, call, "action"))]
 
     def _started(self, conditions: Sequence[Condition]) -> list[StartTrigger]:
         """Return the triggers that may have started a branch with *conditions*."""
@@ -310,13 +349,15 @@ class Actions:
                 return ["undo"]
         return None
 
-    def _branch(self, nodes: Sequence[Located], held: Sequence[Condition] = ()) -> list[Step]:
+    def _branch(self, nodes: Sequence[Located], held: Sequence[Condition] = (), *, is_sure: bool = False) -> list[Step]:
         """Return the steps of a branch, in which the conditions *held* hold: only some triggers can have started it."""
         triggers, self._automation.triggers = self._automation.triggers, self._started(held)
         known, snapshots = dict(self._automation.constants), dict(self._snapshots)
         waited = self._automation.waited
+        was_sure, self._is_sure = self._is_sure, self._is_sure and is_sure
         with self._beside_others():
             conditions, steps = self._read(nodes)
+        self._is_sure = was_sure
         if self._automation.waited is not waited:  # it may have waited for something else
             self._automation.waited = []
         self._automation.constants, self._snapshots = known, snapshots  # those of a branch are its own
@@ -386,6 +427,16 @@ class Actions:
         self._automation.forget_values()
         return steps
 
+    def _event(self, fields: UnreadFields) -> list[Step]:
+        """Return the press of the helper that stands for an event; what it tells beside its name, nobody asks for."""
+        kind = fields.text("event")
+        fields.take("event_data")  # a trigger that asks for it is refused
+        asked = re.compile(rf"'event_type': \[?{re.escape(repr(kind))}")
+        if not any(map(asked.search, {*self._automation.calling, *self._automation.others})):
+            self._automation.notes.append(f"the event {kind} is left out: no automation of this file waits for it")
+            return []
+        return [f"{own_event(self._automation, kind).name} press"]
+
     def _delay(self, fields: UnreadFields) -> list[Step]:
         node = fields.left.get("delay")
         self._automation.has_waited = True
@@ -442,22 +493,27 @@ class Actions:
 
     def _parallel(self, fields: UnreadFields) -> list[Step]:
         """Read simultaneous actions, which may be given in a row for different devices: first the one that asks."""
-        branches = [self._branch([node]) for node in fields.items("parallel")]
+        branches = [self._branch([node], is_sure=True) for node in fields.items("parallel")]
         reached: list[str] = []
         asking: list[list[Step]] = []
+        changed = ""
         waiting: list[list[Step]] = []
         for branch in branches:
             steps = [*_single(branch)]
             targets = {step.target for step in steps if isinstance(step, Do)}
             if any(isinstance(step, dict) and "repeat" not in step for step in steps):
+                asked = " ".join(
+                    text for step in steps if isinstance(step, dict) for text in step.get("if", ["light "])
+                )
+                changed = changed or next((one for one in ("light ", *reached) if asking and one in asked), "")
                 asking.append(branch)
             if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in steps):
                 waiting.append(branch)
             if not targets.isdisjoint(reached) or Stop() in steps:
                 raise NotCarriedError("action parallel: a stop, or commands to one device")
             reached += targets
-        if len(asking) > 1 or any(branch in waiting for branch in asking):
-            raise NotCarriedError("action parallel: several with conditions, or one that waits too")
+        if changed or any(branch in waiting for branch in asking):
+            raise NotCarriedError("action parallel: a condition about what another one commands, or beside a wait")
         plain_branches = [branch for branch in branches if branch not in asking and branch not in waiting]
         return [*chain(*asking, *plain_branches), *(_at_once(waiting) if len(waiting) > 1 else chain(*waiting))]
 
@@ -722,7 +778,7 @@ def _table(
         "when": when,
         "if": texts_of(held),
         "do": steps,
-        "mode": mode,
+        "mode": reader.mode,
         "max": int(most[0]) if most and mode in {"queued", "parallel"} else MAX_RUNS,
         "enabled": enabled,
     }

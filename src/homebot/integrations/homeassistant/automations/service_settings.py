@@ -9,6 +9,7 @@ from typing import Final
 from homebot.conventions.light_color import to_hue_saturation, white_rgb
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.errors import UsageError
+from homebot.integrations.homeassistant.automations.conditions import templates_of
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.expressions import constant_of_template, expression_of
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
@@ -49,6 +50,8 @@ def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterat
 def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields) -> Iterator[ServiceSetting]:
     """Yield the value, or the values, of the field *key*."""
     row, node, is_step = SETTINGS[key], data.left[key], key.startswith("brightness_step")
+    if name == "input_text.set_value":
+        row = SETTINGS["text"]
     if isinstance(node.value, str) and (constant := constant_of_template(node.value)) is not None:
         node = data.left[key] = node._replace(value=constant)
     match CAPABILITIES[row.capabilities.split()[0]].kind:
@@ -70,6 +73,14 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
         case _ if key in {"datetime", "timestamp"} and _is_now_text(node):
             data.take(key)
             yield row._replace(value="{now}")
+        case _ if isinstance(node.value, str) and row == SETTINGS["text"]:
+            data.take(key)
+            text = templates_of(automation).message(node.value, has_units=False)
+            if "," in text:
+                raise NotCarriedError(
+                    f"data: {text!r} with a comma would be several values of a step; write it without"
+                )
+            yield row._replace(value=text)
         case _:
             yield row._replace(value=data.text(key))
 

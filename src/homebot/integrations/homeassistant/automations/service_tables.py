@@ -139,6 +139,7 @@ SETTINGS: Final = {
     "effect": ServiceSetting("effect"),
     "direction": ServiceSetting("direction"),
     "oscillating": ServiceSetting("oscillation"),
+    "text": ServiceSetting("text", "{value}"),
     "time": ServiceSetting("text", "{value}"),
     "datetime": ServiceSetting("text", "{value}"),
     "timestamp": ServiceSetting("text", "{value}"),

@@ -123,6 +123,8 @@ def length_facts(lasting: str) -> Iterator[tuple[str, str]]:
 def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> list[StartTrigger]:
     """Return the triggers for the states of an entity."""
     domain = entity_id.partition(".")[0]
+    if automation.entities.is_household(entity_id, by_name=True) and not (asked.states or asked.before):
+        asked = asked._replace(states=["home", "not_home"])
     if domain in _OF_TWO_STATES:
         asked = _of_two_states(asked)
     if members := automation.entities.members(entity_id):
@@ -243,7 +245,8 @@ def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> 
     if asked.attribute:
         capability = number_of(automation.entities, entity.id, asked.attribute)[1]
     else:
-        is_only_state = entity.domain in _PLAIN_DOMAINS or (asked.has_states and entity.domain in _OF_TWO_STATES)
+        is_told = entity.domain in _OF_TWO_STATES | _TOLD_WHOLE
+        is_only_state = entity.domain in _PLAIN_DOMAINS or (asked.has_states and is_told)
         own = [name for name in entity.controls[:1] if entity.has(name)] if is_only_state else []
         capability = entity.capability if entity.domain in _SENSOR_DOMAINS else next(iter(own), "")
     if not capability:
@@ -258,7 +261,12 @@ def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> 
 _SENSOR_DOMAINS: Final = frozenset({"sensor", "binary_sensor"})
 
 
-_PLAIN_DOMAINS: Final = frozenset({"counter", "input_boolean", "input_number", "input_select", "number", "select"})
+_TOLD_WHOLE: Final = frozenset({"alarm_control_panel", "climate", "device_tracker", "lock", "person", "weather"})
+"""Domains of which homebot has each state in the same words."""
+
+_PLAIN_DOMAINS: Final = frozenset(
+    {"counter", "input_boolean", "input_number", "input_select", "input_text", "number", "select"}
+)
 """Domains whose entities have no attribute that changes by itself."""
 
 

@@ -13,7 +13,7 @@ from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.query.terms import And, NameIs, Operator, StateIs, TypeIs, leaves
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
-from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, text_value
+from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity, slug_of, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.service_tables import SETTINGS
 from homebot.support.folding import fold
@@ -38,7 +38,6 @@ _VACUUM: Final = ("cleaning", "docked", "paused", "idle", "returning", "error")
 _SAME: Final = {
     "alarm": _ALARM,
     "movement": ("open", "closed", "opening", "closing"),
-    "place": ("home", "not_home"),
     "playback": ("playing", "paused"),
     "vacuum": _VACUUM,
 }
@@ -119,7 +118,7 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
         return [SUN[key][state] for state in states]
     if entity_id == "zone.home" and states == ["0"] and entities.knows_people:
         return ["nobody is home"]
-    if entity_id.startswith("group.") and entities.knows_people and _HOUSEHOLD.keys() >= {*states}:
+    if entities.is_household(entity_id) and _HOUSEHOLD.keys() >= {*states}:
         entities.notes.append(f"{entity_id} is taken as all of [people]")
         return [_HOUSEHOLD[state] for state in states]
     entity = entities.find(entity_id)
@@ -291,9 +290,10 @@ def _limit_of(entities: Entities, entity_id: str, attribute: str, limits: Sequen
 
 
 def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
-    if fields.texts("zone") != ["zone.home"]:
-        raise NotCarriedError("zone: homebot knows zone.home alone")
-    return [state_texts(entities, entity_id, ["home"]) for entity_id in _ids(fields)]
+    (zone,) = (text.removeprefix("zone.").replace("_", " ") for text in fields.texts("zone")[:1] or ["zone.home"])
+    if zone != "home":
+        entities.notes.append(f"zone.{slug_of(zone)} is taken as the place {zone!r}, as it is called in Home Assistant")
+    return [state_texts(entities, entity_id, [zone]) for entity_id in _ids(fields)]
 
 
 def _of_device(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
@@ -350,7 +350,7 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     capability = next(iter(entity.controls), "")
     if entity.domain == "sensor" and entity.capability == "value" and not entity.options("value"):
         return "value", "=", state
-    if entity.has(capability) and state in _told(entity, capability):
+    if entity.has(capability) and (capability == "place" or state in _told(entity, capability)):
         return capability, "=", state
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
 

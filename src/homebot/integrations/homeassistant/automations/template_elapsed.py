@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import Operator
 from homebot.integrations.homeassistant.automations.entities import Automation
-from homebot.integrations.homeassistant.automations.expressions import constant_number, path_of
+from homebot.integrations.homeassistant.automations.expressions import constant_number, path_of, state_entity
 from homebot.integrations.homeassistant.automations.template_numbers import SIGNS
 from homebot.integrations.homeassistant.automations.template_times import is_now
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
@@ -86,6 +86,15 @@ def _terms(node: nodes.Node, factor: float) -> list[tuple[float, nodes.Node | No
         case nodes.Div(left=inner, right=nodes.Const(value=int() | float() as value)) if value:
             return _terms(inner, factor / value)
     return [(factor, node)]
+
+
+def moment_entity(node: nodes.Node) -> str:
+    """Return the entity whose state is the moment *node*; empty for another expression."""
+    ((_, moment), *others) = _terms(node, 1.0)
+    match moment:
+        case nodes.Call(node=nodes.Name(name="today_at"), args=[inner]):
+            moment = inner
+    return state_entity(moment) if moment is not None and not others else ""
 
 
 def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:

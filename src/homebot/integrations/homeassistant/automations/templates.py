@@ -3,6 +3,7 @@
 Source: Home Assistant core 2026.11, ``helpers/template``; of a number ``float(0)`` the 0 counts while it is unknown.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from math import prod
 from typing import Final, TypeAlias, TypeVar, cast
@@ -59,7 +60,12 @@ from homebot.integrations.homeassistant.automations.states import (
     sun_angle_text,
 )
 from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, is_calculated
-from homebot.integrations.homeassistant.automations.template_elapsed import Elapsed, elapsed_limit, is_last_run
+from homebot.integrations.homeassistant.automations.template_elapsed import (
+    Elapsed,
+    elapsed_limit,
+    is_last_run,
+    moment_entity,
+)
 from homebot.integrations.homeassistant.automations.template_lists import (
     NEGATED,
     EntityList,
@@ -164,8 +170,8 @@ class Templates:
                 self._inlined(inlined)
         return node
 
-    def message(self, text: str) -> str:
-        """Return the text of a message with the values of its template in braces."""
+    def message(self, text: str, *, has_units: bool = True) -> str:
+        """Return the text of a message with the values of its template in braces, with their units or without them."""
         if "{" not in text:
             return text.strip()
         pieces: list[str] = []
@@ -179,12 +185,36 @@ class Templates:
                 piece = str(node.data if isinstance(node, nodes.TemplateData) else node.value)
                 if "{" in piece or "}" in piece:
                     raise refused_template(text, "braces in a message mean a value")
-                pieces.append(without_unit(piece, unit))
+                pieces.append(without_unit(piece, unit) if has_units else piece)
                 unit = ""
             elif not _is_unit(node):
                 value, unit = value_text(self._automation, node)
                 pieces.append(value)
         return "".join(pieces).strip()
+
+    def moment(self, text: str) -> tuple[str, float]:
+        """Return the entity whose moment the template *text* waits for, and the seconds after it; else an empty id.
+
+        It is true from then on, perhaps until a later one.
+        """
+        begins: list[tuple[str, float]] = []
+        ends: list[tuple[str, float]] = []
+        parts = [self._inlined(expression_of(text))]
+        while parts:
+            match parts.pop():
+                case nodes.And(left=left, right=right):
+                    parts += [left, right]
+                case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=right)]) if (
+                    elapsed := elapsed_limit(left, sign, right)
+                ) is not None and (entity := moment_entity(elapsed.last)):
+                    (begins if elapsed.sign[0] == ">" else ends).append((entity, elapsed.seconds))
+                case nodes.Not(node=nodes.Test(name="none", node=inner)) if entity := moment_entity(inner):
+                    ends.append((entity, math.inf))
+                case _:
+                    return "", 0.0
+        if len(begins) != 1 or any(entity != begins[0][0] or end <= begins[0][1] for entity, end in ends):
+            return "", 0.0
+        return begins[0]
 
     def ways(self, call: Located) -> list[tuple[list[Condition], Located]]:
         """Return the calls that *call* becomes by the first choice in its templates, each with its conditions.
@@ -266,8 +296,13 @@ class Templates:
         return []
 
     def _of_chance(self, node: nodes.Node) -> _Ways:
-        """Return the values of which one is drawn by chance."""
+        """Return the values of which one is drawn by chance; of a long range some."""
         drawn = _drawn(node.node) if isinstance(node, nodes.Filter) and node.name == "random" else []
+        if len(drawn) > _MAX_DRAWN:
+            drawn = [drawn[place * (len(drawn) - 1) // (_OF_RANGE - 1)] for place in range(_OF_RANGE)]
+            self._automation.notes.append(
+                f"of a long range one of {_OF_RANGE} numbers is drawn, from its least to its most"
+            )
         return [
             ([(f"chance 1 in {len(drawn) - place}",)] if place < len(drawn) - 1 else [], joined_pieces(value))
             for place, value in enumerate(drawn)
@@ -727,6 +762,10 @@ def _count_of_ways(node: nodes.Node) -> int:
 _MAX_DRAWN: Final = 20
 """Values of which one is drawn, each of which is written."""
 
+_MAX_RANGE: Final = 1000
+_OF_RANGE: Final = 5
+"""Numbers that are written of a longer range."""
+
 
 def _table_of(node: nodes.Node) -> list[tuple[nodes.Expr, nodes.Expr]]:
     """Return the keys and values of a mapping that is written as it is; none for another expression."""
@@ -747,7 +786,7 @@ def _drawn(node: nodes.Node | None) -> list[nodes.Expr]:
         case nodes.Call(node=nodes.Name(name="range"), args=args):
             numbers = [int(constant_number(value)) for value in args]
             span = range(*numbers[:3]) if numbers and 0 not in numbers[2:3] else range(0)
-            return [*map(nodes.Const, span)] if len(span) <= _MAX_DRAWN else []
+            return [*map(nodes.Const, span)] if len(span) <= _MAX_RANGE else []
     return []
 
 

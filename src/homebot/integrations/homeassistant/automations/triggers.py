@@ -190,8 +190,15 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     """Return the states that must all be for the template to be true, each as a trigger; the others are conditions."""
     node = fields.take("value_template")
     lasting = lasting_text(automation, fields)
+    entity, seconds = ("", 0.0) if lasting else templates_of(automation).moment(template_text(node))
+    if entity:
+        at = {"entity_id": Located(entity, 0), "offset": Located(seconds, 0)}
+        automation.notes.append(f"a moment of {entity} that is over when it is told starts nothing")
+        return [*map(StartTrigger, _times(automation, UnreadFields(Located({"at": Located(at, 0)}, 0), "trigger"), ""))]
     conditions = templates_of(automation).conditions(template_text(node))
-    texts = [text[1:-1] if text[:1] == "(" else text for condition in conditions for text in condition]
+    texts = [_positive(text) for condition in conditions for text in condition]
+    if (household := _household(automation, texts, is_any=len(conditions) == 1)) != "":
+        texts, conditions = [household], [(household,)]
     if len(conditions) == 1 and len(texts) > 1 and not lasting:  # one begins while none of the others is so
         return [
             trigger._replace(needs=tuple(denied([tuple(other for other in conditions[0] if text not in other)])))
@@ -205,7 +212,9 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     begins = [_one_state(text)[0].text for text in texts]
     if lasting and any(" for " in text or text in _SUN_BEGINS or _SPAN.match(text) for text in texts):
         raise NotCarriedError("trigger template: `for` of the sun, or of what lasts already; write it without")
-    needs = [(bracketed(f"{text}{lasting}"),) for text in texts] if len(texts) > 1 else []
+    raw = [text for condition in conditions for text in condition]  # while it is unknown, nobody is at home
+    held = [bracketed(f"{text}{lasting}") for text in texts] if lasting else raw
+    needs = [(text,) for text in held] if len(texts) > 1 else []
     return [
         StartTrigger(
             f"{begin}{lasting}",
@@ -213,6 +222,28 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
         )
         for begin, text in zip(begins, texts, strict=True)
     ]
+
+
+def _positive(text: str) -> str:
+    """Return a state without brackets; that somebody is not in a place as that of being in another one."""
+    if (elsewhere := _ELSEWHERE.fullmatch(text)) is not None:
+        return f"{elsewhere['who']} place!={elsewhere['place']}"
+    return text[1:-1] if text[:1] == "(" else text
+
+
+_ELSEWHERE: Final = re.compile(r"not \((?P<who>[^()]*) place=(?P<place>'[^'()]*')\)")
+
+
+def _household(automation: Automation, texts: Sequence[str], *, is_any: bool) -> str:
+    """Return the state of all persons in the place of that of each of them; empty unless *texts* name all."""
+    ends = {text.rpartition(" is ")[2] for text in texts if text.endswith((" is home", " is away"))}
+    if len(texts) < 2 or len(ends) != 1 or len({*texts}) != automation.entities.people:
+        return ""
+    return {
+        ("home", True): "somebody is home",
+        ("home", False): "everybody is home",
+        ("away", False): "nobody is home",
+    }.get((ends.pop(), is_any), "")
 
 
 def _one_state(text: str) -> list[StartTrigger]:
