@@ -908,6 +908,29 @@ PLAYS: tuple[Play, ...] = (
     ),
     Play("ends_and_events", "", ["10:10 sensor.phone_next_alarm 2026-01-15T10:40:00+00:00"]),
     Play(
+        "ends_and_events",
+        "sensor.outside 20",
+        ["10:10 sensor.outside 25.5", "10:20 quiet on", "10:21 sensor.outside 26.5", "10:30 sensor.outside 24"],
+        [
+            "10:10:00 light.hall level 55",
+            "10:10:00 switch.stove on_off True",
+            "10:21:00 light.hall level 65",
+            "10:21:00 switch.stove on_off False",
+        ],
+    ),
+    Play("ends_and_events", "sensor.outside 20", ["10:10 sensor.outside 25"]),
+    Play(
+        "remotes",
+        "",
+        [
+            "20:00 living_dial#event_living_dial_button_3 long_press",
+            "20:01 living_dial#event_living_dial_button_3 initial_press",
+            "20:02 living_dial#event_living_dial_button_2 long_press",
+        ],
+        ["20:00:00 light.hall on_off True"],
+        "19:50 20:10",
+    ),
+    Play(
         "persons_and_places",
         "",
         ["10:10 anna not_home", "10:30 anna home"],

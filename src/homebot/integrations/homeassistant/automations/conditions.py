@@ -75,6 +75,8 @@ def _with_fields(node: Located) -> Located:
 
 
 def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
+    if "{" in str(fields.left["condition"].value if "condition" in fields else ""):
+        return templates_of(automation).conditions(template_text(fields.take("condition")))
     kind = fields.text("condition", "")
     joint = kind or fields.first_of(JOINTS)
     match joint:

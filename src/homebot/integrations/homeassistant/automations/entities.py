@@ -33,7 +33,7 @@ _HELPERS: Final = frozenset(
 
 _SENSED: Final = r"(?:attributes|binary_sensor|device_tracker|person|sun|weather|zone)"
 _COMMANDED: Final = re.compile(rf"\bstates(?!\(|\.{_SENSED}\b)|['\"](?!{_SENSED}\.)[a-z_]+\.[a-z]|_entities\(")
-"""What a template asks for that a command may change at once."""
+"""The parts of a template that a command may change at once."""
 
 _OF_GROUPS: Final = frozenset({"binary_sensor", "fan", "input_boolean", "light", "siren", "switch"})
 """The domains of members of groups that are on or off."""
@@ -337,7 +337,7 @@ class Entities:
         return sum(device.service_type == "x_person" for device in self._devices)
 
     def is_household(self, entity_id: str, *, by_name: bool = False) -> bool:
-        """Return whether a group, which is asked for who is at home or is called so, is that of all known persons."""
+        """Return whether a group, which is asked for places of persons or is called so, is that of all known ones."""
         members = self._groups.get(entity_id, ())
         is_meant = entity_id.startswith("group.") and (not by_name or _OF_PERSONS.search(entity_id) is not None)
         return is_meant and self.knows_people and len(members) in {0, self.people}
@@ -461,6 +461,7 @@ def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant, bool]]:
         part = own_part.part.part
         own = {slug_of(text) for text in (part.name, part.tag, own_part.capability)} - {""}
         ends = {f"_{text}" for text in own} | ({""} if len(possible) == 1 else set())
+        yield part.id.removeprefix(f"{domain}_"), own_part, True
         yield from ((f"{name}{end}", own_part, True) for name in names for end in ends)
         is_main = own_part.capability and CAPABILITIES.get(own_part.capability, OWN).sensor == device.service_type
         if is_main:

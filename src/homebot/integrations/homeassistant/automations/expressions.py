@@ -41,10 +41,22 @@ def constant_of_template(text: str) -> float | None:
 def template_tree(text: str) -> nodes.Template:
     """Return the tree of the template *text*, with the values that it is given."""
     try:
-        tree = tree_of(text.strip())
+        tree = cast("nodes.Template", _with_choices(tree_of(text.strip())))
     except TemplateError as exc:
         raise refused_template(text, f"it {exc.problem}") from exc
     return cast("nodes.Template", _with_values(tree, text.values)) if isinstance(text, BoundTemplate) else tree
+
+
+def _with_choices(node: nodes.Node) -> nodes.Node:
+    """Return *node* with ``iif(a, b, c)`` as ``b if a else c``."""
+    node = rebuilt(node, _with_choices)
+    match node:
+        case (
+            nodes.Call(node=nodes.Name(name="iif"), args=[test, yes, no])
+            | nodes.Filter(name="iif", node=test, args=[yes, no])
+        ) if test is not None:
+            return nodes.CondExpr(test, yes, no)
+    return node
 
 
 def _with_values(node: nodes.Node, values: Mapping[str, object]) -> nodes.Node:

@@ -110,7 +110,7 @@ class Actions:
 
     @property
     def mode(self) -> str:
-        """The mode of the routine: one that only waits for the end of what it turned on begins anew."""
+        """The mode of the routine: one that only waits for the end of its siren begins anew."""
         return "restart" if self._ends else self._mode
 
     def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
@@ -428,7 +428,7 @@ class Actions:
         return steps
 
     def _event(self, fields: UnreadFields) -> list[Step]:
-        """Return the press of the helper that stands for an event; what it tells beside its name, nobody asks for."""
+        """Return the press of the helper that stands for an event, without its data."""
         kind = fields.text("event")
         fields.take("event_data")  # a trigger that asks for it is refused
         asked = re.compile(rf"'event_type': \[?{re.escape(repr(kind))}")

@@ -94,15 +94,15 @@ def _of_routines(automation: Automation, name: str, data: UnreadFields, target: 
 
 def _of_media(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[str]:
     """Yield the steps in which players play an address."""
-    media = data.inner("media") if "media" in data else data
-    address, kind = media.text("media_content_id"), media.text("media_content_type", "music")
-    media.take("metadata")
-    media.end()
     if data.take("extra") is not None:
         automation.notes.append(f"`extra` of {name} is left out")
     if data.text("enqueue", "play") not in {"play", "replace"}:
         raise NotCarriedError(f"{name}: `enqueue`; homebot has no queue of a player")
     words = ["announce"] if data.flag("announce", default=False) else []
+    media = data.inner("media") if "media" in data else data
+    address, kind = media.text("media_content_id"), media.text("media_content_type", "music")
+    media.take("metadata")
+    media.end()
     data.end()
     words += [address] if kind == "music" and " " not in address and not words else [kind, address]
     if " " in kind or "," in address:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from datetime import timedelta
 from typing import Final, NamedTuple
 
+from homebot.devices.capabilities import EVENTS
 from homebot.integrations.homeassistant.automations.entities import (
     Automation,
     KnownEntity,
@@ -24,7 +25,7 @@ from homebot.integrations.homeassistant.automations.template_calculations import
 from homebot.integrations.homeassistant.automations.templates import bracketed
 from homebot.support.folding import fold
 from homebot.units import parse_duration
-from homebot.words.triggers import Changes, read_trigger
+from homebot.words.triggers import Changes, button_names, read_trigger
 
 _OPPOSITES: Final = {
     "on": "off",
@@ -250,13 +251,21 @@ def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> 
         own = [name for name in entity.controls[:1] if entity.has(name)] if is_only_state else []
         capability = entity.capability if entity.domain in _SENSOR_DOMAINS else next(iter(own), "")
     if not capability:
-        raise NotCarriedError(f"any change of {entity.id}; name the state with `to`")
+        advice = _OF_CHANGES.get(entity.domain, "name the state with `to`")
+        raise NotCarriedError(f"any change of {entity.id}; {advice}")
     text = f"{entity.query} {capability.replace('_', ' ')} changes"
     trigger = read_trigger(text)
     if not isinstance(trigger, Changes) or trigger.capability != capability:
         raise NotCarriedError(f"any change of {entity.id} cannot be written as a trigger")
     return text
 
+
+_OF_CHANGES: Final = {
+    "scene": "start it by what applies the scene",
+    "weather": "write `to:`, or name the states",
+    **dict.fromkeys(("device_tracker", "person"), "its position changes it too: write `to:`, or name the states"),
+}
+"""The text to write instead of a trigger by any change, by the domain."""
 
 _SENSOR_DOMAINS: Final = frozenset({"sensor", "binary_sensor"})
 
@@ -273,10 +282,13 @@ _PLAIN_DOMAINS: Final = frozenset(
 def _presses(entity: KnownEntity, states: list[str], attribute: str) -> list[tuple[str, str]]:
     """Return the presses of an entity, with its states: that of an event is a time, that of a sensor the event."""
     is_event_itself = entity.domain == "sensor" and not attribute
+    buttons = [part for part in entity.device.parts if any(can.name in EVENTS for can in part.part.capabilities)]
+    own = dict(zip([part.id for part in buttons], button_names(buttons), strict=True))
+    name = f"{entity.name}#{own[entity.part.id]}" if len(buttons) > 1 and entity.part.id in own else entity.name
     if states and (is_event_itself or attribute == "event_type"):
-        return [(press_text(entity.name, state), state) for state in states]
+        return [(press_text(name, state), state) for state in states]
     if entity.domain in {"event", "input_button"} and not states and not attribute:
-        return [(press_text(entity.name, ""), "")]
+        return [(press_text(name, ""), "")]
     raise NotCarriedError(f"trigger state: {entity.id} has only the attribute event_type")
 
 

@@ -326,8 +326,9 @@ class Templates:
         paths = {
             path for inner in (node, *node.find_all(nodes.Getattr)) if (path := path_of(inner))[:1] == ("trigger",)
         }
-        is_state = is_message and ("trigger", "to_state", "state") in paths
-        triggers = self._automation.triggers
+        triggers, now = self._automation.triggers, ("trigger", "to_state", "state")
+        is_asked = not self._automation.has_waited and all(trigger.value(now) is None for trigger in triggers)
+        is_state = now in paths and (is_message or is_asked)
         if is_state:
             note_length(self._automation)
         paths = {path for path in paths if any(trigger.value(path) is not None for trigger in triggers)}

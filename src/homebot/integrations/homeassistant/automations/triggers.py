@@ -212,7 +212,7 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     begins = [_one_state(text)[0].text for text in texts]
     if lasting and any(" for " in text or text in _SUN_BEGINS or _SPAN.match(text) for text in texts):
         raise NotCarriedError("trigger template: `for` of the sun, or of what lasts already; write it without")
-    raw = [text for condition in conditions for text in condition]  # while it is unknown, nobody is at home
+    raw = [text for condition in conditions for text in condition]  # an unknown place is none
     held = [bracketed(f"{text}{lasting}") for text in texts] if lasting else raw
     needs = [(text,) for text in held] if len(texts) > 1 else []
     return [
@@ -225,7 +225,7 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
 
 
 def _positive(text: str) -> str:
-    """Return a state without brackets; that somebody is not in a place as that of being in another one."""
+    """Return a state without brackets; that a person is not in a place as that of being in another one."""
     if (elsewhere := _ELSEWHERE.fullmatch(text)) is not None:
         return f"{elsewhere['who']} place!={elsewhere['place']}"
     return text[1:-1] if text[:1] == "(" else text
