@@ -920,6 +920,44 @@ PLAYS: tuple[Play, ...] = (
     ),
     Play("ends_and_events", "sensor.outside 20", ["10:10 sensor.outside 25"]),
     Play(
+        "numbers_and_lengths",
+        "sensor.hall 23, sensor.bedroom 25.5, switch.pump on, update.core off",
+        [
+            '10:05 update.core on latest_version="2026.2"',
+            "10:10 switch.pump off",
+            "10:20 binary_sensor.hall_window on",
+            "10:21 binary_sensor.kitchen_window on",
+        ],
+        [
+            "10:05:00 notify Version 2026.2",
+            "10:10:00 notify Watered 2026-01-14 10:10:00",
+            "10:25:00 notify Open for 5 minutes",
+            "10:30:00 notify Up to 25.5 degrees, 48.5 together",
+            "10:36:00 notify Open for 15 minutes",
+        ],
+    ),
+    Play(
+        "numbers_and_lengths",
+        "sensor.hall 22, sensor.bedroom unavailable",
+        ["10:20 binary_sensor.kitchen_window on", "10:30 binary_sensor.kitchen_window off"],
+    ),
+    Play(
+        "numbers_and_lengths",
+        "evening on",
+        [
+            "10:10 binary_sensor.stairs_motion on",
+            "10:15 evening off",
+            "10:15:30 binary_sensor.stairs_motion off",
+            "10:30 binary_sensor.hall_motion on",
+        ],
+        [
+            "10:10:00 light.hall on_off True",
+            "10:20:00 light.hall on_off False",
+            "10:30:00 light.hall on_off True",
+            "10:31:00 light.hall on_off False",
+        ],
+    ),
+    Play(
         "remotes",
         "",
         [

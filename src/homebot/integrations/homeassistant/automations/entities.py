@@ -85,6 +85,7 @@ _CONTROLS: Final = {
     "schedule": ("x_setting", "on_off"),
     "time": ("x_setting", "text"),
     "timer": ("x_setting", "on_off"),
+    "update": ("x_update", "update_available"),
     "weather": ("x_sensor", "value"),
     "sensor": ("", "value"),
 }

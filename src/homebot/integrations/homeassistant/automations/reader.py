@@ -378,7 +378,7 @@ class Actions:
         return conditions, [] if NEVER in conditions else self._branch(nodes, conditions)
 
     def _called_script(self, fields: UnreadFields, key: str) -> tuple[str, UnreadFields]:
-        """Return the script that is called, and what it is given; an empty name if another service is called."""
+        """Return the script that is called, and its values; an empty name if another service is called."""
         called = fields.left.get(key)
         domain, _, name = str(called.value if called else "").partition(".")
         given, is_turned_on = UnreadFields(Located({}, 0), "data"), (domain, name) == ("script", "turn_on")
@@ -444,15 +444,15 @@ class Actions:
             least, most = (UnreadFields(Located({"delay": end}, node.line), "delay").duration("delay") for end in ends)
             fields.take("delay")
             return [f"wait {least or '0s'} to {most}"]
-        if node is not None and (length := step_length(self._automation, node)):
-            fields.take("delay")
-            return [f"wait {length}"]
         if node is not None and (ways := templates_of(self._automation).ways(node)):
             fields.take("delay")
             choice: list[Step] = []
             for held, value in reversed(ways):
                 choice = _choice(held, self._delay(UnreadFields(Located({"delay": value}, 0), "delay")), choice)
             return choice
+        if node is not None and (length := step_length(self._automation, node)):
+            fields.take("delay")
+            return [f"wait {length}"]
         length = fields.duration("delay")
         return [f"wait {length}"] if length else []
 

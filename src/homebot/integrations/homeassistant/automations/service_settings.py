@@ -32,6 +32,8 @@ from homebot.words.steps import EXAMPLES, Do, read_step
 
 def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterator[ServiceSetting]:
     """Yield the values that a service sets."""
+    if name == "input_datetime.set_datetime" and {"date", "time"} <= data.left.keys():
+        data.left["datetime"] = _joined(*(data.left.pop(key) for key in ("date", "time")))
     keys = [key for key in SERVICE_FIELDS.get(name, ()) if key in data]
     if name == "timer.start" and "duration" in data:
         yield ServiceSetting("number", value=_minutes(automation, data))
@@ -83,6 +85,19 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
             yield row._replace(value=text)
         case _:
             yield row._replace(value=data.text(key))
+
+
+def _joined(date: Located, time: Located) -> Located:
+    """Return the moment of a *date* and *time*: two parts of this moment are this one."""
+    parts = [str(part.value) for part in (date, time)]
+    if all(_OF_NOW.fullmatch(part.replace(" ", "")) for part in parts):
+        return date._replace(value="{{ now().isoformat() }}")
+    return date._replace(value=" ".join(parts))
+
+
+_OF_NOW: Final = re.compile(
+    r"\{\{now\(\)\.(?:date\(\)|time\(\)|strftime\(['\"]%(?:Y-%m-%d|H:%M(?::%S)?|X|T)['\"]\))\}\}"
+)
 
 
 def _is_now_text(node: Located) -> bool:

@@ -128,7 +128,7 @@ _NEXT: Final = {
     for domain in ("input_select", "select")
     for service in ("select_next", "select_previous", "select_first", "select_last")
 } | {"media_player.media_play_pause", "cover.toggle"}
-"""Services whose effect depends on the state of their entity."""
+"""Services with an effect that depends on the state of their entity."""
 
 
 def _next(

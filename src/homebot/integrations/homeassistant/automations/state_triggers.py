@@ -276,7 +276,7 @@ _TOLD_WHOLE: Final = frozenset({"alarm_control_panel", "climate", "device_tracke
 _PLAIN_DOMAINS: Final = frozenset(
     {"counter", "input_boolean", "input_number", "input_select", "input_text", "number", "select"}
 )
-"""Domains whose entities have no attribute that changes by itself."""
+"""Domains of entities without an attribute that changes by itself."""
 
 
 def _presses(entity: KnownEntity, states: list[str], attribute: str) -> list[tuple[str, str]]:

@@ -67,6 +67,8 @@ _ATTRIBUTES: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
     ("cover", "current_tilt_position"): ("tilt", 1.0),
     ("climate", "target_humidity"): ("humidity_setpoint", 1.0),
     ("water_heater", "current_temperature"): ("local_temperature", 1.0),
+    ("update", "installed_version"): ("version", 1.0),
+    ("update", "latest_version"): ("latest_version", 1.0),
     ("vacuum", "battery_level"): ("battery", 1.0),
     ("weather", "temperature"): ("temperature", 1.0),
     ("weather", "humidity"): ("humidity", 1.0),
@@ -376,8 +378,8 @@ def state_value(entity: KnownEntity, state: str) -> tuple[str, str, list[str]]:
 
 def _flag_of(entity: KnownEntity, state: str) -> str:
     """Return the capability that is true or false in *state*, ``on`` or ``off``; empty for none."""
-    if entity.domain == "binary_sensor":
-        return entity.capability
+    if entity.domain in {"binary_sensor", "update"}:
+        return entity.capability or entity.controls[0]
     is_playing_or_idle = entity.domain == "media_player" and state == "on" and entity.has("playback")
     # in homebot a playing one is on as well
     return "on_off" if "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle else ""

@@ -22,7 +22,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import SUN_ANGLES, number_of
-from homebot.integrations.homeassistant.automations.template_lists import count_text, counted_list
+from homebot.integrations.homeassistant.automations.template_lists import count_text, counted_list, listed_numbers
 from homebot.integrations.homeassistant.automations.template_numbers import step_number
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 from homebot.support.located import Located
@@ -40,9 +40,9 @@ def is_calculated(node: nodes.Node) -> bool:
 
 def _calculates(node: nodes.Node) -> bool:
     match node:
-        case nodes.BinExpr() | nodes.Filter(name="abs" | "round" | "min" | "max"):
+        case nodes.BinExpr() | nodes.Filter(name="abs" | "round" | "min" | "max" | "sum" | "average"):
             return True
-        case nodes.Call(node=nodes.Name(name="min" | "max")):
+        case nodes.Call(node=nodes.Name(name="min" | "max" | "average")):
             return True
     return False
 
@@ -144,10 +144,16 @@ class _Calculation:
             case nodes.Add() | nodes.Sub() | nodes.Mul() | nodes.Div():
                 rank = _RANKS[type(node)]
                 return f"({self._side(node.left, rank)} {node.operator} {self._side(node.right, rank + 1)})"
-            case nodes.Filter(name="min" | "max" as name, node=nodes.List(items=[_, _, *_] as items), args=[]):
-                return self._function(name, items)
-            case nodes.Call(node=nodes.Name(name="min" | "max" as name), args=[_, _, *_] as items):
-                return self._function(name, items)
+            case nodes.Filter(name="min" | "max" | "sum" | "average" as name, node=inner, args=[]) if (
+                items := listed_numbers(inner)
+            ):
+                return self._of_several(name, items)
+            case nodes.Call(node=nodes.Name(name="min" | "max" | "average" as name), args=[inner]) if (
+                items := listed_numbers(inner)
+            ):
+                return self._of_several(name, items)
+            case nodes.Call(node=nodes.Name(name="min" | "max" | "average" as name), args=[_, _, *_] as items):
+                return self._of_several(name, items)
             case nodes.Filter(name="abs" as name, node=inner):
                 return self._function(name, [inner])
             case nodes.Filter(name="round", node=inner, args=[] | [_]) if not node.kwargs:
@@ -166,6 +172,12 @@ class _Calculation:
         if state_entity(node):
             raise refused_template(shown_tree(node), "a state is a text; write `float(0)` behind it")
         return self._value(node)
+
+    def _of_several(self, name: str, items: Sequence[nodes.Expr]) -> str:
+        if name in {"min", "max"} and len(items) > 1:
+            return self._function(name, items)
+        total = " + ".join(self.text(item) for item in items)
+        return f"(({total}) / {len(items)})" if name == "average" else f"({total})"
 
     def _function(self, name: str, items: Sequence[nodes.Expr | None]) -> str:
         return f"{name}({', '.join(_without_brackets(self.text(item)) for item in items)})"

@@ -89,7 +89,7 @@ def _terms(node: nodes.Node, factor: float) -> list[tuple[float, nodes.Node | No
 
 
 def moment_entity(node: nodes.Node) -> str:
-    """Return the entity whose state is the moment *node*; empty for another expression."""
+    """Return the entity with the state that is the moment *node*; empty for another expression."""
     ((_, moment), *others) = _terms(node, 1.0)
     match moment:
         case nodes.Call(node=nodes.Name(name="today_at"), args=[inner]):

@@ -32,7 +32,7 @@ _SAME: Final = frozenset({"list", "sort", "unique", "expand"})
 _NAME: Final = frozenset({"name", "attributes.friendly_name"})
 
 _PLACES: Final = {f"{place}_entities": f"{place}_id" for place in ("area", "device", "floor", "label")}
-"""The fields of a target with the places whose entities these functions list."""
+"""The fields of a target with the places of the entities that these functions list."""
 
 _OF_DOMAIN: Final = re.compile(r"\^?([a-z_]+)(?:\\?\.)?(?:\.\*)?")
 """A pattern that the ids of a domain match."""
@@ -77,6 +77,8 @@ class EntityList(NamedTuple):
             return of_all
         entities = self.entities(automation)
         if not self.ids:
+            if any(self.place) and not self.domain:
+                raise NotCarriedError("template: entities of a place; write `selectattr('domain', 'eq', 'light')`")
             named = " ".join(self.place).strip() or f"states.{self.domain}"
             automation.notes.append(f"{named} means the devices that homebot knows now")
         if not entities or not (self.states or self.limit):
@@ -107,7 +109,7 @@ class EntityList(NamedTuple):
         return [f"{name}={flags[state]}{''.join(others)}" for name in known for state in self.states if state in flags]
 
     def limited(self, sign: str, limit: float) -> "EntityList | None":
-        """Return those whose number is on the side *sign* of *limit*; None if unknown ones count as well."""
+        """Return those with a number on the side *sign* of *limit*; None if unknown ones count as well."""
         kind, default = self.number
         if sign not in SIGNS or self.limit is not None:
             return None
@@ -182,7 +184,7 @@ def _filtered(known: EntityList, node: nodes.Filter) -> EntityList | None:
 
 
 def _of_values(known: EntityList, is_denied: bool, test: str, values: Sequence[object]) -> EntityList | None:  # noqa: FBT001
-    """Return those of *known* whose states, or numbers, pass a test."""
+    """Return those of *known* with states, or numbers, that pass a test."""
     if known.told == "state":
         return (_but_by_state if is_denied else _by_state)(known, test, [*map(str, values)])
     sign = _SIGN_WORDS.get(test, test)
@@ -270,11 +272,27 @@ _FILTERS: Final[Mapping[tuple[str, str], _Reader]] = {
     ("map", "states"): lambda known, *_: known._replace(told="state"),
     ("map", "state_attr"): lambda known, test, _: known._replace(told="name") if test == "friendly_name" else None,
 }
-"""By its name and first word what a filter leaves of a list, by its test and the values of that."""
+"""By its name and first word the rest of a list after a filter, by its test and the values of that."""
+
+
+def listed_numbers(node: nodes.Node | None) -> list[nodes.Expr]:
+    """Return the numbers that *node* lists, each of an entity that it names; none for another expression."""
+    if isinstance(node, nodes.List):
+        return node.items
+    known = entity_list(node)
+    if known is None or known.told != "number" or not known.ids or known.limit or known.states:
+        return []
+    kind, default = known.number
+    given: list[nodes.Expr] = [] if default is None else [nodes.Const(default)]
+    states = nodes.Name("states", "load")
+    return [
+        nodes.Filter(nodes.Call(states, [nodes.Const(one)], [], None, None), kind, given, [], None, None)
+        for one in known.ids
+    ]
 
 
 def counted_list(node: nodes.Node | None) -> EntityList | None:
-    """Return the entities whose number *node* is; None for another expression."""
+    """Return the entities of which *node* is the number; None for another expression."""
     while isinstance(node, nodes.Filter) and node.name == "int":
         node = node.node
     if not isinstance(node, nodes.Filter) or node.name not in {"count", "length"}:

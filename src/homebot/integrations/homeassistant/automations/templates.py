@@ -158,7 +158,9 @@ class Templates:
     def _inlined(self, node: _NodeT) -> _NodeT:
         """Put the templates of variables into *node*."""
         for key, value in node.iter_fields():
-            if isinstance(value, nodes.Name) and value.name in self._automation.expressions:
+            if isinstance(value, nodes.Sub) and self._is_since_start(value):
+                setattr(node, key, nodes.Getattr(nodes.Name("trigger", "load"), "for", "load"))
+            elif isinstance(value, nodes.Name) and value.name in self._automation.expressions:
                 setattr(node, key, expression_of(self._automation.expressions[value.name]))
             elif isinstance(value, nodes.Node):
                 self._inlined(value)
@@ -169,6 +171,13 @@ class Templates:
             if isinstance(inlined := getattr(node, key), nodes.Node) and inlined is not value:
                 self._inlined(inlined)
         return node
+
+    def _is_since_start(self, node: nodes.Sub) -> bool:
+        """Return whether *node* is the time since the change that started it, which is the length of its state."""
+        since = {("trigger", "to_state", last) for last in ("last_changed", "last_updated")}
+        lengths = {trigger.value(("trigger", "for")) for trigger in self._automation.triggers}
+        is_since = is_now(node.left) and path_of(node.right) in since
+        return is_since and None not in lengths and not self._automation.has_waited
 
     def message(self, text: str, *, has_units: bool = True) -> str:
         """Return the text of a message with the values of its template in braces, with their units or without them."""
@@ -193,7 +202,7 @@ class Templates:
         return "".join(pieces).strip()
 
     def moment(self, text: str) -> tuple[str, float]:
-        """Return the entity whose moment the template *text* waits for, and the seconds after it; else an empty id.
+        """Return the entity with the moment that a template waits for, and the seconds after it; else an empty id.
 
         It is true from then on, perhaps until a later one.
         """
@@ -397,10 +406,10 @@ class Templates:
 
     def _of_entity(self, node: nodes.Expr) -> list[Condition] | None:
         """Return the conditions of a test of the entity that started it: one for each; None for another expression."""
-        asked = [
-            call for call in (node, *node.find_all(nodes.Call)) if isinstance(call, nodes.Call) and _is_of_entity(call)
-        ]
-        if not asked or not isinstance(node, nodes.Call | nodes.Compare):
+        calls = (node, *node.find_all(nodes.Call))
+        is_asked = any(isinstance(call, nodes.Call) and _is_of_entity(call) for call in calls)
+        is_state = self._is_new_state(node)
+        if not (is_asked or is_state) or not isinstance(node, nodes.Call | nodes.Compare):
             return None
         groups: dict[str, list[StartTrigger]] = {}
         for trigger in self._automation.triggers:
@@ -409,9 +418,16 @@ class Templates:
             raise refused_template(shown_tree(node), "not each trigger has an entity; give each an `id`")
         conditions: list[Condition] = []
         for group in groups.values():
-            held = self._read(cast("nodes.Expr", with_trigger(node, group, is_state=False)))
+            held = self._read(cast("nodes.Expr", with_trigger(node, group, is_state=is_state)))
             conditions += self._any_of([self._denied(self.started_by(group)), held]) if len(groups) > 1 else held
         return conditions
+
+    def _is_new_state(self, node: nodes.Expr) -> bool:
+        """Return whether *node* asks for the state of which each trigger is any, and which is that of now."""
+        triggers, state = self._automation.triggers, ("trigger", "to_state", "state")
+        is_any = all(trigger.entity and not trigger.state for trigger in triggers)
+        paths = map(path_of, node.find_all(nodes.Getattr))
+        return is_any and not self._automation.has_waited and state in paths
 
     def _tested(self, node: nodes.Expr) -> list[Condition] | None:
         """Return the conditions of ``is none`` and ``is defined``; None for another expression."""
