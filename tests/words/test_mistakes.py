@@ -92,7 +92,8 @@ def test_each_message_of_the_source_has_a_row(module: str) -> None:
 def test_a_row_is_of_a_message_that_homebot_gives() -> None:
     """Those of pydantic are provoked in ``tests/features/routines/test_mistakes.py``."""
     told = "\n".join((*chain.from_iterable(map(told_in, MODULES)), PYTHON))
-    rows = [english for english in TABLE if " should have " not in english and not english.startswith("input should")]
+    of_pydantic = [english for english in TABLE if english.startswith("input should") or " should have " in english]
+    rows = TABLE.keys() - REASONS.keys() - {*of_pydantic}
     pieces = {one.strip(" ,;:()'%") for english in rows for one in re.split(r"\{\w+\}|; |, got|\bno (?=r|s)", english)}
     assert {one for one in pieces if one not in told} == set()
 
@@ -163,6 +164,21 @@ def test_a_message_that_is_in_a_language_stays_as_it_is(language: str) -> None:
     """Some are told by the reader of a text, and once more where they leave."""
     answers = [answer for rows in MISTAKES.values() for _, _, answer in rows]
     assert [mistake_in(language, answer) for answer in answers] == answers
+
+
+def test_each_step_of_a_circle_is_told() -> None:
+    circle = "it would start itself: 'a on' of A starts B; 'b on' of B starts A"
+    assert mistake_in("de", circle) == "sie würde sich selbst starten: 'a on' von A startet B; 'b on' von B startet A"
+
+
+def test_a_refusal_of_a_step_is_told_with_its_reason() -> None:
+    reason = (
+        "Door needs a right that names it (it has the tag always_ask), and /a has none; `x --act 'id=\"d\"'` gives one"
+    )
+    assert mistake_in("nl", f"'öffne Door' is refused: {reason}") == (
+        "'öffne Door' wird abgelehnt: Door braucht ein Recht, das es nennt (es trägt das Kennzeichen always_ask), und "
+        "/a hat keines; `x --act 'id=\"d\"'` gibt eines"
+    )
 
 
 def test_what_has_no_row_stays_as_it_is() -> None:

@@ -131,7 +131,8 @@ def _values(form: Sequence[str], text: str) -> dict[int, str] | None:
             end = len(text) - len(literal)
         else:
             end = text.find(literal, place + 1)
-        if end <= place or not text.startswith(literal, end):
+        value = text[place:end]
+        if not value or not text.startswith(literal, end) or (form[at].startswith("name") and _SIGN.search(value)):
             return None
-        values[at], place = text[place:end], end + len(literal)
+        values[at], place = value, end + len(literal)
     return values if place == len(text) else None
