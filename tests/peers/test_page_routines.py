@@ -31,6 +31,8 @@ LANGUAGES = ("de", "fr", "es", "nl", "it")
 
 GROUP = "form [role=group]:nth-of-type({})"
 WHEN, IF, DO = (GROUP.format(number) for number in (1, 2, 3))
+SENTENCE = f"{DO} .choices label:nth-child(2) select"
+ENTER = "\ue007"  # of WebDriver
 
 
 @pytest.fixture(scope="module")
@@ -100,23 +102,29 @@ async def test_a_routine_that_is_only_picked_is_saved_and_does_its_work(browser:
         await to_thread.run_sync(write, own)
 
 
-async def test_what_is_wrong_in_a_value_is_said_and_enter_adds_the_sentence_rather_than_saving(
-    browser: Any, world: World
-) -> None:
+async def test_a_sentence_is_picked_by_keys_and_a_wrong_value_is_not_added(browser: Any, world: World) -> None:
+    """Enter adds the sentence, and does not save a routine that is half written."""
+
     def write(page: Page) -> None:
+        def steps() -> str:
+            return str(browser.find_element("css selector", "[name=steps]").get_attribute("value"))
+
         page.opened(f"#token={OWNER}", "heating")
         begin(page)
-        choose(page, DO, "times and the house", "wait 5m")
-        field = page.browser.find_element("css selector", f"{DO} p input")
+        page.until(lambda: "wait 5m" in browser.find_element("css selector", SENTENCE).text)
+        browser.find_element("css selector", SENTENCE).send_keys("wait")
+        field = page.until(lambda: browser.find_elements("css selector", f"{DO} p input"))[0]
         assert field.get_attribute("aria-label") == "wait …m"
         field.clear()
-        field.send_keys("\ue007")  # Enter
-        assert page.browser.find_element("css selector", "[name=steps]").get_attribute("value") == ""
-        field.send_keys("2\ue007")
-        page.until(
-            lambda: page.browser.find_element("css selector", "[name=steps]").get_attribute("value") == "wait 2m"
-        )
-        assert page.browser.find_elements("css selector", "form [role=group]")
+        field.send_keys(ENTER)
+        assert steps() == ""
+        field.send_keys(f"2{ENTER}")
+        page.until(lambda: steps() == "wait 2m")
+        assert browser.switch_to.active_element == browser.find_element("css selector", SENTENCE)
+        browser.switch_to.active_element.send_keys("undo")
+        page.tabbed(f"{DO} p button")
+        page.until(lambda: steps() == "wait 2m\nundo")
+        assert browser.switch_to.active_element == browser.find_element("css selector", SENTENCE)
         assert page.problems() == []
 
     async with opened_page(browser, world, {"home": HOME}, token=OWNER) as own:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final, final
 
 from anyio import to_thread
@@ -205,16 +205,17 @@ class RoutineServices:
         devices = await self._lookup.all_known()
         language = request.language or self._house.home.language
         words = await to_thread.run_sync(DeviceWords, devices)
+        device = next((one for one in devices if one.id == request.device), None)
+        if device is not None:
+            return await to_thread.run_sync(sentences.of_device, words, device, language)
         if not request.device:
             scenes: tuple[str, ...] = ()
             with closing(self._node.create_client(ListScenes, LIST_SCENES)) as client, suppress(ServiceError):
                 scenes = tuple([one.name for one in (await client.call(ScenesRequest())).scenes])
             names = [info.name for info in self._infos()]
             has_place = self._house.home.latitude is not None
-            return sentences.of_house(words, language, scenes, names, has_place=has_place)
-        for device in devices:
-            if device.id == request.device:
-                return await to_thread.run_sync(sentences.of_device, words, device, language)
+            of_house = partial(sentences.of_house, has_place=has_place)
+            return await to_thread.run_sync(of_house, words, language, scenes, names)
         raise UsageError(f"device: there is no device {request.device!r}; `homebot devices` lists those that there are")
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:

@@ -6,7 +6,6 @@ that only a person knows.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from itertools import chain
 from typing import Final
 
 from homebot.devices import Device
@@ -64,13 +63,18 @@ def of_device(words: DeviceWords, device: Device, language: str) -> RoutineSente
     events = [(part, press) for part, can in cans if can.name in EVENTS for press in _options(can)]
     presses = [words.press(device.id, part, press) for part, press in events]
     states = [text for part, can in cans if can.name not in EVENTS for text in _states(words, device, part, can)]
-    lasting = [(text, f"{text} for {{5}}m") for text in states if text]
-    waits = [f"wait until {text}, at most {{30}}m" for texts in lasting for text in texts]
+    people = words.presence(device.id)  # these come and go at a moment, and are there or not
+    lasting = [text for state in states if state for text in (state, f"{state} for {{5}}m")]
+    waits = [f"wait until {text}, at most {{30}}m" for text in people or lasting]
     steps = [text for part, can in cans if can.settable for text in _steps(words, device, part, can)]
     toggle = [f"{text.removesuffix(' on')} toggle" for text in steps if text.endswith(" on")]
     return RoutineSentencesResponse(
-        when=_offered([*presses, *chain.from_iterable(lasting)], "trigger", language),
-        conditions=_offered([*words.presence(device.id), *chain.from_iterable(lasting)], "condition", language),
+        when=_offered(
+            [*presses, *(states if people else lasting), *(f"{text} for {{5}}m" for text in people)],
+            "trigger",
+            language,
+        ),
+        conditions=_offered(people or lasting, "condition", language),
         steps=_offered([*steps, *toggle, *waits], "step", language),
     )
 
@@ -79,7 +83,9 @@ def _states(words: DeviceWords, device: Device, part: str, can: Capability) -> I
     """Yield the sentences for what *can* reports: its words, or below and above a number."""
     match CAPABILITIES.get(can.name, OWN).kind:
         case "bool":
-            yield from (words.trigger(device.id, part, can.name, value) for value in (True, False))
+            texts = (words.trigger(device.id, part, can.name, value) for value in (True, False))
+            is_person = device.service_type == "x_person"  # whose leave other languages say in one way
+            yield from (text.replace(" has left", " leaves") if is_person else text for text in texts)
         case "number":
             number = _number(device, part, can)
             texts = (words.limit(device.id, part, can.name, number, sign) for sign in ("below", "above"))

@@ -1,1 +1,1 @@
-import"./chunk-ZOVRBMRX.js";
+import"./chunk-RX4ZIRCR.js";

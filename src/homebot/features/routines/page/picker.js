@@ -12,7 +12,7 @@ const typeOf = (value) => (value === TEXT ? "text" : value.includes(":") ? "time
 
 /** `kind` is that of the sentences: when, conditions or steps, `word` their name for people; `onPick` gets each that is added. */
 export function Picker({ kind, word, onPick }) {
-  const [{ device, sentences, chosen }, set] = useState({ device: "", sentences: [], chosen: "" }); // no device: times and the house
+  const [{ device, sentences, chosen }, set] = useState({ device: "", sentences: null, chosen: "" }); // no device: times and the house
   const line = useRef(null);
   useOpen(async (isCurrent) => {
     const answer = await call("/routines/sentences", { device, language: language.value }).catch(() => ({}));
@@ -24,6 +24,7 @@ export function Picker({ kind, word, onPick }) {
     if (!values.every((one) => one.reportValidity())) return;
     onPick(pieces.map((piece, at) => (at % 2 ? values[(at - 1) / 2].value : piece)).join(""));
     set({ device, sentences, chosen: "" });
+    line.current.previousElementSibling.querySelector("label:last-child select").focus(); // for the next one, as the button goes
   };
   const onKey = (event) => {
     if (event.key !== "Enter") return;
@@ -32,8 +33,9 @@ export function Picker({ kind, word, onPick }) {
   };
   const option = (id) => html`<option key=${id} value=${id}>${deviceOf(id).value.name}</option>`;
   return html`<div class="choices">
-      <label><span>${say("device")}</span> <select value=${device} onChange=${(event) => set({ device: event.target.value, sentences: [], chosen: "" })}><option value="">${say("times and the house")}</option>${rooms.value.map(([room, ids]) => html`<optgroup key=${room} label=${room ? titled(room) : say("Without a room")}>${ids.map(option)}</optgroup>`)}</select></label>
-      <label><span>${word}</span> <select value=${chosen} onChange=${(event) => set({ device, sentences, chosen: event.target.value })}><option value="">…</option>${sentences.map((one) => html`<option key=${one} value=${one}>${one.replace(/[{}]/g, "")}</option>`)}</select></label>
+      <label><span>${say("device")}</span> <select value=${device} onChange=${(event) => set({ device: event.target.value, sentences: null, chosen: "" })}><option value="">${say("times and the house")}</option>${rooms.value.map(([room, ids]) => html`<optgroup key=${room} label=${room ? titled(room) : say("Without a room")}>${ids.map(option)}</optgroup>`)}</select></label>
+      <label><span>${word}</span> <select value=${chosen} onChange=${(event) => set({ device, sentences, chosen: event.target.value })}><option value="">…</option>${sentences?.map((one) => html`<option key=${one} value=${one}>${one.replace(/[{}]/g, "")}</option>`)}</select></label>
     </div>
+    ${sentences?.length === 0 && html`<p class="quiet">${say("There is nothing to propose.")}</p>`}
     ${chosen && html`<p key=${chosen} class="choices" ref=${line} onKeyDown=${onKey}>${pieces.map((piece, at) => (at % 2 ? html`<input type=${typeOf(piece)} step="any" required style=${{ flex: "0 1 9rem" }} aria-label=${`${pieces[at - 1]}${TEXT}${pieces[at + 1]}`} defaultValue=${piece === TEXT ? "" : piece} />` : html`<span>${piece}</span>`))} <button type="button" onClick=${add}>${say("add")}</button></p>`}`;
 }
