@@ -6,19 +6,25 @@ that only a person knows.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from homebot.devices import Device
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN, settable_options
 from homebot.devices.part import Capability
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.terms import And
 from homebot.devices.wording.values import main_parts, value_text
 from homebot.errors import UsageError
 from homebot.features.routines.messages import RoutineSentencesResponse
-from homebot.words.conditions import read_condition
+from homebot.words.conditions import Matches, read_condition
 from homebot.words.device_words import DeviceWords, rounded
 from homebot.words.own_language import TextKind, in_language, to_english
-from homebot.words.steps import read_step
-from homebot.words.triggers import read_trigger
+from homebot.words.queries import parse_query
+from homebot.words.steps import Do, WaitUntil, read_step
+from homebot.words.triggers import Becomes, Press, read_trigger
 
 _DAYS: Final = ("weekdays", "weekends", "mon", "tue", "wed", "thu", "fri", "sat", "sun")
 _TIMES: Final = ("{22:30}", *(f"{{22:30}} on {days}" for days in _DAYS), "every {30}m", "homebot starts")
@@ -68,15 +74,48 @@ def of_device(words: DeviceWords, device: Device, language: str) -> RoutineSente
     waits = [f"wait until {text}, at most {{30}}m" for text in people or lasting]
     steps = [text for part, can in cans if can.settable for text in _steps(words, device, part, can)]
     toggle = [f"{text.removesuffix(' on')} toggle" for text in steps if text.endswith(" on")]
+    when = [*presses, *(states if people else lasting), *(f"{text} for {{5}}m" for text in people)]
+    bare = partial(_bare, device=device, reference=words.reference(device.id))
     return RoutineSentencesResponse(
-        when=_offered(
-            [*presses, *(states if people else lasting), *(f"{text} for {{5}}m" for text in people)],
-            "trigger",
-            language,
-        ),
-        conditions=_offered(people or lasting, "condition", language),
-        steps=_offered([*steps, *toggle, *waits], "step", language),
+        when=_offered(bare(when, "trigger"), "trigger", language),
+        conditions=_offered(bare(people or lasting, "condition"), "condition", language),
+        steps=_offered(bare([*steps, *toggle, *waits], "step"), "step", language),
     )
+
+
+def _bare(texts: Iterable[str], kind: TextKind, device: Device, reference: str) -> Iterator[str]:
+    """Yield *texts* with the bare name of *device* for ``name="…"``, where a routine understands the same by it."""
+    facets, name = facets_of(device), reference.removeprefix('name="').removesuffix('"')
+    for text in texts:
+        bare = text.replace(reference, name)
+        if bare == text:
+            yield text
+            continue
+        try:
+            words, rest = _asked(_READ[kind](bare.translate(_BRACES)))
+            strict, others = _asked(_READ[kind](text.translate(_BRACES)))
+            named = parse_query(words, lambda query: fits(query, facets))
+            is_same = named in {parse_query(strict), And((parse_query(strict),))}
+        except UsageError:
+            yield text
+        else:
+            yield bare if is_same and rest == others else text
+
+
+def _asked(read: object) -> tuple[str, object]:
+    """Return the words for a device in a trigger, condition or step, and the rest of it."""
+    match read:
+        case Becomes(words=words) | Press(words=words):
+            return words, replace(read, text="", words="", query=parse_query(""))
+        case Matches(state=state, is_none=is_none):
+            words, rest = _asked(state)
+            return words, (rest, is_none)
+        case WaitUntil(state=state, most=most):
+            words, rest = _asked(state)
+            return words, (rest, most)
+        case Do(target=words):
+            return words, replace(read, text="", target="")
+    return "", read
 
 
 def _states(words: DeviceWords, device: Device, part: str, can: Capability) -> Iterator[str]:
