@@ -125,6 +125,12 @@ async def test_a_sentence_is_picked_by_keys_and_a_wrong_value_is_not_added(brows
         page.tabbed(f"{DO} p button")
         page.until(lambda: steps() == "wait 2m\nundo")
         assert browser.switch_to.active_element == browser.find_element("css selector", SENTENCE)
+        choose(page, DO, "lamp", "lamp 100 %")
+        field = browser.find_element("css selector", f"{DO} p input")
+        field.clear()
+        field.send_keys(f"300{ENTER}")
+        assert steps() == "wait 2m\nundo"
+        assert browser.execute_script("return arguments[0].validity.rangeOverflow", field)
         assert page.problems() == []
 
     async with opened_page(browser, world, {"home": HOME}, token=OWNER) as own:

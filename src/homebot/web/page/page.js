@@ -1,1 +1,1 @@
-import"./chunk-RX4ZIRCR.js";
+import"./chunk-V2C5M6K4.js";

@@ -8,6 +8,7 @@ import { useOpen } from "../../opened.js";
 import { titled } from "../../words.js";
 
 const TEXT = "…"; // stands for what only a person knows
+const boundsOf = (after) => (after.startsWith(" %") ? { min: 0, max: 100 } : {});
 const typeOf = (value) => (value === TEXT ? "text" : value.includes(":") ? "time" : "number");
 
 /** `kind` is that of the sentences: when, conditions or steps, `word` their name for people; `onPick` gets each that is added. */
@@ -37,5 +38,5 @@ export function Picker({ kind, word, onPick }) {
       <label><span>${word}</span> <select value=${chosen} onChange=${(event) => set({ device, sentences, chosen: event.target.value })}><option value="">…</option>${sentences?.map((one) => html`<option key=${one} value=${one}>${one.replace(/[{}]/g, "")}</option>`)}</select></label>
     </div>
     ${sentences?.length === 0 && html`<p class="quiet">${say("There is nothing to propose.")}</p>`}
-    ${chosen && html`<p key=${chosen} class="choices" ref=${line} onKeyDown=${onKey}>${pieces.map((piece, at) => (at % 2 ? html`<input type=${typeOf(piece)} step="any" required style=${{ flex: "0 1 9rem" }} aria-label=${`${pieces[at - 1]}${TEXT}${pieces[at + 1]}`} defaultValue=${piece === TEXT ? "" : piece} />` : html`<span>${piece}</span>`))} <button type="button" onClick=${add}>${say("add")}</button></p>`}`;
+    ${chosen && html`<p key=${chosen} class="choices" ref=${line} onKeyDown=${onKey}>${pieces.map((piece, at) => (at % 2 ? html`<input type=${typeOf(piece)} ...${boundsOf(pieces[at + 1])} step="any" required style=${{ flex: "0 1 9rem" }} aria-label=${`${pieces[at - 1]}${TEXT}${pieces[at + 1]}`} defaultValue=${piece === TEXT ? "" : piece} />` : html`<span>${piece}</span>`))} <button type="button" onClick=${add}>${say("add")}</button></p>`}`;
 }
