@@ -943,6 +943,17 @@ PLAYS: tuple[Play, ...] = (
     ),
     Play(
         "numbers_and_lengths",
+        "switch.pump on, evening on",
+        ["12:20 evening off"],
+        [
+            "12:00:00 notify Pump is on, 2026-01-14 12:00:00",
+            "12:30:00 notify Pump is on, 2026-01-14 12:30:00",
+        ],
+        "11:50 12:40",
+    ),
+    Play("numbers_and_lengths", "", ["12:20 evening on"], [], "11:50 12:40"),
+    Play(
+        "numbers_and_lengths",
         "evening on",
         [
             "10:10 binary_sensor.stairs_motion on",

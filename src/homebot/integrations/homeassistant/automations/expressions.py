@@ -3,6 +3,7 @@
 Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final, Self, cast
 
@@ -136,6 +137,10 @@ def _words_of(body: Sequence[nodes.Node]) -> str:
     return "".join(str(getattr(part, "data", getattr(part, "value", "?"))) for part in parts).strip()
 
 
+_NUMBERS: Final = re.compile(r"\[[-\d., ]*\]")
+"""A list of numbers, such as those of a colour."""
+
+
 class LeftTemplate(str):
     """A template after a choice in it, with its remaining parts."""
 
@@ -151,8 +156,9 @@ def text_of_parts(text: str, parts: list[nodes.Node]) -> str:
         if isinstance(part, nodes.TemplateData | nodes.Const)
     ]
     if len(texts) == len(parts):
+        plain = "".join(texts).strip()
         is_list = len(parts) == 1 and isinstance(getattr(parts[0], "value", None), list)
-        return f"{{{{ {texts[0]} }}}}" if is_list else "".join(texts).strip()
+        return f"{{{{ {plain} }}}}" if is_list or _NUMBERS.fullmatch(plain) else plain
     left = LeftTemplate(text)
     left.parts = parts
     return left

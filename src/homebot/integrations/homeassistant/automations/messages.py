@@ -99,7 +99,11 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
             return _state_value(automation, entity, "")
         case nodes.Call(
             node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
-        ) if attribute != "friendly_name":
+        ) if attribute == "friendly_name":
+            return automation.entities.find(entity).device.name, ""
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
+        ):
             return _state_value(automation, entity, str(attribute))
         case nodes.Call(node=nodes.Name(name="area_name"), args=[inner]) if path_of(inner)[:1] == ("trigger",):
             return "{room}", ""

@@ -16,17 +16,19 @@ SETS_TIME: Final = "input_datetime.set_datetime"
 
 
 def run_marks(actions: Sequence[Located], others: Sequence[str]) -> frozenset[str]:
-    """Return the helpers that *actions* set to the time of each run, and that *others* do not name.
+    """Return the helpers that *actions* set to the time of each run, and that *others* and further calls do not name.
 
     Only the first actions count, before any that asks or waits: they are part of each run.
     """
     marks: set[str] = set()
+    calls = [node.value for node in actions if isinstance(node.value, dict) and service_name(node.value)]
+    named = [*others, *(str(call) for call in calls if not marked_by(call))]
     for node in actions:
         fields = node.value if isinstance(node.value, dict) else {}
         if not service_name(fields) or "enabled" in fields:
             break
         marks |= {marked_by(fields)}
-    return frozenset(mark for mark in marks - {""} if not any(mark in other for other in others))
+    return frozenset(mark for mark in marks - {""} if not any(mark in other for other in named))
 
 
 def marked_by(fields: Mapping[str, Located]) -> str:

@@ -29,6 +29,7 @@ from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 _SAME: Final = frozenset({"list", "sort", "unique", "expand"})
 """Filters after which a list has the same entities."""
 
+_AT_HOME: Final = {"home": "true", "not_home": "false"}
 _NAME: Final = frozenset({"name", "attributes.friendly_name"})
 
 _PLACES: Final = {f"{place}_entities": f"{place}_id" for place in ("area", "device", "floor", "label")}
@@ -92,6 +93,9 @@ class EntityList(NamedTuple):
             found = [*map(known.find, known.expanded(self.ids))] or known.of_class(self.domain, self.classes)
         else:
             found = known.of_target((self.domain,), *self.place)
+        if self.domain == "person":  # a phone without an entity is none
+            persons = [entity for entity in found if entity.part.part.service_type == "x_person"]
+            found = persons or [entity for entity in found if entity.id in automation.entities.used]
         others = [(entity.device.id, entity.part.id) for entity in map(known.find, self.but)]
         return [entity for entity in found if (entity.device.id, entity.part.id) not in others]
 
@@ -120,6 +124,8 @@ class EntityList(NamedTuple):
     def _of(self, entity: KnownEntity) -> list[str]:
         if self.limit is not None:
             return [limits_text(entity, entity.capability, [self.limit])]
+        if entity.part.part.service_type == "x_person" and {*self.states} <= _AT_HOME.keys():
+            return [f"{entity.query} at_home={_AT_HOME[state]}" for state in self.states]
         return [state_text(entity, state, "state") for state in self.states]
 
 

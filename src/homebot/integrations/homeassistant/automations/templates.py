@@ -587,6 +587,11 @@ class Templates:
                 [*self._denied(held), *self._compared(left, sign, right.expr2)],
             )
             return self._any_of(ways)
+        if sign in {"eq", "ne"} and _is_truth(left) and _is_truth(right):
+            (yes, no), (also, neither) = ((held, self._denied(held)) for held in map(self._read, (left, right)))
+            if sign == "ne":
+                also, neither = neither, also
+            return self._any_of([[*yes, *also], [*no, *neither]])
         if (several := extreme_of(left)) is not None and sign in SIGNS:
             return self._compared_all(*several, sign, right)
         if is_now(right) and clock_of_today(left) and sign in _SWAPPED:
@@ -750,6 +755,16 @@ def _helper_of(node: nodes.Node) -> str:
         case _:
             entity = state_entity(node)
     return entity if entity.startswith("input_datetime.") else ""
+
+
+def _is_truth(node: nodes.Expr) -> bool:
+    """Return whether *node* is true or false."""
+    match node:
+        case nodes.And() | nodes.Or() | nodes.Not() | nodes.Compare() | nodes.Test() | nodes.Const(value=bool()):
+            return True
+        case nodes.Call(node=nodes.Name(name="is_state" | "is_state_attr" | "has_value")):
+            return True
+    return False
 
 
 def _is_of_entity(call: nodes.Call) -> bool:

@@ -252,7 +252,12 @@ def _one_state(text: str) -> list[StartTrigger]:
         return [StartTrigger(begin["time"])]
     is_state = is_of_device(text) and not text.startswith(("not ", "{"))
     is_person = text.endswith((" is home", " is away"))
-    if not is_state and not is_person and not text.startswith("sun elevation ") and text not in _SUN_BEGINS:
+    if (
+        not is_state
+        and not is_person
+        and not text.startswith(("sun elevation ", "sun azimuth "))
+        and text not in _SUN_BEGINS
+    ):
         raise NotCarriedError("trigger template: only states start a routine; write the times as triggers")
     return [StartTrigger(_SUN_BEGINS.get(text, text))]
 
