@@ -53,12 +53,17 @@ class WatchedRoom(NamedTuple):
 
 @final
 class DeviceWords:
-    """The words for *devices*. A value that no text means, or that several devices share, has an empty one."""
+    """The words for *devices*. A value that no text means, or that several devices share, has an empty one.
+
+    Attributes:
+        areas: Their rooms, sorted.
+    """
 
     def __init__(self, devices: Sequence[Device]) -> None:
         self._devices = {device.id: device for device in devices}
         self._facets = [facets_of(device) for device in devices]
         self._named = Counter(fold(name) for device in devices for name in {device.name, *device.names})
+        self.areas = sorted({device.area for device in devices if device.area})
         self.reference = lru_cache(None)(self._reference)
         self.trigger = lru_cache(None)(self._trigger)
         self.press = lru_cache(None)(self._press)

@@ -21,8 +21,8 @@ from homebot.testing import virtual_house_of
 from homebot.words.conditions import Matches, read_condition
 from homebot.words.device_words import DeviceWords
 from homebot.words.house_queries import WordsQuery
-from homebot.words.steps import Do, WaitUntil, read_step
-from homebot.words.triggers import Becomes, PersonMoves, Press, read_trigger
+from homebot.words.steps import Do, SendRobot, WaitUntil, read_step
+from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 
 HOUSEHOLD: Final[Sequence[Device]] = (
     *HOUSE,
@@ -30,6 +30,7 @@ HOUSEHOLD: Final[Sequence[Device]] = (
     device("Washer", part("plug", "on_off", "power")),
     device("Kitchen window", part("contact_sensor", "contact"), area="kitchen"),
     device("Robbie", part("robotic_vacuum_cleaner", "vacuum")),
+    device("Rosie", part("x_robot", "place")),
     device("Lamp {of you}", part("light", "on_off")),
     device("Alarm 22:30", part("light", "on_off", "level")),
     device("Lamp 5", part("light", "on_off", "level")),
@@ -68,7 +69,9 @@ def test_each_sentence_of_a_device_is_read_and_means_it_alone(language: str) -> 
     for name in BY_NAME:
         found = of(name, language)
         for text in map(plain, found.when):
-            assert meant(read_trigger(text)) == [name], text
+            trigger = read_trigger(text)
+            robot = trigger.robot if isinstance(trigger, RobotArrival) else ""
+            assert robot == name.casefold() if robot else meant(trigger) == [name], text
         for text in map(plain, found.conditions):
             condition = read_condition(text)
             assert isinstance(condition, Matches), text
@@ -80,6 +83,8 @@ def test_each_sentence_of_a_device_is_read_and_means_it_alone(language: str) -> 
                     assert target.partition("#")[0] in known, text
                 case WaitUntil(state=state):
                     assert meant(state) == [name], text
+                case SendRobot(robot=robot):
+                    assert robot == name.casefold(), text
                 case step:
                     pytest.fail(f"{text} is {step}")
         assert bool(found.when or found.steps) is (name not in UNNAMED), name
@@ -113,8 +118,9 @@ def test_each_sentence_of_the_house_is_read_and_has_its_values_in_braces(languag
         ("Sofa pad", "Sofa pad#2 press single"),
         ("Front door lock", "Front door lock unlocked"),
         ("Robbie", "Robbie docked"),
-        ("Alarm 22:30", 'level of name="Alarm 22:30" above {50} %'),
-        ("Lamp 5", "level of Lamp 5 below {50} % for {5}m"),
+        ("Alarm 22:30", 'name="Alarm 22:30" on for {5}m'),
+        ("Lamp 5", "Lamp 5 off for {5}m"),
+        ("Rosie", "Rosie arrives in kitchen"),
     ],
 )
 def test_what_people_commonly_want_to_start_a_routine_can_be_picked(device: str, text: str) -> None:
@@ -134,6 +140,7 @@ def test_what_people_commonly_want_to_start_a_routine_can_be_picked(device: str,
         ("Double relay", "double_relay#r off"),
         ("Hall motion", "wait until Hall motion clear for {5}m, at most {30}m"),
         ("Lamp 5", "Lamp 5 {50} %"),
+        ("Rosie", "Rosie go to dock"),
     ],
 )
 def test_what_people_commonly_want_to_do_can_be_picked(device: str, text: str) -> None:
@@ -179,6 +186,12 @@ def test_what_starts_most_routines_is_said_in_each_language(name: str, language:
 def test_the_sun_is_offered_only_in_a_home_whose_place_is_known() -> None:
     found = of_house(has_place=False)
     assert not [text for text in (*found.when, *found.conditions) if "sun" in text.replace("on sun", "")]
+
+
+def test_what_people_set_and_press_starts_nothing_by_its_number() -> None:
+    """Else a lamp had eight more sentences about its level, and as many about its white."""
+    assert not [text for text in of("Hall lamp").when if "level" in text]
+    assert not [text for text in of("Blind").steps if "position" in text]
 
 
 def test_a_number_begins_with_the_present_value() -> None:

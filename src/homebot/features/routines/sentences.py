@@ -75,6 +75,9 @@ def of_device(words: DeviceWords, device: Device, language: str) -> RoutineSente
     steps = [text for part, can in cans if can.settable for text in _steps(words, device, part, can)]
     toggle = [f"{text.removesuffix(' on')} toggle" for text in steps if text.endswith(" on")]
     when = [*presses, *(states if people else lasting), *(f"{text} for {{5}}m" for text in people)]
+    if device.service_type == "x_robot" or "x_robot" in device.service_types:
+        when += [f"{device.name} arrives in {area}" for area in words.areas]
+        steps += [f"{device.name} go to {area}" for area in (*words.areas, "dock")]
     bare = partial(_bare, device=device, reference=words.reference(device.id))
     return RoutineSentencesResponse(
         when=_offered(bare(when, "trigger"), "trigger", language),
@@ -119,8 +122,11 @@ def _asked(read: object) -> tuple[str, object]:
 
 
 def _states(words: DeviceWords, device: Device, part: str, can: Capability) -> Iterator[str]:
-    """Yield the sentences for what *can* reports: its words, or below and above a number."""
-    match CAPABILITIES.get(can.name, OWN).kind:
+    """Yield the sentences for what *can* reports: its words, or below and above a number that is measured."""
+    row = CAPABILITIES.get(can.name, OWN)
+    match row.kind:
+        case _ if not can.readable or row.is_momentary or (row.is_set and row.kind == "number"):
+            return
         case "bool":
             texts = (words.trigger(device.id, part, can.name, value) for value in (True, False))
             is_person = device.service_type == "x_person"  # whose leave other languages say in one way
