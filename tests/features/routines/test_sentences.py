@@ -192,6 +192,7 @@ def test_what_people_set_and_press_starts_nothing_by_its_number() -> None:
     """Else a lamp had eight more sentences about its level, and as many about its white."""
     assert not [text for text in of("Hall lamp").when if "level" in text]
     assert not [text for text in of("Blind").steps if "position" in text]
+    assert of("Bath heating").when == ()
 
 
 def test_a_number_begins_with_the_present_value() -> None:

@@ -36,6 +36,9 @@ _CLOCKS: Final = ("22:30", "06:30")
 _USUAL: Final = 20.0
 """The number of a device that tells neither its value nor its bounds."""
 
+_OF_HELPERS: Final = "number"
+"""The number that is set and that routines are compared with, as a limit of light."""
+
 _MAX_OPTIONS: Final = 50
 """Texts of one capability, such as the stations of a radio."""
 
@@ -125,7 +128,9 @@ def _states(words: DeviceWords, device: Device, part: str, can: Capability) -> I
     """Yield the sentences for what *can* reports: its words, or below and above a number that is measured."""
     row = CAPABILITIES.get(can.name, OWN)
     match row.kind:
-        case _ if not can.readable or row.is_momentary or (row.is_set and row.kind == "number"):
+        case _ if not can.readable or row.is_momentary:
+            return
+        case "number" if can.settable and can.name != _OF_HELPERS:
             return
         case "bool":
             texts = (words.trigger(device.id, part, can.name, value) for value in (True, False))
