@@ -954,6 +954,20 @@ PLAYS: tuple[Play, ...] = (
     Play("numbers_and_lengths", "", ["12:20 evening on"], [], "11:50 12:40"),
     Play(
         "numbers_and_lengths",
+        "sensor.hall 25",
+        ["13:02 sensor.hall 20"],
+        ["13:00:00 switch.pump on_off True", "13:05:00 notify It was warm"],
+        "12:50 13:10",
+    ),
+    Play(
+        "numbers_and_lengths",
+        "sensor.hall 20",
+        ["13:02 sensor.hall 25"],
+        ["13:00:00 switch.pump on_off False"],
+        "12:50 13:10",
+    ),
+    Play(
+        "numbers_and_lengths",
         "evening on",
         [
             "10:10 binary_sensor.stairs_motion on",

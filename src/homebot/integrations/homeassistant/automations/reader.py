@@ -118,7 +118,7 @@ class Actions:
 
         A new run ends the one before it, or waits for it, before its actions ask for anything.
         """
-        first, steps = self._read(self._with_snapshot(nodes))
+        first, steps = self._read_kept(nodes)
         if self._ends:
             if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in _single(steps)):
                 raise NotCarriedError("data: `duration` beside a wait; write the steps `wait 2m` and `off` after it")
@@ -173,14 +173,29 @@ class Actions:
             if len(uses) > 1 and not is_kept and (chosen := templates_of(self._automation).ways(Located(text, 0))):
                 return [], self._by_value(name, chosen, constants, nodes)
             if is_kept and 0 not in uses:
-                held = templates_of(self._automation).conditions(text)
-                rest = {key: value for key, value in self._automation.expressions.items() if key != name}
-                ways = []
-                for value in (True, False):
-                    self._automation.expressions = dict(rest)
-                    ways.append(self._branch([resolved(node, {**constants, name: value}) for node in nodes]))
-                return [], _choice(held, *ways)
+                return [], self._by_truth(name, constants, nodes)
         return self._read([resolved(other, constants) for other in nodes])
+
+    def _read_kept(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
+        """Read *nodes* with the variables of the automation; one that is asked after a command has its first value."""
+        for name, text in self._automation.expressions.items():
+            uses = [number for number, node in enumerate(nodes) if name in str(node)]
+            called = [
+                service_name(node.value) for node in nodes[: max(uses, default=0)] if isinstance(node.value, dict)
+            ]
+            if any(called) and keeps_state(text):
+                return [], self._by_truth(name, {}, nodes)
+        return self._read(self._with_snapshot(nodes))
+
+    def _by_truth(self, name: str, constants: Mapping[str, object], nodes: Sequence[Located]) -> list[Step]:
+        """Read *nodes* with a variable that is true, and with it as false."""
+        held = templates_of(self._automation).conditions(self._automation.expressions[name])
+        rest = {key: value for key, value in self._automation.expressions.items() if key != name}
+        ways = []
+        for value in (True, False):
+            self._automation.expressions = dict(rest)
+            ways.append(self._branch([resolved(node, {**constants, name: value}) for node in nodes]))
+        return _choice(held, *ways)
 
     def _with_snapshot(self, nodes: Sequence[Located]) -> Sequence[Located]:
         """Return *nodes* with a snapshot of the entity whose values variables keep to bring them back; else as is."""

@@ -823,11 +823,12 @@ def _drawn(node: nodes.Node | None) -> list[nodes.Expr]:
 
 
 def keeps_state(text: str) -> bool:
-    """Return whether the template *text* is only whether an entity is in a state."""
-    match expression_of(text):
-        case nodes.Call(node=nodes.Name(name="is_state"), args=[nodes.Const(), nodes.Const()]):
-            return True
-    return False
+    """Return whether the template *text* is only whether something of the house is so."""
+    try:
+        expression = expression_of(text)
+    except NotCarriedError:
+        return False
+    return _is_truth(expression) and not isinstance(expression, nodes.Const) and "state" in text
 
 
 def _limits_of_count(sign: str, number: int) -> list[tuple[str, ...]]:
