@@ -8,7 +8,8 @@ from tests.apps.houses import hall
 from tests.recorded_house import HOUSE, NOW, device, part
 
 from homebot.devices import Device
-from homebot.devices.device import State
+from homebot.devices.device import DevicePart, State
+from homebot.devices.part import Capability, Part
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import lasting
@@ -24,6 +25,7 @@ from homebot.words.house_queries import WordsQuery
 from homebot.words.steps import Do, SendRobot, WaitUntil, read_step
 from homebot.words.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 
+_MODES: Final = Capability(name="option", settable=True, options=("day", "night"))
 HOUSEHOLD: Final[Sequence[Device]] = (
     *HOUSE,
     device("Nursery", part("temperature_sensor", "temperature", "humidity"), area="nursery"),
@@ -31,6 +33,7 @@ HOUSEHOLD: Final[Sequence[Device]] = (
     device("Kitchen window", part("contact_sensor", "contact"), area="kitchen"),
     device("Robbie", part("robotic_vacuum_cleaner", "vacuum")),
     device("Rosie", part("x_robot", "place")),
+    device("Mode", DevicePart(id="", part=Part(id="", service_type="x_setting", capabilities=(_MODES,)), routes=())),
     device("Lamp {of you}", part("light", "on_off")),
     device("Alarm 22:30", part("light", "on_off", "level")),
     device("Lamp 5", part("light", "on_off", "level")),
@@ -181,6 +184,14 @@ def test_a_sentence_is_in_the_language_that_is_asked_for(language: str, expected
 def test_what_starts_most_routines_is_said_in_each_language(name: str, language: str) -> None:
     assert set(of(name, language).when).isdisjoint(of(name).when)
     assert len(of(name, language).when) == len(of(name).when)
+
+
+@pytest.mark.parametrize("language", LANGUAGES[1:])
+def test_no_sentence_is_in_two_languages(language: str) -> None:
+    """In German it was "wähle = day, at most 30m für wait until Mode"."""
+    english = set(of("Mode").steps)
+    assert {text for text in of("Mode", language).steps if "wait until" in text} <= english
+    assert "Mode option day" in english - set(of("Mode", language).steps)
 
 
 def test_the_sun_is_offered_only_in_a_home_whose_place_is_known() -> None:

@@ -47,6 +47,9 @@ _READ: Final[Mapping[TextKind, Callable[[str], object]]] = {
     "condition": read_condition,
     "step": read_step,
 }
+_ENGLISH: Final = (" at most ", " = ")
+"""Words of sentences of which another language has no form, but one for their end."""
+
 _BRACES: Final = str.maketrans("", "", "{}")
 
 
@@ -185,7 +188,8 @@ def _offered(texts: Iterable[str], kind: TextKind, language: str) -> tuple[str, 
             own = _in_language(text, kind, language)
             plain = own.translate(_BRACES)
             is_same = (to_english(plain, kind) or plain) == text.translate(_BRACES)
-            offered.append(own if is_same and own.count("{") == text.count("{") else text)
+            is_whole = own.count("{") == text.count("{") and not any(word in own for word in _ENGLISH)
+            offered.append(own if is_same and is_whole else text)
     return tuple(offered)
 
 
