@@ -952,6 +952,7 @@ PLAYS: tuple[Play, ...] = (
         "11:50 12:40",
     ),
     Play("numbers_and_lengths", "", ["12:20 evening on"], [], "11:50 12:40"),
+    Play("numbers_and_lengths", "evening on", ["12:20 evening off"], [], "11:50 12:40", "2026-01-15"),
     Play(
         "numbers_and_lengths",
         "sensor.hall 25",
@@ -1267,6 +1268,11 @@ async def test_a_kept_value_is_brought_back_only_with_all_that_was_set() -> None
 async def test_a_siren_that_not_each_run_turns_on_keeps_no_length() -> None:
     found = await imported("ends_and_events")
     assert [one.name for one in found.refused] == ["Siren in a branch"]
+
+
+async def test_the_number_of_the_week_in_a_message_is_refused() -> None:
+    found = await imported("numbers_and_lengths")
+    assert [one.name for one in found.refused] == ["Number of the week"]
 
 
 async def test_a_list_in_which_unknown_states_count_as_low_is_refused() -> None:

@@ -27,6 +27,9 @@ from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 _TIME_FORM: Final = re.compile(r"%-?[HI]:%M(:%S)?( ?%p)?|%[TRX]")
 """A time of day, however it is written."""
 
+_DAY_FORM: Final = re.compile("%-?[deDFxcAaBbm]")
+"""A part of a form that tells the day."""
+
 _NAMED: Final[Mapping[tuple[str, ...], str]] = {
     ("trigger", "to_state", "name"): "{name}",
     ("trigger", "to_state", "attributes", "friendly_name"): "{name}",
@@ -143,6 +146,8 @@ def _moment(automation: Automation, node: nodes.Node) -> str:
         return ""
     if _TIME_FORM.fullmatch(form):
         return "{time}"
+    if form and not _DAY_FORM.search(form):
+        return ""
     if form:
         automation.notes.append("a day in a message is written as 2026-12-24, with its time")
     return "{now}"

@@ -53,6 +53,10 @@ def unit_of_now(node: nodes.Node) -> str:
             node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H:%M" | "%H:%M:%S" | "%T")]
         ) if is_now(inner):
             return "clock"
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%a" | "%A")]) if (
+            is_now(inner)
+        ):
+            return "day"
         case nodes.Filter(
             name="int", node=nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H")])
         ) if is_now(inner):
@@ -162,6 +166,8 @@ def of_time(unit: str, sign: str, value: object) -> list[Condition]:
             side = "after" if sign[0] == ">" else "before"
             span = read_span(f"{side} {text}")
             return [(f"{side} {text}",)] if span is not None and span.begin != span.end else []
+        case "day", str(name) if sign == "==" and name[:3].lower() in _DAYS:
+            return [(f"on {name[:3].lower()}",)]
         case "hour", int(hour):
             held = [number for number in range(24) if _holds_whole(number, sign, hour)]
             if len(held) in {0, 24}:

@@ -648,7 +648,7 @@ class Templates:
                 return self._started_where(lambda trigger: trigger.state == value)
             case ("wait", "trigger") if value is None:
                 return [("wait timed out",)]
-        if (unit := unit_of_now(left)) and type(value) is (str if unit == "clock" else int):
+        if (unit := unit_of_now(left)) and type(value) is (str if unit in {"clock", "day"} else int):
             return of_time(unit, "==", value)
         if entity := state_entity(left):
             return self._in_state(entity, str(value))
