@@ -1,1 +1,1 @@
-import"./chunk-V2C5M6K4.js";
+import"./chunk-L3XGGW5U.js";

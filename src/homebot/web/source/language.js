@@ -70,7 +70,7 @@ const SPOKEN = { value: (text) => say(text), reason: sayReason, advice: sayReaso
 /** A reason that homebot gives in English, in the language of the page: as a whole, by its form, or clause by clause. */
 export function sayReason(text) {
   if (text.includes("\n")) return text.split("\n").map(sayReason).join("\n");
-  const whole = say(text);
+  const whole = /[^ -~]/.test(text) ? text : say(text); // others are in another language, or have a name
   if (whole !== text) return whole;
   for (const [own, pattern] of patterns) {
     const found = pattern.exec(text);
