@@ -288,6 +288,24 @@ def test_a_plug_of_the_same_name_is_not_the_player() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("entity", "type_", "state"),
+    [
+        ("cover.living_blind", "is_open", "open"),
+        ("cover.living_blind", "is_closed", "closed"),
+        ("lock.front_door", "is_locked", "locked"),
+    ],
+)
+def test_a_state_of_a_device_means_that_of_its_entity(entity: str, type_: str, state: str) -> None:
+    """The form of Home Assistant asks so for a garage door or a lock."""
+    action = "{service: light.turn_on, entity_id: light.hall_lamp}"
+    head = "- {trigger: {platform: sun, event: sunset}, condition: "
+    own = f"{{condition: device, device_id: x, domain: {entity.partition('.')[0]}, entity_id: {entity}, type: {type_}}}"
+    (found,) = read(f"{head}{own}, action: {action}}}").texts
+    (same,) = read(f"{head}{{condition: state, entity_id: {entity}, state: {state}}}, action: {action}}}").texts
+    assert found == same
+
+
 def test_two_devices_of_one_name_are_told_apart_by_their_ids() -> None:
     lamps = [device("Lamp", part("", "light", "on_off"), entities=f"light.{one}") for one in "ab"]
     lamps = [one.model_copy(update={"id": f"lights/{number}"}) for number, one in enumerate(lamps)]

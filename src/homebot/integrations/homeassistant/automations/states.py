@@ -91,6 +91,11 @@ _ON: Final = frozenset({"on", "opened", "open", "occupied", "motion", "moist"})
 """The states of triggers and conditions of devices that are ``on``; others are told with ``not`` or ``no``."""
 
 
+_NAMED_STATES: Final = frozenset(
+    {"alarm_control_panel", "cover", "device_tracker", "lock", "media_player", "person", "vacuum"}
+)
+"""Domains of which triggers and conditions of devices are called as the states are; a cover is ``opened``."""
+
 _HOUSEHOLD: Final = {"home": "somebody is home", "not_home": "nobody is home"}
 """The states of a group of persons."""
 
@@ -305,6 +310,9 @@ def _of_device(entities: Entities, fields: UnreadFields, key: str) -> list[list[
     if "above" in fields or "below" in fields:  # a measurement
         return _of_limits(entities, fields, key)
     word = kind.removeprefix("is_").removeprefix("turned_")
+    if domain in _NAMED_STATES:
+        word = {"opened": "open"}.get(word, word)
+        return [state_texts(entities, entity_id, [word]) for entity_id in _ids(fields)]
     if {word, word.removeprefix("not_"), word.removeprefix("no_")}.isdisjoint(_ON | {"off"}):
         raise NotCarriedError(f"device: {kind!r} of an entity; use its state")
     return [state_texts(entities, entity_id, ["on" if word in _ON else "off"]) for entity_id in _ids(fields)]
