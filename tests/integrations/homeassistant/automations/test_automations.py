@@ -444,6 +444,24 @@ def test_repeats_in_repeats_are_loops_with_a_limit(count: str, depth: int, probl
     assert bool(found.refused) is bool(problem)
 
 
+@pytest.mark.parametrize(("between", "is_carried"), [("", True), ("{delay: '00:01:00'}", False)])
+def test_a_variable_is_known_in_rounds_that_follow_at_once(between: str, *, is_carried: bool) -> None:
+    """After a wait the sun is elsewhere, and the variable still tells where it was."""
+    text = f"""
+- trigger: {{platform: sun, event: sunset}}
+  action:
+    - variables: {{k: "{{{{ 4000 + state_attr('sun.sun', 'elevation') | float(0) * 80 }}}}"}}
+    - repeat:
+        for_each: [light.hall_lamp, light.floor_lamp]
+        sequence:
+          - service: light.turn_on
+            target: {{entity_id: "{{{{ repeat.item }}}}"}}
+            data: {{color_temp_kelvin: "{{{{ k }}}}"}}
+          {f"- {between}" if between else ""}
+"""
+    assert ["4000 + sun elevation * 80" in one for one in read(text).texts] == ([True] if is_carried else [])
+
+
 @pytest.mark.parametrize(("count", "is_carried"), [(3, True), (6, False)])
 def test_choices_in_one_calculation_have_a_limit(count: int, *, is_carried: bool) -> None:
     """Each of them doubles the ways."""

@@ -534,7 +534,8 @@ class Actions:
 
     def _repeated(self, fields: UnreadFields) -> list[Step]:
         """Read repeated actions: a loop, or each round as it is written if that differs by its number or value."""
-        self._automation.forget_values()  # a variable has its value from before the first round
+        is_at_once = re.search("delay|wait_|script", str(fields.left)) is None
+        self._automation.forget_values(by_command=is_at_once)  # a variable has its value from before the first round
         nodes, kind = fields.items("sequence"), fields.first_of(("count", "while", "until", "for_each"))
         if kind in {"while", "until"}:
             limit = round_limit(fields.left[kind], is_until=kind == "until")
