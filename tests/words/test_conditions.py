@@ -135,3 +135,4 @@ def test_a_message_holds_in_the_run_that_it_started() -> None:
     assert read_condition("message on home/bell with state.action = single") == MessageComes(
         "home/bell", ("state", "action"), "single"
     )
+    assert read_condition("not message on home/bell with ''") == MessageComes("home/bell", value="", is_denied=True)

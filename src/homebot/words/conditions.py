@@ -192,6 +192,8 @@ def _read_condition(plain: str) -> Condition:
         raise UsageError(f"{plain!r}: this denies a state of the same device; write each as a condition for itself")
     if (press := read_press(plain)) is not None and NOT.match(plain):
         raise UsageError(f"{plain!r}: a press is not denied; write it without the `not`, and the steps into `else`")
+    if (denied := NOT.match(plain)) is not None and (message := read_mqtt_message(denied["state"])) is not None:
+        return replace(message, is_denied=True)
     return _of_people(plain) or press or read_mqtt_message(plain) or _of_state(plain)
 
 

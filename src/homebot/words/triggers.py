@@ -204,11 +204,13 @@ class MessageComes:
     Attributes:
         path: The places of the value in a message that is JSON, from the outermost; none for the whole message.
         value: The text of that value; None for any.
+        is_denied: Whether, as a condition, it holds in runs that another message or trigger started.
     """
 
     topic: str
     path: tuple[str, ...] = ()
     value: str | None = None
+    is_denied: bool = False
 
 
 @dataclass(frozen=True, slots=True)

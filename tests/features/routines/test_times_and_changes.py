@@ -46,6 +46,8 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("hom
         ("message on home/bell", "", "09:05", 4),
         ("message on home/bell with ring", "", "09:05", 1),
         ("message on home/bell with state.times = 2", "", "09:05", 1),
+        ("message on home/bell", "not message on home/bell with ring", "09:05", 3),
+        ("message on home/bell", "not message on home/bell with ''", "09:05", 4),
         ("every 10m", "hall motion clear for 25m", "08:59", 3),
         ("every 10m", "no motion in hall for 25m", "08:59", 3),
     ],

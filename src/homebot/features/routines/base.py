@@ -282,7 +282,8 @@ class RoutineBase(App[SettingsT_co]):
                 return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
             case MessageComes():
                 cause = CURRENT_CAUSE.get()
-                return isinstance(cause, tuple) and is_message(condition, cause[-1])
+                is_that = isinstance(cause, tuple) and is_message(condition, cause[-1])
+                return is_that is not condition.is_denied
             case StartedBy() | TimedOut():
                 return _is_of_run(condition, facts)
             case Comparison():
