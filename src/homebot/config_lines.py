@@ -20,7 +20,7 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
         text = text or Path(error.source).read_text("utf-8-sig")
         if (row := feature_tables().get(path[0])) is not None and row.plugin and row.is_array:
             path[1:2] = [str(_apps_in(text, path[0]).index(app)) for app in path[1:2]]
-    line, reason = line_of(text, *path), mistake_in(_language_in(text), error.reason)
+    line, reason = line_of(text, *path), mistake_in(language_in(text), error.reason)
     config_error = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, reason)
     return ConfigError.joined((config_error, *(located(other, text) for other in error.others)))
 
@@ -30,7 +30,7 @@ def _tables(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-def _language_in(text: str) -> str:
+def language_in(text: str) -> str:
     """Return the language of the house in *text*; empty if it says none."""
     with suppress(LookupError, TypeError, ValueError, RecursionError):
         return str(_tables(text)["home"]["language"])

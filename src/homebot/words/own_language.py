@@ -4,8 +4,8 @@ A language is a table ``languages/CODE.json``. Its forms stand by the English fo
 are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or another name, ``t`` a length of time,
 ``h`` and ``k`` times of day, ``u`` an event of the sun, ``d`` days, ``e`` and ``f`` days of the year or months, ``n`` a
 number with its unit, ``v`` a measured value, ``w`` a type after "no", ``a`` all of one, ``s`` and ``i`` states, ``g``
-triggers, ``m`` a message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q`` and
-``y`` are a second value and device. Values in braces may stand for numbers, and in messages.
+triggers, ``m`` a message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q``,
+``y`` and ``l`` are a second value, device and length. Values in braces may stand for numbers, and in messages.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
@@ -55,7 +55,7 @@ _ENGLISH: Final = frozenset({"a", "do", "i", "lamp", "lamps", "minutes", "messag
 """English words, besides those of the forms, that another language has too."""
 
 _LISTS_OF_SLOTS: Final = {"w": "none", "a": "every"}
-_KINDS_OF_SLOTS: Final = {"t": "{t:length}", "n": "{n:number}"}
+_KINDS_OF_SLOTS: Final = {"t": "{t:length}", "l": "{l:length}", "n": "{n:number}"}
 _QUOTES: Final = {'"': '"', "'": "'", "„": "“”", "“": "”", "«": "»"}
 _ELISION: Final = "\N{RIGHT SINGLE QUOTATION MARK}"
 """The end of an elided word, such as an article before a vowel."""
@@ -287,8 +287,8 @@ class _Table:
                 return self.read(text, "trigger") or text
             case "e" | "f":
                 return self._date_in(text)
-            case "t":
-                return self._length(text, lambda unit: self._meanings["units"].get(unit) or _ENGLISH_UNITS.get(unit))
+            case "t" | "l":
+                return self._length(text)
             case "h" | "k":
                 plain = self._plain(text)
                 known = self._meanings["sun"].get(plain.casefold()) or _clock(plain)
@@ -321,8 +321,8 @@ class _Table:
                 return f" {self._lists['words']['or'][0]} ".join(parts)
             case "e" | "f":
                 return self._date_out(text)
-            case "t":
-                return self._length(text, _ENGLISH_UNITS.get, self._lists["units"])
+            case "t" | "l":
+                return self._length(text, self._lists["units"])
             case "h" | "k" | "u":
                 found = self._lists["sun"].get(text.casefold())
                 if found or slot == "u":
@@ -380,20 +380,19 @@ class _Table:
     def _device_out(self, text: str, *kinds: str) -> str:
         if text in self._lists["it"]:
             return self._lists["it"][text][0]
-        first, *rest = text.removeprefix("the ").split(" ")
+        first, *rest = text.removeprefix("the ").removeprefix("all " if "all" in kinds else "").split(" ")
         own = next((self._lists[kind][first][0] for kind in kinds if first in self._lists[kind]), first)
         is_type = not rest or rest[0] == "in"
         place = self._lists["words"]["in"][0]
         return " ".join([own if is_type else first, *(place if word == "in" else word for word in rest)])
 
-    def _length(
-        self, text: str, unit_of: Callable[[str], str | None], shown: Mapping[str, list[str]] | None = None
-    ) -> str | None:
+    def _length(self, text: str, shown: Mapping[str, list[str]] | None = None) -> str | None:
         if _LENGTHS.sub("", text).strip(" ."):
             return None
         pieces = []
         for number, name in _LENGTHS.findall(text):
-            if (unit := unit_of(name.casefold())) is None:
+            unit = self._meanings["units"].get(name.casefold()) or _ENGLISH_UNITS.get(name.casefold())
+            if unit is None:
                 return None
             if shown is None:
                 pieces.append(f"{number.replace(',', '.')}{unit}")

@@ -13,11 +13,13 @@ class ReadyMadeInput(Message):
     """A device or value that a ready-made routine asks for.
 
     Attributes:
+        label: What it is, for people.
         find: The devices to choose from, as a query; empty for a value.
         default: The value unless another is stated.
     """
 
     key: str
+    label: str = ""
     find: str = ""
     default: str = ""
 
@@ -36,10 +38,12 @@ class RoutineGalleryRequest(Message):
     Attributes:
         name: The one to fill in; empty for the list.
         inputs: Its devices and values, by their keys.
+        language: The language of its texts, such as ``de``; empty for that of the house.
     """
 
     name: ShortText = ""
     inputs: Annotated[tuple[KeyValue, ...], Field(max_length=20)] = ()
+    language: ShortText = ""
 
 
 class RoutineGalleryResponse(ServiceAnswer):

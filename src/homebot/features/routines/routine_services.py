@@ -80,7 +80,7 @@ class RoutineServices:
         elif name == CHANGE_ROUTINE.name:
             self._node.create_service(ChangeRoutine, name, self.change)
         elif name == ROUTINE_GALLERY.name:
-            self._node.create_service(ReadRoutineGallery, name, _read_gallery)
+            self._node.create_service(ReadRoutineGallery, name, self.gallery)
         elif name == ROUTINE_SENTENCES.name:
             self._node.create_service(ListRoutineSentences, name, self.sentences)
         else:
@@ -127,6 +127,24 @@ class RoutineServices:
         settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
         problems = await self._checks.problems(settings, names, lacking)
         return {name: [self._said(problem) for problem in found] for name, found in problems.items()}
+
+    async def gallery(self, request: RoutineGalleryRequest) -> RoutineGalleryResponse:
+        """Return the ready-made routines, or the text of one."""
+        from homebot.features.routines.gallery import gallery, listed, ready_made  # noqa: PLC0415 - reads its files
+
+        await to_thread.run_sync(gallery)
+        language = self._language(request)
+        if not request.name:
+            return RoutineGalleryResponse(success=True, routines=await to_thread.run_sync(listed, language))
+        said = {one.key: one.value for one in request.inputs}
+        try:
+            text = await to_thread.run_sync(ready_made(request.name).filled, said, language)
+        except UsageError as exc:
+            return RoutineGalleryResponse(success=False, message=self._said(str(exc)))
+        return RoutineGalleryResponse(success=True, text=text)
+
+    def _language(self, request: RoutineGalleryRequest | RoutineSentencesRequest) -> str:
+        return request.language or self._house.home.language
 
     def _said(self, message: str) -> str:
         """Return *message* as the house, or the text that it is about, says it."""
@@ -203,7 +221,7 @@ class RoutineServices:
         from homebot.words.device_words import DeviceWords  # noqa: PLC0415 - likewise
 
         devices = await self._lookup.all_known()
-        language = request.language or self._house.home.language
+        language = self._language(request)
         words = await to_thread.run_sync(DeviceWords, devices)
         device = next((one for one in devices if one.id == request.device), None)
         if device is not None:
@@ -375,20 +393,6 @@ class RoutineServices:
             if app not in running:
                 problem = self._said(self.problems.get(app, "it does not run; `homebot app list` says why"))
                 yield RoutineInfo(name=app, app=app, is_kept=True, text=self._kept.text(app), problem=problem)
-
-
-async def _read_gallery(request: RoutineGalleryRequest) -> RoutineGalleryResponse:
-    """Return the ready-made routines, or the text of one."""
-    from homebot.features.routines.gallery import gallery, listed, ready_made  # noqa: PLC0415 - reads its files
-
-    await to_thread.run_sync(gallery)
-    if not request.name:
-        return RoutineGalleryResponse(success=True, routines=listed())
-    try:
-        text = ready_made(request.name).filled({one.key: one.value for one in request.inputs})
-    except UsageError as exc:
-        return RoutineGalleryResponse(success=False, message=str(exc))
-    return RoutineGalleryResponse(success=True, text=text)
 
 
 def _shown(info: RoutineInfo, steps: Sequence[str | Block], language: str) -> RoutineInfo:

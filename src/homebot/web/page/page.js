@@ -1,1 +1,1 @@
-import"./chunk-L3XGGW5U.js";
+import"./chunk-X5YZEDXX.js";

@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { ask, call } from "../../door.js";
 import { html, written } from "../../html.js";
-import { say, sayReason } from "../../language.js";
+import { language, say, sayReason } from "../../language.js";
 import { useOpen } from "../../opened.js";
 import { capital, spoken } from "../../words.js";
 
@@ -10,9 +10,9 @@ import { capital, spoken } from "../../words.js";
 export function Gallery({ onText, onClose }) {
   const [routines, setRoutines] = useState([]);
   const [chosen, setChosen] = useState(null);
-  useOpen(() => void call("/routines/gallery").then((answer) => setRoutines(answer.routines), () => {}));
+  useOpen(() => void call("/routines/gallery", { language: language.value }).then((answer) => setRoutines(answer.routines), () => {}));
   return html`<section class="card fields" aria-labelledby="gallery"><h2 id="gallery">${say("Ready-made routines")}</h2>
-    ${chosen ? html`<${Inputs} routine=${chosen} onText=${onText} onBack=${() => setChosen(null)} />` : html`<div class="list">${routines.map((one) => html`<button key=${one.name} type="button" name=${one.name} onClick=${() => setChosen(one)}>${say(one.about)}</button>`)}</div>`}
+    ${chosen ? html`<${Inputs} routine=${chosen} onText=${onText} onBack=${() => setChosen(null)} />` : html`<div class="list">${routines.map((one) => html`<button key=${one.name} type="button" name=${one.name} onClick=${() => setChosen(one)}>${one.about}</button>`)}</div>`}
     <p class="buttons"><button type="button" onClick=${onClose}>${say("not now")}</button></p>
   </section>`;
 }
@@ -26,15 +26,15 @@ function Inputs({ routine, onText, onBack }) {
   }, [routine.name]);
   const submit = async (event) => {
     const inputs = [...written(event)].map(([key, value]) => ({ key, value }));
-    const { success, message, text } = await ask("/routines/gallery", { name: routine.name, inputs });
+    const { success, message, text } = await ask("/routines/gallery", { name: routine.name, inputs, language: language.value });
     if (success) onText(text);
     else setProblem(sayReason(message));
   };
   const missing = routine.inputs.find(({ key, find }) => find && fits[key]?.length === 0);
-  return html`<form class="fields" onSubmit=${submit}><p>${say(routine.about)}</p>
-    ${routine.inputs.map(({ key, find, default: usual }) => html`<label key=${key}><span>${capital(say(key.replace("_", " ")))}</span>
+  return html`<form class="fields" onSubmit=${submit}><p>${routine.about}</p>
+    ${routine.inputs.map(({ key, label, find, default: usual }) => html`<label key=${key}><span>${capital(label)}</span>
       ${find ? html`<select name=${key} required>${(fits[key] ?? []).map((name) => html`<option key=${name} value=${`'${name}'`}>${spoken(name)}</option>`)}</select>` : html`<input name=${key} required defaultValue=${usual} />`}</label>`)}
-    <p role="alert" class="bad">${problem || (missing && say("No device of this house fits: {what}", { what: say(missing.key.replace("_", " ")) }))}</p>
+    <p role="alert" class="bad">${problem || (missing && say("No device of this house fits: {what}", { what: missing.label }))}</p>
     <p class="buttons"><button disabled=${Boolean(missing)}>${say("next step")}</button> <button type="button" onClick=${onBack}>${say("back")}</button></p>
   </form>`;
 }

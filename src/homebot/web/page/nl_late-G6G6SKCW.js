@@ -1,706 +1,654 @@
-var e=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l sw 4ab 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 36 2es 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
-plant
-de code is fout
-het heeft het label always_ask
-het apparaat is in gebruik genomen, maar zijn attributen waren niet te lezen
-de tekst
-fouten van het journaal
+var e=`12j 1nt xg kp 7jj e9 1ca 7b 6gn o4 1jy 16u 187 3l 43 1ys dl 2gl 9k l 16l dy 1tl mb 18g 1 2g jv ht 1ey b2g 2o9 57v 56 77i 19j 2ce eq 2dy f9 2u5 25s 6sh 2u 34u ds 6z 8u 1ck 15z dw fw tk 9a 3z9 dz 2d 2re 1sy 26q 4il 5th 9s 28y f4 fs 2do afh 8f 3i5 cv 61l 2hu 1 yw 2so 21l qk 1pk f8 49v h0 2nv 50y 1ws 50y 2qv sp qi 1p8 16f qf cf sm 8r ds 1m5 fv 6a 4pw 2p6 143 1bj 2ur 1px 3lz cz 18x 1x9 3eg 2dx 7on 1cp 3c 34y 11h 169 eh df da 8ls 1q9 x4 3xe 14o c7w 3ah 5z 5k 32g s0 l7 9fy 1xr 44j 27j ta g3 ep qk 6mh 12p 1og 1xv 15x 49 el 23l 328 5i 100 327 1wm 1xk 1ap 2t4 2v1 5x 2k 4s 2h8 1kc 1up lh 2i9 2no r4 6rc 1v6 1q0 i9 32t 1av 42x xs 13 kd 112 3bm 1n4 1e2 b2 p6 1i3 wv 1w6 3qg 175 3jk g7 41r 2g7 3il 1pz 2g1 ro 3wh 1qt 26e oz 3rr 1tg 1c f3 6yx al 4so 17l 41w 6dv 1kc 1nd cu 1rj 7fv 59c 140 1be 3cm dw 4go 1li zh 4yb 68y c2 5d0 31 2er 3sa 43i 1kz 34i 4w8 13r 22m ak9 2ou 1q1 6gs 2nw v4 hm 3in ay dx 54a 8ph 8yp 1n2 226 5j4 3kr ky 1ax 4x xt 2z1 2b9 1lj 7q3 8ma 56d 2p8 cel 24 5el xa mf 3wt 3xk 2qm 6vi hx 6bj 6o 4on byf 4ut t9 2h 405 2ht 1x7 1pt 1eb 4zo 6rz 4or 5a8 53o a8 218 3gv 3ej 7a 3r 226 ub 9jc 1v 2cw 8b p9 17l 149 13y 59b 2bs 3pw 1sj 5ho 1ho 17t 8mb fn 2jv rf c0p 2s 14d hy 2nz 1gt r4 1qs 31i 2z9 klp 18a 207 tj tg 3q 3g 2bl ji c 2s9 4x6 6xf 11b 14h 2e8 emi 2tj cz yw 1tn aa 34y 4ut 2y0 1y 2tz gr 2ny 60j 3jv 1nb th 1ew 5jo 7z 1pz 9cd 2mr tx 1ce 7d7 44g 1w8 x 2fx 11r a9 2m1 4ci 133 9l 72c 6i vc 5um nr 2dc 483 pv 3s 7gs e5 308 l6 447 ui 23k 233 1fi ca lq 2ct vi 23l bq 1ds z0 d6 31k 3ca 4i2 k2 4sq 2g3 1vq 3oz 2a8 26q 341 1r9 5cu 3d0 1lc 28 13 3je oz z7 206 2gi cj x9 8u 4k5 2pp 7t 37h 3kx rh 2nq 84j 1cx 1bw 4sv 3y 4dy ox 1jt 1dk 1d0 1h 46 4ig r7 392 132 3ok 27c 33y 7j 3ql z4 1tg bg 303 11 28r 1tv 3e 976 6e4 40v bmc 1xq zn 5sd 4so 3u 5lg 38 4j1 3tr 13q 350 8xl 15c 1o8 18z 4m3 af jf 3yp 2vr 2q3 sw 176 7y f 2f4 14r 18b 27i 1q7 56i 1s7 rv 38y 5g3 2s9 lu 1xh xr we 4f6 1ox r 179 ed6 18o 1lc 9r 1 2nd bd 59v 3yl 3zn o 13q 23e ij 9xx gb qp bu to 2ub a1g 11h 1b4 1p3 1cl 40g 1f3 7n3 42d ha 1sv 3h6 1pm 2gp 1kl 3qy 1f2 3qi 2d3 23v 5ta 5p 31l 2qw 9nh 5n 39d 28q 4mo 6mx aa 2c 1h 38r y ep 5tz 3it pv q4 tn k3 18d akw 1ki 1kq 5on is 1nx 16s 19d 3f 2hr 3fi 5up 2zs 2m7 82 3pd 20r 3x7 6f 3lr 5j1 w3 171 kp h 1nr 8ry 16b 17q 42u vd 3po 11x z 26y 9x0 5jo l2 24d 4aw bm 6y 4et 125 35n 1ta 71r 1c5 2y 2f b8 27u 113 4rf 4f5 958 2el 1n7 2d4 32f 7wy 73a 1l1 3ly 4dj 8jf 4n fb 1ua 18k xh
+het antwoordde niet op tijd
 Garage
-het neemt geen opdrachten aan, het meldt alleen
-tint (0 tot 360) en verzadiging (0 tot 100), zoals 0,100 voor rood of 240,50 voor lichtblauw
 Tuin
-verloren toestanden
-opnieuw beginnen
-# is gedownload ({size} kB).
-Het heeft nog geen verandering gemeld.
-debietsensor
-een andere sleutel
-alleen een app of routine kan er een hebben, door zijn sleutel \`act\`
-het apparaat zendt alleen uit
-aanmelden
-luchtkwaliteit
-geweigerde aankondigingen
-late antwoorden
-zoals het systeem
-fabrikant
-draait homebot al, vraag het: homebot doctor
-behouden
-gegevensbestand
+meldt sabotage
+foute configuratie
+gateway
+watermelder
+Zeven dagen
 Toevoegen
-neemt meer dan 0 en tot 100 %
-Terras
-meldingen
+de robot heeft een opdracht; zet zijn optie eerst op idle
+homebot draait op proef en verstuurt niets
 Logboek
 fijnstof PM1
-verbroken clients
-koolstofdioxide
-Geldt vanaf nu.
+de tabel van een gateway heeft geheimen, geen pagina leest die
+Opdrachten
 Waarom
-Aan een muur
-Geen van de nieuwste * regels heeft deze woorden.
-zwenken
-In de proefweek deed je dit {done} van de {total} keer; een routine zou het in {low} tot {high} % van de gevallen goed doen.
-het heeft sinds de start van homebot nog niets gemeld
+de broker antwoordt niet meer
+afmelden
 navraag
-artiest
-homebot show DEVICE toont beide kanten; homebot forget DEVICE be\xEBindigt het
-die heeft geen bewegingsmelder
-activiteit
-lang
-heet vanaf
-Er is nog geen slot, contact of alarm.
+fouten van het apparatenbestand
+laatste keren
+als ze start terwijl ze loopt
 laag
 nu
-de Matter-server heeft geen Bluetooth; hij bereikt alleen apparaten in het netwerk
 liep
 ruw
-tag
-zijn gateway codeert zijn berichten
-doorgaan zonder token
-{issuer} vroeg om {values}
-videospeler
-fijnstof PM10
-je deed het > eerder
-wordt verzonden \u2026
-Geschiedenis
-de koppelingen met Apple Home
-een onbekend programma
-de Matter-server is afgesloten
-geef het recht
-geen sc\xE8ne bewaart er een
-het apparaat antwoordt met een fout
-een Matter-code heeft 11 of 21 cijfers, of is een QR-code die met MT: begint
-doe
-de kamer van het apparaat
-het is afgebroken
-Wat bekend is, en waarvan
-vriezer
-zijn stand is onbekend; stel die eerst in
-poort
-geweigerde typen
-te lang
-buiten alle kamers
-weggegooid, te langzaam gelezen
-is nat
-zijn andere doelwaarde is onbekend, en beide horen samen
-onbekende antwoorden
-contactsensor
-afgewezen aankondigingen
-Alarmen
-update
-er is geen D-Bus; onder Linux moeten bluetoothd en de systeembus draaien
-Hij wordt gemaakt \u2026
-Het veranderde om >.
-door {issuer}
-Een zacht licht voor de weg 's nachts.
-favoriet
-batterij, stroom, bereik?
-Niet begrepen om >:
-beweging
-Diagnose
-het is niet te coderen als UTF-8
-aanwezigheid
-de laatste 24 uur
-Een server op deze computer
-titel
-geen TCP-poort is vrij voor de ingebouwde broker
-zijn sjabloon faalt bij deze code
-verbinding
-Een ventilator draait zolang de badkamer vochtig is.
-verloren terugmeldingen
-het moeten seconden zijn, 0 of meer
-het verloop is nog niet begonnen, of wordt niet bewaard; \`homebot doctor\` zegt waarom
-homebot opnieuw starten
-Er is geen apparaat # (meer).
-met de hand of vanzelf
-homebot why APPARAAT toont de meldingen
-homebot draait op proef en verstuurt niets
-het effect blijft niet
-media
-zijn sjabloon geeft er niets voor
-Gebruiker
-het is sindsdien veranderd; bekijk het opnieuw
-verzonden in \xE9\xE9n bericht aan de groep #
-de verbinding met Home Assistant is verbroken
-eindigt
-Opdrachten
-meter
-weggegooide meldingen
-ongedaan maken
-meldt koolmonoxide
-er is geen weg voor opdrachten
-het maakt het huis veiliger
-meldde {values}
-het is te lang stil
-goedkeuring
-Is de behuizing open, of is het van de muur?
-wachtend
-na een foute code wil het een pauze; probeer het later
-plattegrond met * kamer
-daar antwoordt geen programma: start het, of verbeter het adres
-rook- of CO-melder
-vorstmelder
-het is geen Hue-bridge; koppel de bridge waarbij het hoort
-het is veranderd sinds je akkoord
-$ in de tijd, * punten
-Er is nog niets gebeurd.
-dit protocol neemt geen ruwe opdrachten; gebruik een tekstadres
-Licht zolang iemand beweegt en het donker is; een lamp die al brandt of die iemand intussen schakelt, blijft zoals ze is.
-Wie het nu gebruikt
-niet beschikbaar
-Een token geeft deze pagina haar rechten: het jouwe is de regel in owner.token, in de gegevensmap van homebot. Voor een tablet maak je er een met:
-Koeler als niemand thuis is, weer warm met de eerste die komt.
-, door een mens
-Zoals ntfy://TOPIC of mailto://USER:PASSWORD@HOST; appriseit.com noemt ze alle.
-de verbinding is gesloten
-neemt een tijdstip van 1970 tot 2106
-niets doen
-gebruik een adreslijst op deze computer, of stel het adres in
-de tabel van een gateway heeft geheimen, geen pagina leest die
-instelling
-installeer de nieuwere homebot weer, of: homebot restore BACKUP
-Een bericht als de garage open blijft, en telkens weer.
-verhelp de oorzaak in het logboek, dan: homebot app reload APP, of start homebot opnieuw
-het heeft net andere topics voor opdrachten aangekondigd, misschien die van een ander apparaat; probeer het opnieuw
-airconditioner
-weggegooide delen
-Nieuwe gateways beginnen bij de volgende start van homebot.
-hij wacht hoogstens een minuut op apparaten van voorheen; probeer het opnieuw
-zijn bridge bereikt het niet
-vochtsensor
-Alarmen en vragen gaan via deze adressen naar telefoons, chats en e-mail.
-de besturing draait niet; ze start vanzelf opnieuw, zie Systeem
-mislukte opdrachten
-\u2026 en nog *
-er komen geen gebeurtenissen meer
-met deze code is geen apparaat gevonden; is het klaar om te koppelen, in dit netwerk en nog nergens gekoppeld?
-Gekoppeld met * bedieningen.
-toegestaan
-neemt getallen van 0 tot 360, 0 tot 100
-# gebruiken
-Wacht op je goedkeuring
-sabotage
-Personen
-dat spreekt elkaar tegen; geef er \xE9\xE9n
-Open de ramen, ga naar buiten en roep hulp
-eerder
-, omdat de sc\xE8ne {scene} is toegepast
-opgeslagen
-, omdat de sc\xE8ne {scene} ongedaan is gemaakt
-sinds >
-neemt alleen true
-de naam van de computer is onbekend: verbeter het adres
-Breedtegraad
-verbergen in het huis
-kijkt naar: #
-Regels verschijnen hier zodra ze komen.
-begint met {view}
-Woonkamer
-herstel of verwijder de afzender
-neemt een tijdstip met tijdzone
-Nodig is: $
-tags nemen geen opdrachten
-De apparaten ervan verschijnen hier.
-Nog geen apparaat meldt een temperatuur.
-De stofzuiger maakt eens per dag schoon als iedereen weg is.
-regensensor
-Een verwarming rust zolang haar raam open is.
-\`homebot find\` toont wat past
-noem password_file of password_env in [gateways.mdns.drivers.shelly]
-neemt er geen
-nieuwste versie
-model
-if: wat dan allemaal moet gelden
-verloren berichten
-binnen
-bedtijd
-waarden
-niet bewaarde berichten
-de client #
-ontbrekende bibliotheek
-het duurde te lang
-bodemvocht
-elke stap
-Dit beeld is niet meer nieuw.
-aankondigingen: bytes geheugen
-wanneer
-na
-quarantaines
-vervang of laad hem op
-een nieuwe kamer
-geweigerde verzoeken
-Een bewaard bericht zegt het, maar niet sinds wanneer.
-drukknop
-snelheid
-alarmcentrale
-stofzuigers die nog geen robots zijn
-Er is nog geen apparaat.
-boiler
-QR-code
-Labels
-het is onbereikbaar
-vochtig vanaf
-donker onder
-dagen
-beeld van #
-gebruiker
-{energy} teruggeleverd
-wijzigen
-homebot draait zonder bestand; start hem in een map met homebot.toml
-Elk apparaat heeft een kamer.
-tijd
-Slaapkamer
-Nu
-laatst gezien
-grens
-de broker antwoordt niet meer
-koppelen
-het heeft een code nodig
-Back-up
-voeg de tabel toe en start homebot opnieuw: docs/robots.md
-het apparaat heeft dat deel niet meer
-Druk op de knop van het apparaat en dan op \u2018koppelen\u2019.
-de verbinding is verbroken
-grasmaaier
-nieuwste eerst
-Wat deze sc\xE8ne bewaart, zegt de waarden niet.
-gemiste berichten
-Geen apparaat van dit huis past: $
-het weigert het wachtwoord van password_file of password_env in [gateways.mdns.drivers.shelly]
-verder
-gevonden en nog niet gebruikt
-het is bezig
-tijden en het huis
-graaf
-er is niets van bekend dat een sc\xE8ne kan terughalen
-Dit scherm
-Kelder
-het is al elders gekoppeld; verwijder het daar of herstel het
-een bridge heeft geen code: druk op de knop
-Het mag
-weggegooid voor afwezigen
-afgewezen
-het adres van een stream, zoals een radio
-Voor twee derde omlaag zolang het heet is.
-{least} tot {most}
-Een bericht als een raam open blijft terwijl het buiten koud is.
-Een bericht als een tijd veel stroom wordt gebruikt.
-in rust
-een sc\xE8ne heeft waarden die blijven; gebruik een routine voor wat eenmalig is
-Plattegrond wordt geladen \u2026
-sluit het
-stand
-Deuren en ramen
-bereikt via
-het staat in de configuratie; wijzig daar [places]
-, wegens $
-Meer bediening
-het verwijst te vaak door
-Naam, kamer en labels
-het antwoordde niet op tijd
-beeld
-Tijdzone
-homebot wordt bevraagd \u2026
-gateway
-luchtbevochtiger
-E\xE9n druk bij het bed: alle lichten uit, en een bericht als iets open is.
-Er is nog geen routine.
-Telefoon in het netwerk
-frequentie
-Geen vlam en geen schakelaar; open de ramen, ga naar buiten en roep hulp
-Er is niets voor te stellen.
-geen antwoord
-geweigerde adressen
-Drukste onderwerpen
-een ander wachtwoord
-Naam
-andere
-'s Nachts koeler.
-Een bericht als een plant water nodig heeft.
-noem een apparaat, of zoek zoals 'light in hall'
-voorgesteld door #
-taglezer
-volgende keer
-ongedaan maken
-meldt sabotage
-Lengtegraad
-Naam en plaats
-sirenetoon
-energie van {day}
-Een stekker gaat 's nachts uit als zijn apparaat alleen wacht.
-Home Assistant weigert het, of de code is fout
-geweigerde verbindingen
-Kant-en-klare routines
-{issuer} publiceerde {text}
-avond
-koolmonoxide
-zonder reden te noemen
-Licht in de gang als de voordeur in het donker opengaat.
-bodemsensor
-Nog geen apparaat meldt vermogen of energie.
-heeft een zwakke batterij
-vervallen, te lang
-als
-vervallen, misvormd
-'s Ochtends en 's avonds warm.
-kleurtemperatuur
-Elk scherm heeft een eigen token, dat kan worden ingetrokken.
-wachtende en verloren berichten
-het verwijst naar een andere computer, dat wordt niet gevolgd
-vervallen vragen
-de adreslijst is nog niet gelezen
-een eindig getal
-Energie per dag
-is afgegaan
-Begane grond
-stille uren
 maak hem van jou, of noem een andere in HOMEBOT_DATA
-when: wat haar start, elk een regel
-mag bedienen
-Toon
-De code op het apparaat
-fouten van het apparatenbestand
-aankondigingen: bytes te veel
-Een knop schakelt een lamp.
-opslaan
-neemt true of false
-Waarden
-verzonden
-uitgestelde aankondigingen
-koud onder
-Je gewoonten
-meldt gas
-tonen
-Wachtwoord
-instellen
-dat apparaat is er niet
-het heeft er geen
-De eerste waarden komen over twee seconden.
-lekkage
-zijn beschrijving noemt de parameter niet
+tag
 Is er brand? Ga naar buiten en bel de brandweer
-die vraag is er niet meer; \`homebot answer\` toont de open vragen
-afgeleide aankondigingen
-Aanbellen wordt gemeld, en verlicht in het donker de ingang.
-laatste keren
-opdrachten
-temperatuursensor
-de kamer van het apparaat is onbekend, dus er is misschien iemand
-Een apparaat zonder waarde valt weg.
-Het huis is dicht
-kamertemperatuur
-actief
-robot
-token maken
-meest door #
-niet bekend: {names}
-ongevaarlijk
-sluit het water af
-het logboek heeft elk met zijn spoor: meld of verhelp het
+meldde {values}
+bereikt via
+draait homebot al, vraag het: homebot doctor
 geen route naar die computer
-het is geen Bluetooth-proxy; voeg "bluetooth_proxy:" toe aan de ESPHome-configuratie
-Badkamer
-opnieuw gemaakt
-de broker
-alleen een mens antwoordt, op de pagina
-Een bericht als een vriezer een tijd te warm is.
-er is niets mee samengevoegd
-Verborgen
-staat open
-Dit staat nu in homebot.toml:
-het heeft geen opdracht; geef het een bestemming
-Event-loop
-melder
-Hal
-# goedkeuren
-te veel foute codes; haal het even van de stroom
-de deur is misschien open
-vergrendeling
-Zonder eigen meter
-Alles is in orde. Let op:
-Berichten
-True of False
-Nog geen kamer heeft een vorm. Geef haar hoeken in de tabel [places.rooms], of lees een kaart in: homebot places import BESTAND.
-begint
-meldt rook of hitte
-tegenstrijdig
+when: wat haar start, elk een regel
+voorinstelling
+daar antwoordt geen programma: start het, of verbeter het adres
+ongedaan maken
+bodemvocht
+terug
+eerder
+een van zijn waarden is onbekend
+regensensor
+is afgegaan
+het wil er meer tegelijk, dat kan niet
+Vandaag
+sinds >
+droogt
+normaal
+Token
+de kamer van het apparaat
+Onderwerp
+vertraging van de event-loop
+Taal
+Nodig is: $
+meldingen
+geweigerde aankondigingen
+zwakke batterij
+installeer de nieuwere homebot weer, of: homebot restore BACKUP
+Nieuwe gateways beginnen bij de volgende start van homebot.
+stofzuigers die nog geen robots zijn
+het is bezig
+back-up maken
+# gebruiken
+{issuer} publiceerde {text}
+een bridge heeft geen code: druk op de knop
+vervang of laad hem op
+de kamer van het apparaat is onbekend, dus er is misschien iemand
+rook of hitte
+geef er een, zoals level 40
+Een bewaard bericht zegt het, maar niet sinds wanneer.
+Geldt vanaf nu.
+Personen
 verbergen
 hoog
-het werd aangekondigd nadat het apparaat was goedgekeurd
-je deed het niet
-het kondigde er geen aan
-nu uitvoeren
-De code die homebot run toont, laat het eerste scherm binnen.
-teruggeleverde energie
-mislukte aanmeldingen
-niemand is ingelicht; [notify] en het log zeggen waarom
-alleen de tabel van een gateway neemt een wachtwoord of token
-Schermen
-de robot heeft een opdracht; zet zijn optie eerst op idle
-geweigerde waarden
-Het was zo bij de eerste melding.
-Het testbericht is verzonden.
-waar dit scherm is
-altijd vragen
-genegeerde aankondigingen
-, onderweg
-Waarden, verloop, feiten
-Ze bewaart de huidige waarden van:
-Hij bevat alles wat homebot bewaart, maar geen wachtwoorden.
-die stand heeft deze doelwaarde niet
-Een volle stip is aan, open of bezet.
-Om hem terug te zetten:
-deze homebot bewaart niets
-homebot show APPARAAT
-map voor gegevens
-er zijn twee verschillende apparaten nodig
-Zeven dagen
-tracker
-met de hand
-Home Assistant sloot de verbinding
-de code is fout; weet je het zeker, probeer het dan nog eens
-ingekorte kenmerken
-de gateway kijkt alleen; sta opdrachten toe onder Systeem, Apparaten
-Het huis is open
-niet hier
-Veranderd sinds de vorige goedkeuring:
-kant-en-klare routines
-meldt een probleem
-sinds de start van deze gateway geen geldige aankondiging; herstart het apparaat of zijn bridge, of wacht
-er is niets terug te nemen, of het bestand is sindsdien veranderd
-zoeken \u2026
-Zijn laatste gebeurtenis, die geen toestand is:
-een wachtwoord alleen zou onversleuteld gaan naar wie zich zo noemt: voeg "api: encryption:" toe aan zijn ESPHome-configuratie en geef key_file, of zijn vaste IP-adres als allow_plaintext_at in [gateways.mdns.drivers.esphome.devices.NAME]
-het gebeurt \xE9\xE9n keer en blijft niet
-naar het huis
-horizontaal zwenken
-Open dit \xE9\xE9n keer op het scherm; het wordt alleen nu getoond:
-De plaats geeft zonsopgang en zonsondergang; die blijft hier.
-de robot heeft zijn toestand nog niet gemeld
-voorinstelling
-zijn geheugen is vol
-geen adres
-het schakelt het alarm uit
-sensor
-de huidige waarden nemen
-Een lamp brandt van schemering tot bedtijd als er iemand thuis is.
-gereserveerde topics
-de bridge antwoordt iets onbekends
-geweigerde apparaten
-# is gekoppeld.
-verwarming
-niet verbonden
-blijft
-Persoon
-weggegooid (QoS 0)
-helderheid
-since moet voor until liggen
-Er draait geen app.
-neemt een tijdstip zonder tijdzone
-Routines worden geladen \u2026
-geef homebot een map waarin het mag schrijven (HOMEBOT_DATA), of start het met --ephemeral
-wacht een minuut, kijk dan in het logboek
-meerdere namen voor \xE9\xE9n kenmerk: misschien meerdere apparaten
-het wil er meer tegelijk, dat kan niet
-huishouden
-verdieping
-het apparaat kan alleen uit, zoals een kookplaat voor de veiligheid
-nog niet verbonden
-het profiel van het apparaat heeft er geen frame voor
-Goedkeuring staat deze opdrachten toe:
-het token geldt niet meer, of hoort bij iets anders
-door een ander programma
-terug
-geheim
-bel
-schrijven \u2026
-Knopen links publiceren onderwerpen, knopen rechts abonneren zich erop.
-, vanzelf
-vervallen termijnen
-Traagste ontvanger
-de thermostaat staat in een andere stand; wijzig die eerst
-, een echo
-je deed het > later
-aannemen
-HomeKit heeft er geen dienst voor
-Gevonden:
-niet bereikbaar
-Het certificaat dat je apparaten moeten vertrouwen
-verbeteren, dan: homebot config check
-signaalsterkte
-Na vijf minuten toont het een gedimde klok en wat open is. Het adres van dit scherm:
-Het is zo sinds homebot het kent.
-het is niet verzonden
-elektriciteitsmeter
-gestopt
-rolluik of gordijn
-Graaf wordt geladen \u2026
-Token of code
-deurslot
-verzonden in \xE9\xE9n bericht aan de sc\xE8ne #
-, door een ander programma
-er is nog niets gewijzigd
-ventilatorstand
-Alles is in orde.
-neemt een getal dat het formaat kan schrijven
-Er wordt gestookt met een raam open
-het is geen JPEG, PNG, GIF of WebP tot 2 MiB
-> geleden
-weggegooid, te groot
-verbeter het apparaat of zijn aankondiging
-stand
-jij, door $
-als ze start terwijl ze loopt
-Apparaten
-Weggelaten, want geheim: {files}
-testbericht sturen
-Er is nog niets geteld.
-on of off
-homebot kan hier niet zelf herstarten; start het opnieuw
-geen route naar dat netwerk
-vertraging van de event-loop
-het logboek en homebot journal zeggen meer
-start homebot opnieuw na een nieuwe tabel: docs/protocols.md
-nieuwe routine
-frequentie
-zoeken
-geweigerde opdrachten
-de Matter-server is te traag
-daarna
+het heeft het label always_ask
+de toestand van het huis
 te laat met
-betwist
-# mag apparaten bedienen
-geef er een, zoals level 40
-druk
-elke keer
-watermelder
-waterklep
-ochtend
-ontvangen
-bluetoothd draait niet
-een wachtwoord
-geef elk apparaat een eigen kenmerk in zijn aankondigingen; tot dan hebben zijn delen deze namen
-allen thuis
-lekkage
-lang open
-lift
-bewegingsmelder
+neemt een tijdstip zonder tijdzone
+Het is zo sinds homebot het kent.
+vorstmelder
+het netwerk nam het aan
+Lengtegraad
+vanzelf
+Een token geeft deze pagina haar rechten: het jouwe is de regel in owner.token, in de gegevensmap van homebot. Voor een tablet maak je er een met:
+huishouden
+Plattegrond wordt geladen \u2026
+robot
+Weggelaten, want geheim: {files}
+afgewezen aankondigingen
+Zoals ntfy://TOPIC of mailto://USER:PASSWORD@HOST; appriseit.com noemt ze alle.
+, door een ander programma
+er is niets mee samengevoegd
+fouten van het journaal
+door een ander programma
+mislukte verbindingen
+fabrikant
+vervallen, te lang
+homebot why APPARAAT toont de meldingen
+Terras
+neemt getallen van 0 tot 360, 0 tot 100
+homebot weet wie er thuis is door telefoons in het netwerk en door trackers.
+> geleden
+stille uren
+{least} tot {most}
+Ze bewaart de huidige waarden van:
+stand
+is nat
+aankondigingen
+neemt true of false
+ventilatorstand
+volgende keer
+Het huis is open
+toon wat goedkeuring van # toestaat
+if: wat dan allemaal moet gelden
+airconditioner
+het is niet verzonden
+door {issuer}
+Dit staat nu in homebot.toml:
+Naam en plaats
+Knopen links publiceren onderwerpen, knopen rechts abonneren zich erop.
+de naam van de computer is onbekend: verbeter het adres
+mislukte aanmeldingen
+gestopt
+Begane grond
 geweigerde topics
+verdieping
+gebruik een adreslijst op deze computer, of stel het adres in
+Geschiedenis
+elke keer
+contactsensor
+geweigerde adressen
+sluit het
+neemt een tijdstip van 1970 tot 2106
+het staat in de configuratie; wijzig daar [places]
+stand
+niet verbonden
+Telefoon in het netwerk
+koolstofdioxide
+verbergen in het huis
+Open de ramen, ga naar buiten en roep hulp
+neemt alleen true
+het heeft net andere topics voor opdrachten aangekondigd, misschien die van een ander apparaat; probeer het opnieuw
+Dit scherm
+{nodes} knopen en {topics} onderwerpen
+Adres
+kleurtemperatuur
+geweigerde typen
+tracker
+de lamellen gaan alleen open (100) en dicht (0)
+$ in de tijd, * punten
+vluchtige stoffen
+niet beschikbaar
+zijn geheugen is vol
+laatst gezien
+die stand heeft deze doelwaarde niet
+gekopieerd
+koppelen
+aankondigingen: bytes te veel
+er is niets terug te nemen, of het bestand is sindsdien veranderd
+opnieuw gemaakt
+niets doen
+zijn sjabloon geeft er niets voor
+weggegooide delen
+die heeft geen bewegingsmelder
+homebot zoekt in de geschiedenis van vier weken wat je steeds weer doet, en kijkt een week toe voordat het dat voorstelt.
+homebot show APPARAAT
+het heeft sinds de start van homebot nog niets gemeld
+de koppelingen met Apple Home
+Geen vlam en geen schakelaar; open de ramen, ga naar buiten en roep hulp
+nieuwe routine
+rolluik of gordijn
+Er is nog geen slot, contact of alarm.
+plattegrond met * kamers
+een getal
+Tijdzone
+Elk scherm heeft een eigen token, dat kan worden ingetrokken.
+De apparaten ervan verschijnen hier.
+quarantaines
+neemt er geen
+druk
+instelling
+bezig
+Dit beeld is niet meer nieuw.
+Een server op deze computer
+Een apparaat zonder waarde valt weg.
+hij wacht hoogstens een minuut op apparaten van voorheen; probeer het opnieuw
+in deze browser bewaren
+het heeft geen opdracht; geef het een bestemming
+geweigerde apparaten
+deze routine {names} laten bedienen
+luchtkwaliteitssensor
+Je gewoonten
+de verbinding met Home Assistant is verbroken
+Alarmen en vragen gaan via deze adressen naar telefoons, chats en e-mail.
+het kondigde er geen aan
+het apparaat antwoordt met een fout
+de robot heeft zijn toestand nog niet gemeld
+berichten per seconde
+het adres van een stream, zoals een radio
+drukknop
+Zijn laatste gebeurtenis, die geen toestand is:
+mislukte opdrachten
+Laatst hier
+opgeslagen
+rook- of CO-melder
+debietsensor
+aankondigingen: bytes geheugen
+signaalsterkte
+verder
+zoeken
+homebot kan hier niet zelf herstarten; start het opnieuw
+Rook, water, beweging
+een eindig getal
+model
+geen adres
+geweigerde waarden
+Er is nog niets gebeurd.
+antwoorden
+meerdere namen voor \xE9\xE9n kenmerk: misschien meerdere apparaten
+{issuer} vroeg om {values}
+Is de behuizing open, of is het van de muur?
+de verbinding is gesloten
+zijn bridge bereikt het niet
+grasmaaier
+Het veranderde om >.
+melder
+het apparaat zendt alleen uit
+Niet begrepen om >:
+stroomonderbreker
+lichtsensor
+Druk op de knop van het apparaat en dan op \u2018koppelen\u2019.
+het logboek en homebot journal zeggen meer
+geef homebot een map waarin het mag schrijven (HOMEBOT_DATA), of start het met --ephemeral
+vochtsensor
+verzonden in \xE9\xE9n bericht aan de groep #
+alles
+druksensor
+Apps
+Home Assistant sloot de verbinding
+Nog geen apparaat meldt vermogen of energie.
+verbroken clients
+nog niet verbonden
+waterklep
+na een foute code wil het een pauze; probeer het later
+bluetoothd draait niet
+niet bekend: {names}
+niemand is ingelicht; [notify] en het log zeggen waarom
+update
+Alles is in orde.
+Na vijf minuten toont het een gedimde klok en wat open is. Het adres van dit scherm:
+verzonden in \xE9\xE9n bericht aan de sc\xE8ne #
+boiler
+aanwezigheid
+afwijzen
+ongedaan maken
+snelheid
+alarmcentrale
+elektriciteitsmeter
+Wat bekend is, en waarvan
+een andere sleutel
+Werkkamer
+Zonder eigen meter
+verhelp de oorzaak in het logboek, dan: homebot app reload APP, of start homebot opnieuw
 geen opdracht stuurt mensen naar huis
+noem password_file of password_env in [gateways.mdns.drivers.shelly]
+graaf
+Er is niets voor te stellen.
+Er is geen apparaat # (meer).
+frequentie
+het apparaat heeft dat deel niet meer
+# is gekoppeld.
+Er wordt gestookt met een raam open
+Veranderd sinds de vorige goedkeuring:
+do: haar stappen, elk een regel
+het is geen Hue-bridge; koppel de bridge waarbij het hoort
+geweigerde abonnementen
+zendt wat zijn aankondiging niet verklaart
+nieuwste versie
+{energy} teruggeleverd
+waar dit scherm is
+wanneer
+de gateway kijkt alleen; sta opdrachten toe onder Systeem, Apparaten
+Zonder TLS installeert een browser geen app: tls = true in [door].
+homebot draait zonder bestand; start hem in een map met homebot.toml
+Van die tijd is niets bewaard.
+deurslot
+token maken
+je deed het niet
+zijn beschrijving noemt de parameter niet
+Routines worden geladen \u2026
+HomeKit heeft er geen dienst voor
+gereserveerde topics
+er is nog niets gewijzigd
+geef de sleutel die zijn ESPHome-configuratie onder "api: encryption:" heeft als key_file, of geen
+Wacht op je goedkeuring
+geen antwoord
+Back-up
+De code op het apparaat
+Toon
+geen sc\xE8ne bewaart er een
+Home Assistant weigert het, of de code is fout
+noem een apparaat, of zoek zoals 'light in hall'
+doe
+Alarmen
+geweigerde verzoeken
+videospeler
+ontvangen
+Nog geen kamer heeft een vorm. Geef haar hoeken in de tabel [places.rooms], of lees een kaart in: homebot places import BESTAND.
+geef elk apparaat een eigen kenmerk in zijn aankondigingen; tot dan hebben zijn delen deze namen
+de code is fout
+zoeken \u2026
+het neemt geen opdrachten aan, het meldt alleen
+een sc\xE8ne heeft waarden die blijven; gebruik een routine voor wat eenmalig is
+ongevaarlijk
+er is geen D-Bus; onder Linux moeten bluetoothd en de systeembus draaien
+elke stap
+tegenstrijdig
+onbekende antwoorden
+er is geen weg voor opdrachten
+gebruiker
+te veel foute codes; haal het even van de stroom
+poort
+Energie per dag
+tijden en het huis
+gevonden en nog niet gebruikt
+Er draait geen app.
+opnieuw verzonden
+zijn sjabloon faalt bij deze code
+Graaf wordt geladen \u2026
+verloren berichten
+opnieuw beginnen
+het is niet te volgen
+een onbekend programma
+Apparaten
+gegevensbestand
+meest door #
+frequentie
+wijzigen
+on of off
+alleen een mens antwoordt, op de pagina
+het apparaat is in gebruik genomen, maar zijn attributen waren niet te lezen
+er wordt al een ander apparaat gekoppeld
+met deze code is geen apparaat gevonden; is het klaar om te koppelen, in dit netwerk en nog nergens gekoppeld?
+afgeleide aankondigingen
+dat spreekt elkaar tegen; geef er \xE9\xE9n
+homebot show DEVICE toont beide kanten; homebot forget DEVICE be\xEBindigt het
+Hal
+media
+sluit het water af
+het is onbereikbaar
+het apparaat kan alleen uit, zoals een kookplaat voor de veiligheid
+geen route naar dat netwerk
+een ander wachtwoord
+de laatste 24 uur
+homebot wordt bevraagd \u2026
+Er is nog niets geteld.
+het is te lang stil
+te lang
+het is afgebroken
+temperatuursensor
+heeft een zwakke batterij
+de besturing draait niet; ze start vanzelf opnieuw, zie Systeem
+batterij, stroom, bereik?
+afgewezen
+Kleuren
+neemt een tijdstip met tijdzone
+het is sindsdien veranderd; bekijk het opnieuw
+alleen een app of routine kan er een hebben, door zijn sleutel \`act\`
+er komen geen gebeurtenissen meer
+energie van {day}
+genegeerde aankondigingen
+de thermostaat staat in een andere stand; wijzig die eerst
+Naam
+True of False
+niet bereikbaar
+zijn conventie faalde
+niet hier
+Breedtegraad
+zwenken
+je deed het > later
+Hij wordt gemaakt \u2026
+homebot place APPARAAT KAMER
+Diagnose
+gewoonten zoeken
+QR-code
+Nu
+toegestaan
+zonder reden te noemen
+verbeteren, dan: homebot config check
+batterij laadt
+start homebot opnieuw na een nieuwe tabel: docs/protocols.md
+naar het huis
+Deuren en ramen
+Traagste ontvanger
+Wachtrijen en verliezen
+de Matter-server is afgesloten
+Het was zo bij de eerste melding.
+die vraag is er niet meer; \`homebot answer\` toont de open vragen
+kijkt naar: #
+voeg de tabel toe en start homebot opnieuw: docs/robots.md
+meldt rook of hitte
+, vanzelf
+Persoon
+behouden
+allen thuis
+Nog geen apparaat meldt een temperatuur.
+een wachtwoord
+Labels
+mislukte meldingen
+Drukste onderwerpen
+lekkage
+daarna
+de Matter-server is te traag
+de adreslijst is nog niet gelezen
+wacht een minuut, kijk dan in het logboek
+vervallen termijnen
+weggegooide meldingen
+vervallen, misvormd
+Berichten
+een andere versleuteling
+sensor
+een nieuwe kamer
+de client #
+sinds de start van deze gateway heeft het niet gezegd wat het kan; misschien slaapt het: wek het, en probeer het opnieuw
+het duurde te lang
+Hij bevat alles wat homebot bewaart, maar geen wachtwoorden.
+favoriet
+in rust
+beeld
+vergeten stoorders
+sabotage
+# mag apparaten bedienen
+voorgesteld door #
+goedkeuring
+verloren toestanden
+Schermen
+In de proefweek deed je dit {done} van de {total} keer; een routine zou het in {low} tot {high} % van de gevallen goed doen.
+neemt meer dan 0 en tot 100 %
+lang open
+zijn andere doelwaarde is onbekend, en beide horen samen
+, door het apparaat of een mens
+rechten
+activiteit
+, een echo
+, door een mens
+het is geen JPEG, PNG, GIF of WebP tot 2 MiB
+wachtende en verloren berichten
+er is niets van bekend dat een sc\xE8ne kan terughalen
+zijn gateway codeert zijn berichten
+veranderd naar {values}
+nu uitvoeren
+Een volle stip is aan, open of bezet.
+de broker
+het is veranderd sinds je akkoord
+stand
+wachtend
+instellen
+koolmonoxide
+ingekorte kenmerken
+luchtbevochtiger
+zijn stand is onbekend; stel die eerst in
+Het huis is dicht
+Alles is in orde. Let op:
+een wachtwoord alleen zou onversleuteld gaan naar wie zich zo noemt: voeg "api: encryption:" toe aan zijn ESPHome-configuratie en geef key_file, of zijn vaste IP-adres als allow_plaintext_at in [gateways.mdns.drivers.esphome.devices.NAME]
+een druk op zijn knop
+robotstofzuiger
+staat open
+verloren terugmeldingen
+deze homebot bewaart niets
+Aan een muur
+nu niet bekend
+Verborgen
+sinds de start van deze gateway geen geldige aankondiging; herstart het apparaat of zijn bridge, of wacht
+De plaats geeft zonsopgang en zonsondergang; die blijft hier.
+Open dit \xE9\xE9n keer op het scherm; het wordt alleen nu getoond:
+De eerste waarden komen over twee seconden.
+doorgaan zonder token
+de code is fout; weet je het zeker, probeer het dan nog eens
+since moet voor until liggen
+geheim
+er is geen adres: in [notify] staat er geen
+Token of code
+Elk apparaat heeft een kamer.
+begint met {view}
+Kant-en-klare routines
+\`homebot find\` toont wat past
+Wat je hier verandert, toont elk scherm.
+De code die homebot run toont, laat het eerste scherm binnen.
+debiet
+CoAP kent die methode niet
+Het mag
+betwist
+, omdat {device} {values} meldde
+meldt koolmonoxide
+dubbelzinnige aankondigingen
+ontbrekende bibliotheek
+de tekst
+uitgestelde aankondigingen
+verbinding
+het is niet te coderen als UTF-8
+In de app Woning: +, Voeg accessoire toe, en scan dit of typ de code.
+herstel of verwijder de afzender
+dit protocol neemt geen ruwe opdrachten; gebruik een tekstadres
+geen TCP-poort is vrij voor de ingebouwde broker
+kant-en-klare routines
+fouten
+Gekoppeld met * bedieningen.
+tint (0 tot 360) en verzadiging (0 tot 100), zoals 0,100 voor rood of 240,50 voor lichtblauw
+Niets dat gemeten wordt staat aan.
+wordt verzonden \u2026
+zoals het systeem
+tags nemen geen opdrachten
+gemiste berichten
+geweigerde verbindingen
+\u2026 en nog *
+het is al elders gekoppeld; verwijder het daar of herstel het
+lekkage
+lift
+, onderweg
 kijken
 verloren
-antwoorden
-Druk nu op de knop: nog * s
-CoAP kent die methode niet
-Laatst hier
-do: haar stappen, elk een regel
+geef het recht
+Naam, kamer en labels
+Gebruiker
+waarden
+het profiel van het apparaat heeft er geen frame voor
+Geen van de nieuwste * regels heeft deze woorden.
 een tekst
-plattegrond met * kamers
-zonder kamer
-tegelijk
-batterij laadt
-Licht en een bericht als er water is waar het niet hoort.
-# verwijderen
-druksensor
-back-up maken
+Slaapkamer
+Wat deze sc\xE8ne bewaart, zegt de waarden niet.
+buiten alle kamers
+het werd aangekondigd nadat het apparaat was goedgekeurd
+kamertemperatuur
+Er is nog geen routine.
+vergrendeling
+Badkamer
+late antwoorden
+altijd vragen
+vervallen vragen
+als
+Regels verschijnen hier zodra ze komen.
+bewegingsmelder
 het heeft geen adres
-geweigerde berichten
-{nodes} knopen en {topics} onderwerpen
-dubbelzinnige aankondigingen
-vluchtige stoffen
-Van die tijd is niets bewaard.
-kijken en bedienen
-lichtsensor
-rechten
-Apps
-zwakke batterij
-stroomonderbreker
-Meteen een bericht als een deur opengaat en niemand thuis is.
-geweigerde abonnementen
-afwijzen
-Vandaag
-veranderd naar {values}
-zendt wat zijn aankondiging niet verklaart
-Token
-geef de sleutel die zijn ESPHome-configuratie onder "api: encryption:" heeft als key_file, of geen
-kamer
-{issuer} werd geweigerd: &
-Onderwerp
-homebot weet wie er thuis is door telefoons in het netwerk en door trackers.
-afwezig
-Lampen gaan 's avonds aan en uit als niemand thuis is.
-Een bericht als de wasmachine klaar is.
-zijn conventie faalde
-verlaagd
-, door het apparaat of een mens
-sinds de start van deze gateway heeft het niet gezegd wat het kan; misschien slaapt het: wek het, en probeer het opnieuw
-in deze browser bewaren
-mislukte meldingen
-een andere versleuteling
-batterij, stroom, bereik? Is het voorgoed weg: homebot forget DEVICE
-droogt
-Werkkamer
-Wachtrijen en verliezen
-Niets dat gemeten wordt staat aan.
-Wat je hier verandert, toont elk scherm.
-de lamellen gaan alleen open (100) en dicht (0)
-vervallen, te veel
-een getal
 dit homebot heeft geen routines
-donker
-Zonder TLS installeert een browser geen app: tls = true in [door].
-versie
-mislukte verbindingen
-robotstofzuiger
-Kleuren
-versleuteling
-onleesbare waarden
-een druk op zijn knop
-gekopieerd
-afmelden
-vanzelf
-nog * s
-niets
-er is geen adres: in [notify] staat er geen
-foute configuratie
-Een lamp wordt twintig minuten lang lichter voor je opstaat.
-de toestand van het huis
-opnieuw verzonden
-toon wat goedkeuring van # toestaat
-homebot zoekt in de geschiedenis van vier weken wat je steeds weer doet, en kijkt een week toe voordat het dat voorstelt.
-de apparaten van het huis zijn nog niet bekend
-het is niet te volgen
-Rook, water, beweging
-Keuken
-Alle lichten gaan uit als iedereen weg is.
-Adres
-de eigenaar heeft het niet goedgekeurd
-debiet
-rook of hitte
-open sinds
-, omdat {device} {values} meldde
-deze routine {names} laten bedienen
-stand
-Taal
-Omlaag bij schemering, omhoog in de ochtend.
-alles
-het netwerk nam het aan
-gewoonten zoeken
-het hoort niet bij wat de toegang mag bedienen
-{energy} kWh op andere zulke dagen
-normaal
-luchtkwaliteitssensor
-berichten per seconde
-bezig
-nu niet bekend
-fouten
+het heeft er geen
 licht
-vergeten stoorders
-een van zijn waarden is onbekend
-er wordt al een ander apparaat gekoppeld
-In de app Woning: +, Voeg accessoire toe, en scan dit of typ de code.
-homebot place APPARAAT KAMER
-aankondigingen`,n=`# asks, so another answers: use the owner's token, and give programs their own
+met de hand of vanzelf
+# is gedownload ({size} kB).
+, omdat de sc\xE8ne {scene} ongedaan is gemaakt
+niet bewaarde berichten
+Keuken
+horizontaal zwenken
+Het heeft nog geen verandering gemeld.
+Wie het nu gebruikt
+de eigenaar heeft het niet goedgekeurd
+Event-loop
+Waarden, verloop, feiten
+Waarden
+kijken en bedienen
+de verbinding is verbroken
+vervallen, te veel
+versleuteling
+map voor gegevens
+het heeft een code nodig
+teruggeleverde energie
+het schakelt het alarm uit
+verwarming
+Om hem terug te zetten:
+sirenetoon
+nog * s
+titel
+Kelder
+de apparaten van het huis zijn nog niet bekend
+, omdat de sc\xE8ne {scene} is toegepast
+kamer
+# verwijderen
+afwezig
+het weigert het wachtwoord van password_file of password_env in [gateways.mdns.drivers.shelly]
+bodemsensor
+actief
+het maakt het huis veiliger
+met de hand
+het hoort niet bij wat de toegang mag bedienen
+de huidige waarden nemen
+weggegooid, te langzaam gelezen
+verbeter het apparaat of zijn aankondiging
+het moeten seconden zijn, 0 of meer
+nieuwste eerst
+Gevonden:
+luchtkwaliteit
+een Matter-code heeft 11 of 21 cijfers, of is een QR-code die met MT: begint
+het verloop is nog niet begonnen, of wordt niet bewaard; \`homebot doctor\` zegt waarom
+batterij, stroom, bereik? Is het voorgoed weg: homebot forget DEVICE
+, wegens $
+alleen de tabel van een gateway neemt een wachtwoord of token
+neemt een getal dat het formaat kan schrijven
+mag bedienen
+Het testbericht is verzonden.
+je deed het > eerder
+fijnstof PM10
+Het certificaat dat je apparaten moeten vertrouwen
+taglezer
+dat apparaat is er niet
+Er is nog geen apparaat.
+de Matter-server heeft geen Bluetooth; hij bereikt alleen apparaten in het netwerk
+plattegrond met * kamer
+{issuer} werd geweigerd: &
+de bridge antwoordt iets onbekends
+Woonkamer
+{energy} kWh op andere zulke dagen
+aannemen
+Meer bediening
+het logboek heeft elk met zijn spoor: meld of verhelp het
+Wachtwoord
+donker
+# goedkeuren
+weggegooid voor afwezigen
+het verwijst naar een andere computer, dat wordt niet gevolgd
+tegelijk
+aanmelden
+weggegooid (QoS 0)
+opdrachten
+het effect blijft niet
+homebot opnieuw starten
+meldt gas
+Druk nu op de knop: nog * s
+niets
+artiest
+de deur is misschien open
+het gebeurt \xE9\xE9n keer en blijft niet
+het is geen Bluetooth-proxy; voeg "bluetooth_proxy:" toe aan de ESPHome-configuratie
+zonder kamer
+weggegooid, te groot
+geweigerde opdrachten
+versie
+Goedkeuring staat deze opdrachten toe:
+jij, door $
+geweigerde berichten
+onleesbare waarden
+beeld van #
+testbericht sturen
+het verwijst te vaak door
+meldt een probleem
+Geen apparaat van dit huis past: $
+schrijven \u2026
+het token geldt niet meer, of hoort bij iets anders
+er zijn twee verschillende apparaten nodig
+opslaan
+verzonden
+tonen`,n=`# asks, so another answers: use the owner's token, and give programs their own
 # must ask itself
 the question is over: &
 the Matter server answered with error *

@@ -1,706 +1,654 @@
-var n=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l sw 4ab 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 36 2es 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
-pianta
-il codice \xE8 sbagliato
-ha l'etichetta always_ask
-il dispositivo \xE8 in servizio, ma i suoi attributi non si sono potuti leggere
-il testo
-errori del diario
+var n=`12j 1nt xg kp 7jj e9 1ca 7b 6gn o4 1jy 16u 187 3l 43 1ys dl 2gl 9k l 16l dy 1tl mb 18g 1 2g jv ht 1ey b2g 2o9 57v 56 77i 19j 2ce eq 2dy f9 2u5 25s 6sh 2u 34u ds 6z 8u 1ck 15z dw fw tk 9a 3z9 dz 2d 2re 1sy 26q 4il 5th 9s 28y f4 fs 2do afh 8f 3i5 cv 61l 2hu 1 yw 2so 21l qk 1pk f8 49v h0 2nv 50y 1ws 50y 2qv sp qi 1p8 16f qf cf sm 8r ds 1m5 fv 6a 4pw 2p6 143 1bj 2ur 1px 3lz cz 18x 1x9 3eg 2dx 7on 1cp 3c 34y 11h 169 eh df da 8ls 1q9 x4 3xe 14o c7w 3ah 5z 5k 32g s0 l7 9fy 1xr 44j 27j ta g3 ep qk 6mh 12p 1og 1xv 15x 49 el 23l 328 5i 100 327 1wm 1xk 1ap 2t4 2v1 5x 2k 4s 2h8 1kc 1up lh 2i9 2no r4 6rc 1v6 1q0 i9 32t 1av 42x xs 13 kd 112 3bm 1n4 1e2 b2 p6 1i3 wv 1w6 3qg 175 3jk g7 41r 2g7 3il 1pz 2g1 ro 3wh 1qt 26e oz 3rr 1tg 1c f3 6yx al 4so 17l 41w 6dv 1kc 1nd cu 1rj 7fv 59c 140 1be 3cm dw 4go 1li zh 4yb 68y c2 5d0 31 2er 3sa 43i 1kz 34i 4w8 13r 22m ak9 2ou 1q1 6gs 2nw v4 hm 3in ay dx 54a 8ph 8yp 1n2 226 5j4 3kr ky 1ax 4x xt 2z1 2b9 1lj 7q3 8ma 56d 2p8 cel 24 5el xa mf 3wt 3xk 2qm 6vi hx 6bj 6o 4on byf 4ut t9 2h 405 2ht 1x7 1pt 1eb 4zo 6rz 4or 5a8 53o a8 218 3gv 3ej 7a 3r 226 ub 9jc 1v 2cw 8b p9 17l 149 13y 59b 2bs 3pw 1sj 5ho 1ho 17t 8mb fn 2jv rf c0p 2s 14d hy 2nz 1gt r4 1qs 31i 2z9 klp 18a 207 tj tg 3q 3g 2bl ji c 2s9 4x6 6xf 11b 14h 2e8 emi 2tj cz yw 1tn aa 34y 4ut 2y0 1y 2tz gr 2ny 60j 3jv 1nb th 1ew 5jo 7z 1pz 9cd 2mr tx 1ce 7d7 44g 1w8 x 2fx 11r a9 2m1 4ci 133 9l 72c 6i vc 5um nr 2dc 483 pv 3s 7gs e5 308 l6 447 ui 23k 233 1fi ca lq 2ct vi 23l bq 1ds z0 d6 31k 3ca 4i2 k2 4sq 2g3 1vq 3oz 2a8 26q 341 1r9 5cu 3d0 1lc 28 13 3je oz z7 206 2gi cj x9 8u 4k5 2pp 7t 37h 3kx rh 2nq 84j 1cx 1bw 4sv 3y 4dy ox 1jt 1dk 1d0 1h 46 4ig r7 392 132 3ok 27c 33y 7j 3ql z4 1tg bg 303 11 28r 1tv 3e 976 6e4 40v bmc 1xq zn 5sd 4so 3u 5lg 38 4j1 3tr 13q 350 8xl 15c 1o8 18z 4m3 af jf 3yp 2vr 2q3 sw 176 7y f 2f4 14r 18b 27i 1q7 56i 1s7 rv 38y 5g3 2s9 lu 1xh xr we 4f6 1ox r 179 ed6 18o 1lc 9r 1 2nd bd 59v 3yl 3zn o 13q 23e ij 9xx gb qp bu to 2ub a1g 11h 1b4 1p3 1cl 40g 1f3 7n3 42d ha 1sv 3h6 1pm 2gp 1kl 3qy 1f2 3qi 2d3 23v 5ta 5p 31l 2qw 9nh 5n 39d 28q 4mo 6mx aa 2c 1h 38r y ep 5tz 3it pv q4 tn k3 18d akw 1ki 1kq 5on is 1nx 16s 19d 3f 2hr 3fi 5up 2zs 2m7 82 3pd 20r 3x7 6f 3lr 5j1 w3 171 kp h 1nr 8ry 16b 17q 42u vd 3po 11x z 26y 9x0 5jo l2 24d 4aw bm 6y 4et 125 35n 1ta 71r 1c5 2y 2f b8 27u 113 4rf 4f5 958 2el 1n7 2d4 32f 7wy 73a 1l1 3ly 4dj 8jf 4n fb 1ua 18k xh
+non ha risposto in tempo
 Garage
-non accetta comandi; segnala soltanto
-tinta (0 a 360) e saturazione (0 a 100), come 0,100 per rosso o 240,50 per azzurro
 Giardino
-stati persi
-ricomincia
-# \xE8 stato scaricato ({size} kB).
-Non ha ancora segnalato cambiamenti.
-sensore di flusso
-un'altra chiave
-solo un'app o una routine pu\xF2 averne uno, con la sua chiave \`act\`
-il dispositivo trasmette soltanto
-accedi
-qualit\xE0 dell'aria
-annunci rifiutati
-risposte tardive
-come il sistema
-produttore
-se homebot \xE8 gi\xE0 in funzione, chiediglielo: homebot doctor
-conserva
-file di dati
+segnala manomissione
+configurazione errata
+gateway
+rilevatore di perdite
+Sette giorni
 Aggiungi
-accetta pi\xF9 di 0 e fino a 100 %
-Terrazza
-rapporti
+il robot ha un ordine; metti prima la sua opzione su idle
+homebot gira in prova e non invia nulla
 Registro
 PM1
-client interrotti
-anidride carbonica
-In vigore da ora.
+la tabella di un gateway ha segreti, nessuna pagina la legge
+Comandi
 Perch\xE9
-A una parete
-Nessuna delle * voci pi\xF9 recenti ha queste parole.
-oscillazione
-Nella settimana di prova l'hai fatto {done} volte su {total}; una routine farebbe bene dal {low} al {high} % delle volte.
-non ha ancora segnalato nulla dall'avvio di homebot
+il broker non risponde pi\xF9
+esci
 richiesta
-artista
-homebot show DEVICE mostra entrambi i lati; homebot forget DEVICE lo chiude
-non ha un sensore di movimento
-attivit\xE0
-per
-caldo da
-Non ci sono ancora serrature, contatti o allarmi.
+errori del file dei dispositivi
+ultime volte
+se parte mentre \xE8 in corso
 bassa
 adesso
-il server Matter non ha Bluetooth; raggiunge solo dispositivi in rete
 eseguita
 grezzo
-tag
-il suo gateway codifica i suoi messaggi
-continua senza token
-{issuer} ha chiesto {values}
-lettore video
-PM10
-l'hai fatto > prima
-invio \u2026
-Cronologia
-gli abbinamenti con Apple Home
-un programma sconosciuto
-il server Matter \xE8 stato spento
-dalle il diritto
-nessuna scena ne conserva uno
-il dispositivo risponde con un errore
-un codice Matter ha 11 o 21 cifre, o \xE8 un codice QR che inizia con MT:
-fai
-la stanza del dispositivo
-\xE8 stato annullato
-Che cosa si sa, e da dove
-congelatore
-la sua modalit\xE0 \xE8 ignota; impostala prima
-porta
-tipi rifiutati
-troppo lunghi
-fuori da tutte le stanze
-scartati, lettura troppo lenta
-\xE8 bagnato
-l'altro suo valore \xE8 ignoto, e i due vanno insieme
-risposte sconosciute
-sensore di apertura
-annunci rifiutati
-Allarmi
-aggiornamento
-non c'\xE8 D-Bus; su Linux, bluetoothd e il bus di sistema devono essere in esecuzione
-\xC8 in corso \u2026
-\xC8 cambiato alle >.
-da {issuer}
-Una luce tenue per il cammino di notte.
-preferito
-batteria, corrente, portata?
-Non capito alle >:
-movimento
-Diagnosi
-non si pu\xF2 codificare come UTF-8
-presenza
-le ultime 24 ore
-Un server su questo computer
-titolo
-nessuna porta TCP \xE8 libera per il broker integrato
-il suo modello fallisce con questo codice
-connessione
-Una ventola gira finch\xE9 il bagno \xE8 umido.
-riscontri persi
-servono secondi, 0 o pi\xF9
-lo storico non \xE8 iniziato, o non viene conservato; \`homebot doctor\` dice perch\xE9
-riavvia homebot
-Non c'\xE8 (pi\xF9) un dispositivo #.
-a mano o da solo
-homebot why DISPOSITIVO mostra le segnalazioni
-homebot gira in prova e non invia nulla
-il suo effetto non dura
-contenuti
-il suo modello non d\xE0 nulla per questo
-Utente
-\xE8 cambiato nel frattempo; guardalo di nuovo
-inviato in un solo messaggio al gruppo #
-la connessione a Home Assistant \xE8 caduta
-finisce
-Comandi
-contatore
-notifiche scartate
-annulla
-segnala monossido di carbonio
-non c'\xE8 una via per i comandi
-rende la casa pi\xF9 sicura
-ha segnalato {values}
-\xE8 silenzioso da troppo tempo
-approvazione
-La custodia \xE8 aperta, o \xE8 staccato dal muro?
-in attesa
-dopo un codice sbagliato vuole una pausa; riprova pi\xF9 tardi
-pianta con * stanza
-nessun programma risponde l\xEC: avvialo, o correggi l'indirizzo
-rilevatore di fumo o CO
-rilevatore di gelo
-non \xE8 un bridge Hue; abbina il bridge a cui appartiene
-\xE8 cambiato da quando lo hai approvato
-$ nel tempo, * punti
-Non \xE8 ancora successo nulla.
-questo protocollo non accetta comandi grezzi; usa un indirizzo testuale
-Luce finch\xE9 qualcuno si muove ed \xE8 buio; una lampada gi\xE0 accesa, o che qualcuno comanda intanto, resta com'\xE8.
-Chi la usa adesso
-non disponibile
-Un token d\xE0 a questa pagina i suoi diritti: il tuo \xE8 la riga in owner.token, nella cartella dei dati di homebot. Per un tablet creane uno con:
-Pi\xF9 fresco se nessuno \xE8 in casa, caldo con il primo che arriva.
-, da una persona
-Come ntfy://TOPIC o mailto://USER:PASSWORD@HOST; appriseit.com li elenca tutti.
-la connessione \xE8 stata chiusa
-accetta una data dal 1970 al 2106
-non fare nulla
-usa una directory su questo computer, o configura il suo indirizzo
-la tabella di un gateway ha segreti, nessuna pagina la legge
-impostazione
-reinstalla l'homebot pi\xF9 recente, o: homebot restore BACKUP
-Un avviso quando il garage resta aperto, e di nuovo finch\xE9 lo \xE8.
-risolvi la causa nel registro, poi: homebot app reload APP, o riavvia homebot
-ha appena annunciato altri topic per i comandi, forse di un altro dispositivo; riprova
-climatizzatore
-frammenti scartati
-I nuovi gateway iniziano al prossimo avvio di homebot.
-aspetta, al massimo un minuto, i dispositivi di prima; riprova
-il suo bridge non lo raggiunge
-sensore di umidit\xE0
-Allarmi e domande arrivano con questi indirizzi a telefoni, chat e posta.
-il controllo non \xE8 in funzione; si riavvia da solo, vedi Sistema
-comandi falliti
-\u2026 e altri *
-non arrivano pi\xF9 eventi
-nessun dispositivo trovato con questo codice; \xE8 pronto per l'associazione, in questa rete e non gi\xE0 associato?
-Abbinato a * controller.
-permesso
-accetta numeri da 0 a 360, da 0 a 100
-usa #
-In attesa della tua approvazione
-manomissione
-Persone
-si contraddicono; danne uno solo
-Aprite le finestre, uscite e chiamate aiuto
-prima
-, perch\xE9 \xE8 stata applicata la scena {scene}
-salvato
-, perch\xE9 \xE8 stata annullata la scena {scene}
-da >
-accetta solo true
-il nome del computer \xE8 sconosciuto: correggi l'indirizzo
-Latitudine
-nascondilo nella casa
-osserva: #
-Le righe appaiono qui man mano.
-inizia con {view}
-Soggiorno
-correggi o togli il mittente
-accetta una data con fuso orario
-Serve: $
-i tag non accettano comandi
-I suoi dispositivi compaiono qui.
-Nessun dispositivo indica ancora una temperatura.
-L'aspirapolvere pulisce una volta al giorno quando tutti sono usciti.
-sensore di pioggia
-Un riscaldamento riposa finch\xE9 la sua finestra \xE8 aperta.
-\`homebot find\` mostra ci\xF2 che va bene
-indica password_file o password_env in [gateways.mdns.drivers.shelly]
-non ne accetta
-ultima versione
-modello
-if: tutto ci\xF2 che deve valere allora
-messaggi persi
-dentro
-ora di dormire
-valori
-messaggi non conservati
-il client #
-libreria mancante
-ci ha messo troppo
-umidit\xE0 del terreno
-ogni passo
-Questa immagine non \xE8 pi\xF9 recente.
-annunci: byte in memoria
-quando
-dopo
-quarantene
-sostituiscila o caricala
-una nuova stanza
-richieste rifiutate
-Lo dice un messaggio conservato, ma non da quando.
-pulsante
-velocit\xE0
-centrale d'allarme
-aspirapolvere che non sono ancora robot
-Non c'\xE8 ancora nessun dispositivo.
-scaldabagno
-Codice QR
-Etichette
-\xE8 irraggiungibile
-umido da
-buio sotto
-giorni
-immagine di #
-utente
-{energy} immessi
-modifica
-homebot gira senza file; avvialo in una cartella con homebot.toml
-Ogni dispositivo ha una stanza.
-ora
-Camera
-Adesso
-visto l'ultima volta
-limite
-il broker non risponde pi\xF9
-associa
-richiede un codice
-Backup
-aggiungi la tabella e riavvia homebot: docs/robots.md
-il dispositivo non ha pi\xF9 questa parte
-Premi il pulsante del dispositivo, poi \xABassocia\xBB.
-la connessione \xE8 andata persa
-tosaerba
-le pi\xF9 recenti prima
-Ci\xF2 che conserva questa scena non ne dice i valori.
-novit\xE0 perse
-Nessun dispositivo di questa casa \xE8 adatto: $
-rifiuta la password di password_file o password_env in [gateways.mdns.drivers.shelly]
-avanti
-trovati, e non ancora usati
-\xE8 occupato
-orari e la casa
-grafo
-non se ne sa nulla che una scena possa ripristinare
-Questo schermo
-Cantina
-\xE8 associato altrove; rimuovilo l\xEC o ripristinalo
-un bridge non ha codice: premi il suo pulsante
-Pu\xF2
-scartati per assenti
-rifiutati
-l'indirizzo di un flusso, come una radio
-Gi\xF9 di due terzi finch\xE9 fa caldo.
-da {least} a {most}
-Un avviso quando una finestra resta aperta e fuori fa freddo.
-Un avviso quando si usa molta potenza per un po'.
-a riposo
-una scena ha valori che durano; per ci\xF2 che si fa una volta usa una routine
-Caricamento della pianta \u2026
-chiudilo
-modalit\xE0
-Porte e finestre
-raggiunto con
-\xE8 nella configurazione; cambia [places] l\xEC
-, a causa di $
-Altri comandi
-reindirizza troppo spesso
-Nome, stanza ed etichette
-non ha risposto in tempo
-immagine
-Fuso orario
-Interrogo homebot \u2026
-gateway
-umidificatore
-Una pressione a letto: tutte le luci spente, e un avviso se qualcosa \xE8 aperto.
-Non c'\xE8 ancora nessuna routine.
-Telefono nella rete
-frequenza
-Niente fiamme n\xE9 interruttori; aprite le finestre, uscite e chiamate aiuto
-Non c'\xE8 nulla da proporre.
-nessuna risposta
-indirizzi rifiutati
-Argomenti pi\xF9 attivi
-un'altra password
-Nome
-altra
-Pi\xF9 fresco di notte.
-Un avviso quando una pianta ha bisogno d'acqua.
-nomina un dispositivo, o cerca come 'light in hall'
-proposta da #
-lettore di tag
-prossima volta
-annulla
-segnala manomissione
-Longitudine
-Nome e luogo
-suono della sirena
-energia del {day}
-Una presa si spegne di notte se il suo apparecchio aspetta soltanto.
-Home Assistant lo rifiuta, o il codice \xE8 sbagliato
-connessioni rifiutate
-Routine pronte
-{issuer} ha pubblicato {text}
-sera
-monossido di carbonio
-senza dare un motivo
-Luce nel corridoio quando la porta si apre al buio.
-sensore del terreno
-Nessun dispositivo indica ancora potenza o energia.
-ha la batteria scarica
-scartati, troppo lunghi
-se
-scartati, malformati
-Caldo la mattina e la sera.
-temperatura del colore
-Ogni schermo ha un proprio token, che pu\xF2 essere revocato.
-messaggi in attesa e persi
-reindirizza a un altro computer, e non viene seguito
-richieste scartate
-la directory non \xE8 ancora stata letta
-un numero finito
-Energia per giorno
-\xE8 scattato
-Piano terra
-ore di silenzio
 rendila tua, o indicane un'altra in HOMEBOT_DATA
-when: che cosa la avvia, una riga ciascuno
-pu\xF2 comandare
-Mostra
-Il codice sul dispositivo
-errori del file dei dispositivi
-annunci: byte di troppo
-Un pulsante comanda una lampada.
-salva
-accetta true o false
-Valori
-inviato
-annunci rinviati
-freddo sotto
-Le tue abitudini
-segnala gas
-mostra
-Password
-imposta
-quel dispositivo non esiste
-non ne ha
-I primi valori arrivano tra due secondi.
-perdita d'acqua
-la sua descrizione non nomina il parametro
+tag
 C'\xE8 un incendio? Uscite e chiamate i vigili del fuoco
-questa domanda non c'\xE8 pi\xF9; \`homebot answer\` elenca quelle aperte
-annunci derivati
-Una suonata \xE8 segnalata, e al buio illumina l'ingresso.
-ultime volte
-comandi
-sensore di temperatura
-la stanza del dispositivo \xE8 sconosciuta, quindi forse c'\xE8 qualcuno
-Un dispositivo senza valore viene tolto.
-La casa \xE8 chiusa
-temperatura ambiente
-attivo
-robot
-crea un token
-soprattutto #
-non noto: {names}
-innocuo
-chiudi l'acqua
-il registro ha ognuno con la sua traccia: segnalalo o correggilo
+ha segnalato {values}
+raggiunto con
+se homebot \xE8 gi\xE0 in funzione, chiediglielo: homebot doctor
 nessun percorso verso quel computer
-non \xE8 un proxy Bluetooth; aggiungi "bluetooth_proxy:" alla sua configurazione ESPHome
-Bagno
-ricreato
-il broker
-risponde solo una persona, sulla pagina
-Un avviso quando un congelatore \xE8 troppo caldo per un po'.
-niente vi \xE8 stato unito
-Nascosti
-\xE8 aperto
-Ora in homebot.toml c'\xE8:
-non ha un ordine da proseguire; dagli una destinazione
-Ciclo degli eventi
-rilevatore
-Ingresso
-approva #
-troppi codici sbagliati; scollegalo un momento
-la porta \xE8 forse aperta
-interblocco
-Senza contatore proprio
-Va tutto bene. Da notare:
-Messaggi
-True o False
-Nessuna stanza ha ancora una forma. Dalle degli angoli nella tabella [places.rooms], o importa una mappa: homebot places import FILE.
-inizia
-segnala fumo o calore
-contraddizione
+when: che cosa la avvia, una riga ciascuno
+preimpostazione
+nessun programma risponde l\xEC: avvialo, o correggi l'indirizzo
+annulla
+umidit\xE0 del terreno
+indietro
+prima
+uno dei suoi valori \xE8 sconosciuto
+sensore di pioggia
+\xE8 scattato
+ne vuole pi\xF9 d'uno insieme, e non si pu\xF2
+Oggi
+da >
+asciuga
+normale
+Token
+la stanza del dispositivo
+Argomento
+ritardo del ciclo degli eventi
+Lingua
+Serve: $
+rapporti
+annunci rifiutati
+batteria scarica
+reinstalla l'homebot pi\xF9 recente, o: homebot restore BACKUP
+I nuovi gateway iniziano al prossimo avvio di homebot.
+aspirapolvere che non sono ancora robot
+\xE8 occupato
+crea un backup
+usa #
+{issuer} ha pubblicato {text}
+un bridge non ha codice: premi il suo pulsante
+sostituiscila o caricala
+la stanza del dispositivo \xE8 sconosciuta, quindi forse c'\xE8 qualcuno
+fumo o calore
+danne uno, come level 40
+Lo dice un messaggio conservato, ma non da quando.
+In vigore da ora.
+Persone
 nascondi
 alta
-\xE8 stato annunciato dopo l'approvazione del dispositivo
-non l'hai fatto
-non ne ha annunciate
-esegui ora
-Il codice mostrato da homebot run fa entrare il primo schermo.
-energia immessa
-accessi falliti
-nessuno \xE8 stato avvisato; [notify] e il log dicono perch\xE9
-solo la tabella di un gateway accetta password o token
-Schermi
-il robot ha un ordine; metti prima la sua opzione su idle
-valori rifiutati
-Era cos\xEC alla prima segnalazione.
-Il messaggio di prova \xE8 stato inviato.
-dove si trova questo schermo
-chiedere sempre
-annunci ignorati
-, in corso
-Valori, cronologia, dati
-Conserva i valori attuali di:
-Contiene tutto ci\xF2 che homebot conserva, tranne le password.
-questa modalit\xE0 non ha quel valore
-Un punto pieno \xE8 acceso, aperto od occupato.
-Per ripristinarlo:
-questo homebot non conserva nulla
-homebot show DISPOSITIVO
-cartella dei dati
-servono due dispositivi diversi
-Sette giorni
-localizzatore
-a mano
-Home Assistant ha chiuso la connessione
-il codice \xE8 sbagliato; se ne sei sicuro, riprova
-identificatori tagliati
-il gateway osserva soltanto; permettigli i comandi in Sistema, Dispositivi
-La casa \xE8 aperta
-non qui
-Cambiato dalla precedente approvazione:
-routine pronte
-segnala un problema
-nessun annuncio valido dall'avvio di questo gateway; riavvia il dispositivo o il suo bridge, o aspetta
-non c'\xE8 nulla da annullare, o il file \xE8 cambiato da allora
-ricerca \u2026
-Il suo ultimo evento, che non \xE8 uno stato:
-una sola password andrebbe in chiaro a chi si chiama cos\xEC: aggiungi "api: encryption:" alla sua configurazione ESPHome e dai key_file, o il suo indirizzo IP fisso come allow_plaintext_at in [gateways.mdns.drivers.esphome.devices.NAME]
-si fa una volta e non dura
-alla casa
-oscillazione orizzontale
-Apri questo una volta sullo schermo; viene mostrato solo ora:
-Il luogo d\xE0 alba e tramonto; resta qui.
-il robot non ha ancora detto il suo stato
-preimpostazione
-la sua memoria \xE8 piena
-nessun indirizzo
-disinserisce l'allarme
-sensore
-prendi i valori attuali
-Una lampada \xE8 accesa dal tramonto all'ora di dormire se c'\xE8 qualcuno.
-topic riservati
-il bridge risponde qualcosa di sconosciuto
-dispositivi rifiutati
-# \xE8 associato.
-riscaldamento
-non connesso
-resta
-Persona
-scartati (QoS 0)
-luminosit\xE0
-since deve precedere until
-Nessuna app \xE8 in corso.
-accetta una data senza fuso orario
-Caricamento delle routine \u2026
-dai a homebot una cartella in cui scrivere (HOMEBOT_DATA), o avvialo con --ephemeral
-attendi un minuto, poi guarda il registro di homebot
-pi\xF9 nomi per un identificatore: forse pi\xF9 dispositivi
-ne vuole pi\xF9 d'uno insieme, e non si pu\xF2
-famiglia
-piano
-il dispositivo si pu\xF2 solo spegnere, come un piano cottura per sicurezza
-non ancora connesso
-il profilo del dispositivo non ha un frame per questo
-L'approvazione permette questi comandi:
-il token non vale pi\xF9, o \xE8 di un altro
-da un altro programma
-indietro
-segreto
-campanello
-scrittura \u2026
-I nodi a sinistra pubblicano argomenti, quelli a destra vi si abbonano.
-, da solo
-scadenze scartate
-Ricevitore pi\xF9 lento
-il termostato \xE8 in un'altra modalit\xE0; cambiala prima
-, un'eco
-l'hai fatto > dopo
-accetta
-HomeKit non ha un servizio per questo
-Trovati:
-non raggiungibile
-Il certificato di cui i tuoi dispositivi devono fidarsi
-correggerla, poi: homebot config check
-intensit\xE0 del segnale
-Dopo cinque minuti mostra un orologio tenue e ci\xF2 che \xE8 aperto. L'indirizzo di questo schermo:
-\xC8 cos\xEC da quando homebot lo conosce.
-non \xE8 stato inviato
-contatore elettrico
-fermo
-tapparella o tenda
-Caricamento del grafo \u2026
-Token o codice
-serratura
-inviato in un solo messaggio alla scena #
-, da un altro programma
-non \xE8 ancora cambiato nulla
-modalit\xE0 ventola
-Va tutto bene.
-accetta un numero che il suo formato pu\xF2 esprimere
-Riscalda con una finestra aperta
-non \xE8 un JPEG, PNG, GIF o WebP fino a 2 MiB
-> fa
-scartati, troppo grandi
-correggi il dispositivo o il suo annuncio
-modalit\xE0
-tu, con $
-se parte mentre \xE8 in corso
-Dispositivi
-Esclusi perch\xE9 segreti: {files}
-invia un messaggio di prova
-Non \xE8 ancora contato nulla.
-on o off
-homebot qui non pu\xF2 riavviarsi da solo; riavvialo
-nessuna via per quella rete
-ritardo del ciclo degli eventi
-il registro e homebot journal dicono di pi\xF9
-riavvia homebot dopo una nuova tabella: docs/protocols.md
-nuova routine
-frequenza
-trova
-comandi rifiutati
-il server Matter \xE8 troppo lento
-dopo
+ha l'etichetta always_ask
+lo stato della casa
 in ritardo di
-conteso
-# pu\xF2 comandare i dispositivi
-danne uno, come level 40
-pressione
-ogni volta
-rilevatore di perdite
-valvola dell'acqua
-mattina
-ricevuti
-bluetoothd non \xE8 in esecuzione
-una password
-dai a ogni dispositivo un identificatore suo negli annunci; intanto le sue parti hanno questi nomi
-tutti a casa
-perdita d'acqua
-aperto da molto
-ascensore
-sensore di presenza
+accetta una data senza fuso orario
+\xC8 cos\xEC da quando homebot lo conosce.
+rilevatore di gelo
+la rete lo ha accettato
+Longitudine
+da solo
+Un token d\xE0 a questa pagina i suoi diritti: il tuo \xE8 la riga in owner.token, nella cartella dei dati di homebot. Per un tablet creane uno con:
+famiglia
+Caricamento della pianta \u2026
+robot
+Esclusi perch\xE9 segreti: {files}
+annunci rifiutati
+Come ntfy://TOPIC o mailto://USER:PASSWORD@HOST; appriseit.com li elenca tutti.
+, da un altro programma
+niente vi \xE8 stato unito
+errori del diario
+da un altro programma
+connessioni fallite
+produttore
+scartati, troppo lunghi
+homebot why DISPOSITIVO mostra le segnalazioni
+Terrazza
+accetta numeri da 0 a 360, da 0 a 100
+homebot sa chi \xE8 in casa dai telefoni nella rete e dai tracker.
+> fa
+ore di silenzio
+da {least} a {most}
+Conserva i valori attuali di:
+modalit\xE0
+\xE8 bagnato
+annunci
+accetta true o false
+modalit\xE0 ventola
+prossima volta
+La casa \xE8 aperta
+mostra che cosa permette l'approvazione di #
+if: tutto ci\xF2 che deve valere allora
+climatizzatore
+non \xE8 stato inviato
+da {issuer}
+Ora in homebot.toml c'\xE8:
+Nome e luogo
+I nodi a sinistra pubblicano argomenti, quelli a destra vi si abbonano.
+il nome del computer \xE8 sconosciuto: correggi l'indirizzo
+accessi falliti
+fermo
+Piano terra
 topic rifiutati
+piano
+usa una directory su questo computer, o configura il suo indirizzo
+Cronologia
+ogni volta
+sensore di apertura
+indirizzi rifiutati
+chiudilo
+accetta una data dal 1970 al 2106
+\xE8 nella configurazione; cambia [places] l\xEC
+modalit\xE0
+non connesso
+Telefono nella rete
+anidride carbonica
+nascondilo nella casa
+Aprite le finestre, uscite e chiamate aiuto
+accetta solo true
+ha appena annunciato altri topic per i comandi, forse di un altro dispositivo; riprova
+Questo schermo
+{nodes} nodi e {topics} argomenti
+Indirizzo
+temperatura del colore
+tipi rifiutati
+localizzatore
+le lamelle si aprono (100) e si chiudono (0) soltanto
+$ nel tempo, * punti
+composti organici volatili
+non disponibile
+la sua memoria \xE8 piena
+visto l'ultima volta
+questa modalit\xE0 non ha quel valore
+copiato
+associa
+annunci: byte di troppo
+non c'\xE8 nulla da annullare, o il file \xE8 cambiato da allora
+ricreato
+non fare nulla
+il suo modello non d\xE0 nulla per questo
+frammenti scartati
+non ha un sensore di movimento
+homebot cerca nella cronologia di quattro settimane ci\xF2 che fai di continuo, e lo osserva una settimana prima di proporlo.
+homebot show DISPOSITIVO
+non ha ancora segnalato nulla dall'avvio di homebot
+gli abbinamenti con Apple Home
+Niente fiamme n\xE9 interruttori; aprite le finestre, uscite e chiamate aiuto
+nuova routine
+tapparella o tenda
+Non ci sono ancora serrature, contatti o allarmi.
+pianta con * stanze
+un numero
+Fuso orario
+Ogni schermo ha un proprio token, che pu\xF2 essere revocato.
+I suoi dispositivi compaiono qui.
+quarantene
+non ne accetta
+pressione
+impostazione
+in funzione
+Questa immagine non \xE8 pi\xF9 recente.
+Un server su questo computer
+Un dispositivo senza valore viene tolto.
+aspetta, al massimo un minuto, i dispositivi di prima; riprova
+conservalo in questo browser
+non ha un ordine da proseguire; dagli una destinazione
+dispositivi rifiutati
+lasciare che questa routine comandi {names}
+sensore di qualit\xE0 dell'aria
+Le tue abitudini
+la connessione a Home Assistant \xE8 caduta
+Allarmi e domande arrivano con questi indirizzi a telefoni, chat e posta.
+non ne ha annunciate
+il dispositivo risponde con un errore
+il robot non ha ancora detto il suo stato
+messaggi al secondo
+l'indirizzo di un flusso, come una radio
+pulsante
+Il suo ultimo evento, che non \xE8 uno stato:
+comandi falliti
+Di recente qui
+salvato
+rilevatore di fumo o CO
+sensore di flusso
+annunci: byte in memoria
+intensit\xE0 del segnale
+avanti
+trova
+homebot qui non pu\xF2 riavviarsi da solo; riavvialo
+Fumo, acqua, movimento
+un numero finito
+modello
+nessun indirizzo
+valori rifiutati
+Non \xE8 ancora successo nulla.
+risposte
+pi\xF9 nomi per un identificatore: forse pi\xF9 dispositivi
+{issuer} ha chiesto {values}
+La custodia \xE8 aperta, o \xE8 staccato dal muro?
+la connessione \xE8 stata chiusa
+il suo bridge non lo raggiunge
+tosaerba
+\xC8 cambiato alle >.
+rilevatore
+il dispositivo trasmette soltanto
+Non capito alle >:
+interruttore magnetotermico
+sensore di luce
+Premi il pulsante del dispositivo, poi \xABassocia\xBB.
+il registro e homebot journal dicono di pi\xF9
+dai a homebot una cartella in cui scrivere (HOMEBOT_DATA), o avvialo con --ephemeral
+sensore di umidit\xE0
+inviato in un solo messaggio al gruppo #
+tutto
+sensore di pressione
+App
+Home Assistant ha chiuso la connessione
+Nessun dispositivo indica ancora potenza o energia.
+client interrotti
+non ancora connesso
+valvola dell'acqua
+dopo un codice sbagliato vuole una pausa; riprova pi\xF9 tardi
+bluetoothd non \xE8 in esecuzione
+non noto: {names}
+nessuno \xE8 stato avvisato; [notify] e il log dicono perch\xE9
+aggiornamento
+Va tutto bene.
+Dopo cinque minuti mostra un orologio tenue e ci\xF2 che \xE8 aperto. L'indirizzo di questo schermo:
+inviato in un solo messaggio alla scena #
+scaldabagno
+presenza
+rifiuta
+annulla
+velocit\xE0
+centrale d'allarme
+contatore elettrico
+Che cosa si sa, e da dove
+un'altra chiave
+Studio
+Senza contatore proprio
+risolvi la causa nel registro, poi: homebot app reload APP, o riavvia homebot
 nessun comando manda a casa le persone
+indica password_file o password_env in [gateways.mdns.drivers.shelly]
+grafo
+Non c'\xE8 nulla da proporre.
+Non c'\xE8 (pi\xF9) un dispositivo #.
+frequenza
+il dispositivo non ha pi\xF9 questa parte
+# \xE8 associato.
+Riscalda con una finestra aperta
+Cambiato dalla precedente approvazione:
+do: i suoi passi, una riga ciascuno
+non \xE8 un bridge Hue; abbina il bridge a cui appartiene
+iscrizioni rifiutate
+invia ci\xF2 che il suo annuncio non spiega
+ultima versione
+{energy} immessi
+dove si trova questo schermo
+quando
+il gateway osserva soltanto; permettigli i comandi in Sistema, Dispositivi
+Senza TLS il browser non installa l'app: tls = true in [door].
+homebot gira senza file; avvialo in una cartella con homebot.toml
+Di quel periodo non \xE8 conservato nulla.
+serratura
+crea un token
+non l'hai fatto
+la sua descrizione non nomina il parametro
+Caricamento delle routine \u2026
+HomeKit non ha un servizio per questo
+topic riservati
+non \xE8 ancora cambiato nulla
+dai la chiave che la sua configurazione ESPHome ha sotto "api: encryption:" come key_file, o nessuna
+In attesa della tua approvazione
+nessuna risposta
+Backup
+Il codice sul dispositivo
+Mostra
+nessuna scena ne conserva uno
+Home Assistant lo rifiuta, o il codice \xE8 sbagliato
+nomina un dispositivo, o cerca come 'light in hall'
+fai
+Allarmi
+richieste rifiutate
+lettore video
+ricevuti
+Nessuna stanza ha ancora una forma. Dalle degli angoli nella tabella [places.rooms], o importa una mappa: homebot places import FILE.
+dai a ogni dispositivo un identificatore suo negli annunci; intanto le sue parti hanno questi nomi
+il codice \xE8 sbagliato
+ricerca \u2026
+non accetta comandi; segnala soltanto
+una scena ha valori che durano; per ci\xF2 che si fa una volta usa una routine
+innocuo
+non c'\xE8 D-Bus; su Linux, bluetoothd e il bus di sistema devono essere in esecuzione
+ogni passo
+contraddizione
+risposte sconosciute
+non c'\xE8 una via per i comandi
+utente
+troppi codici sbagliati; scollegalo un momento
+porta
+Energia per giorno
+orari e la casa
+trovati, e non ancora usati
+Nessuna app \xE8 in corso.
+inviato di nuovo
+il suo modello fallisce con questo codice
+Caricamento del grafo \u2026
+messaggi persi
+ricomincia
+non si pu\xF2 osservare
+un programma sconosciuto
+Dispositivi
+file di dati
+soprattutto #
+frequenza
+modifica
+on o off
+risponde solo una persona, sulla pagina
+il dispositivo \xE8 in servizio, ma i suoi attributi non si sono potuti leggere
+si sta gi\xE0 associando un altro dispositivo
+nessun dispositivo trovato con questo codice; \xE8 pronto per l'associazione, in questa rete e non gi\xE0 associato?
+annunci derivati
+si contraddicono; danne uno solo
+homebot show DEVICE mostra entrambi i lati; homebot forget DEVICE lo chiude
+Ingresso
+contenuti
+chiudi l'acqua
+\xE8 irraggiungibile
+il dispositivo si pu\xF2 solo spegnere, come un piano cottura per sicurezza
+nessuna via per quella rete
+un'altra password
+le ultime 24 ore
+Interrogo homebot \u2026
+Non \xE8 ancora contato nulla.
+\xE8 silenzioso da troppo tempo
+troppo lunghi
+\xE8 stato annullato
+sensore di temperatura
+ha la batteria scarica
+il controllo non \xE8 in funzione; si riavvia da solo, vedi Sistema
+batteria, corrente, portata?
+rifiutati
+Colori
+accetta una data con fuso orario
+\xE8 cambiato nel frattempo; guardalo di nuovo
+solo un'app o una routine pu\xF2 averne uno, con la sua chiave \`act\`
+non arrivano pi\xF9 eventi
+energia del {day}
+annunci ignorati
+il termostato \xE8 in un'altra modalit\xE0; cambiala prima
+Nome
+True o False
+non raggiungibile
+la sua convenzione \xE8 fallita
+non qui
+Latitudine
+oscillazione
+l'hai fatto > dopo
+\xC8 in corso \u2026
+homebot place DISPOSITIVO STANZA
+Diagnosi
+cerca abitudini
+Codice QR
+Adesso
+permesso
+senza dare un motivo
+correggerla, poi: homebot config check
+batteria in carica
+riavvia homebot dopo una nuova tabella: docs/protocols.md
+alla casa
+Porte e finestre
+Ricevitore pi\xF9 lento
+Code e perdite
+il server Matter \xE8 stato spento
+Era cos\xEC alla prima segnalazione.
+questa domanda non c'\xE8 pi\xF9; \`homebot answer\` elenca quelle aperte
+osserva: #
+aggiungi la tabella e riavvia homebot: docs/robots.md
+segnala fumo o calore
+, da solo
+Persona
+conserva
+tutti a casa
+Nessun dispositivo indica ancora una temperatura.
+una password
+Etichette
+notifiche fallite
+Argomenti pi\xF9 attivi
+perdita d'acqua
+dopo
+il server Matter \xE8 troppo lento
+la directory non \xE8 ancora stata letta
+attendi un minuto, poi guarda il registro di homebot
+scadenze scartate
+notifiche scartate
+scartati, malformati
+Messaggi
+un'altra cifratura
+sensore
+una nuova stanza
+il client #
+dall'avvio di questo gateway non ha detto che cosa sa fare; forse dorme: sveglialo, e riprova
+ci ha messo troppo
+Contiene tutto ci\xF2 che homebot conserva, tranne le password.
+preferito
+a riposo
+immagine
+trasgressori dimenticati
+manomissione
+# pu\xF2 comandare i dispositivi
+proposta da #
+approvazione
+stati persi
+Schermi
+Nella settimana di prova l'hai fatto {done} volte su {total}; una routine farebbe bene dal {low} al {high} % delle volte.
+accetta pi\xF9 di 0 e fino a 100 %
+aperto da molto
+l'altro suo valore \xE8 ignoto, e i due vanno insieme
+, dal dispositivo o da una persona
+diritti
+attivit\xE0
+, un'eco
+, da una persona
+non \xE8 un JPEG, PNG, GIF o WebP fino a 2 MiB
+messaggi in attesa e persi
+non se ne sa nulla che una scena possa ripristinare
+il suo gateway codifica i suoi messaggi
+cambiato in {values}
+esegui ora
+Un punto pieno \xE8 acceso, aperto od occupato.
+il broker
+\xE8 cambiato da quando lo hai approvato
+modalit\xE0
+in attesa
+imposta
+monossido di carbonio
+identificatori tagliati
+umidificatore
+la sua modalit\xE0 \xE8 ignota; impostala prima
+La casa \xE8 chiusa
+Va tutto bene. Da notare:
+una sola password andrebbe in chiaro a chi si chiama cos\xEC: aggiungi "api: encryption:" alla sua configurazione ESPHome e dai key_file, o il suo indirizzo IP fisso come allow_plaintext_at in [gateways.mdns.drivers.esphome.devices.NAME]
+una pressione del suo pulsante
+robot aspirapolvere
+\xE8 aperto
+riscontri persi
+questo homebot non conserva nulla
+A una parete
+ora non noto
+Nascosti
+nessun annuncio valido dall'avvio di questo gateway; riavvia il dispositivo o il suo bridge, o aspetta
+Il luogo d\xE0 alba e tramonto; resta qui.
+Apri questo una volta sullo schermo; viene mostrato solo ora:
+I primi valori arrivano tra due secondi.
+continua senza token
+il codice \xE8 sbagliato; se ne sei sicuro, riprova
+since deve precedere until
+segreto
+non c'\xE8 un indirizzo: [notify] non ne ha
+Token o codice
+Ogni dispositivo ha una stanza.
+inizia con {view}
+Routine pronte
+\`homebot find\` mostra ci\xF2 che va bene
+Ci\xF2 che cambi qui si vede su ogni schermo.
+Il codice mostrato da homebot run fa entrare il primo schermo.
+flusso
+CoAP non ha questo metodo
+Pu\xF2
+conteso
+, perch\xE9 {device} ha segnalato {values}
+segnala monossido di carbonio
+annunci ambigui
+libreria mancante
+il testo
+annunci rinviati
+connessione
+non si pu\xF2 codificare come UTF-8
+Nell\u2019app Casa: +, Aggiungi accessorio, e scansiona questo o scrivi il codice.
+correggi o togli il mittente
+questo protocollo non accetta comandi grezzi; usa un indirizzo testuale
+nessuna porta TCP \xE8 libera per il broker integrato
+routine pronte
+errori
+Abbinato a * controller.
+tinta (0 a 360) e saturazione (0 a 100), come 0,100 per rosso o 240,50 per azzurro
+Nulla di misurato \xE8 in funzione.
+invio \u2026
+come il sistema
+i tag non accettano comandi
+novit\xE0 perse
+connessioni rifiutate
+\u2026 e altri *
+\xE8 associato altrove; rimuovilo l\xEC o ripristinalo
+perdita d'acqua
+ascensore
+, in corso
 guardare
 persi
-risposte
-Premi ora il pulsante: ancora * s
-CoAP non ha questo metodo
-Di recente qui
-do: i suoi passi, una riga ciascuno
+dalle il diritto
+Nome, stanza ed etichette
+Utente
+valori
+il profilo del dispositivo non ha un frame per questo
+Nessuna delle * voci pi\xF9 recenti ha queste parole.
 un testo
-pianta con * stanze
-senza stanza
-insieme
-batteria in carica
-Luce e un avviso quando c'\xE8 acqua dove non deve.
-rimuovi #
-sensore di pressione
-crea un backup
+Camera
+Ci\xF2 che conserva questa scena non ne dice i valori.
+fuori da tutte le stanze
+\xE8 stato annunciato dopo l'approvazione del dispositivo
+temperatura ambiente
+Non c'\xE8 ancora nessuna routine.
+interblocco
+Bagno
+risposte tardive
+chiedere sempre
+richieste scartate
+se
+Le righe appaiono qui man mano.
+sensore di presenza
 non ha indirizzo
-messaggi rifiutati
-{nodes} nodi e {topics} argomenti
-annunci ambigui
-composti organici volatili
-Di quel periodo non \xE8 conservato nulla.
-guardare e agire
-sensore di luce
-diritti
-App
-batteria scarica
-interruttore magnetotermico
-Subito un avviso se si apre una porta e nessuno \xE8 in casa.
-iscrizioni rifiutate
-rifiuta
-Oggi
-cambiato in {values}
-invia ci\xF2 che il suo annuncio non spiega
-Token
-dai la chiave che la sua configurazione ESPHome ha sotto "api: encryption:" come key_file, o nessuna
-stanza
-{issuer} \xE8 stato rifiutato: &
-Argomento
-homebot sa chi \xE8 in casa dai telefoni nella rete e dai tracker.
-fuori casa
-Di sera lampade si accendono e spengono se nessuno \xE8 in casa.
-Un avviso quando la lavatrice ha finito.
-la sua convenzione \xE8 fallita
-abbassato
-, dal dispositivo o da una persona
-dall'avvio di questo gateway non ha detto che cosa sa fare; forse dorme: sveglialo, e riprova
-conservalo in questo browser
-notifiche fallite
-un'altra cifratura
-batteria, corrente, portata? Se non c'\xE8 pi\xF9: homebot forget DEVICE
-asciuga
-Studio
-Code e perdite
-Nulla di misurato \xE8 in funzione.
-Ci\xF2 che cambi qui si vede su ogni schermo.
-le lamelle si aprono (100) e si chiudono (0) soltanto
-scartati, troppi
-un numero
 questo homebot non ha routine
-scuro
-Senza TLS il browser non installa l'app: tls = true in [door].
-versione
-connessioni fallite
-robot aspirapolvere
-Colori
-la cifratura
-valori illeggibili
-una pressione del suo pulsante
-copiato
-esci
-da solo
-ancora * s
-niente
-non c'\xE8 un indirizzo: [notify] non ne ha
-configurazione errata
-Una lampada si schiarisce per venti minuti prima che ti alzi.
-lo stato della casa
-inviato di nuovo
-mostra che cosa permette l'approvazione di #
-homebot cerca nella cronologia di quattro settimane ci\xF2 che fai di continuo, e lo osserva una settimana prima di proporlo.
-i dispositivi della casa non sono ancora noti
-non si pu\xF2 osservare
-Fumo, acqua, movimento
-Cucina
-Tutte le luci si spengono quando tutti sono usciti.
-Indirizzo
-il proprietario non l'ha approvato
-flusso
-fumo o calore
-aperto da
-, perch\xE9 {device} ha segnalato {values}
-lasciare che questa routine comandi {names}
-modalit\xE0
-Lingua
-Gi\xF9 al tramonto, su la mattina.
-tutto
-la rete lo ha accettato
-cerca abitudini
-non \xE8 tra ci\xF2 che l'accesso pu\xF2 comandare
-{energy} kWh in altri giorni simili
-normale
-sensore di qualit\xE0 dell'aria
-messaggi al secondo
-in funzione
-ora non noto
-errori
+non ne ha
 chiaro
-trasgressori dimenticati
-uno dei suoi valori \xE8 sconosciuto
-si sta gi\xE0 associando un altro dispositivo
-Nell\u2019app Casa: +, Aggiungi accessorio, e scansiona questo o scrivi il codice.
-homebot place DISPOSITIVO STANZA
-annunci`,o=`# asks, so another answers: use the owner's token, and give programs their own
+a mano o da solo
+# \xE8 stato scaricato ({size} kB).
+, perch\xE9 \xE8 stata annullata la scena {scene}
+messaggi non conservati
+Cucina
+oscillazione orizzontale
+Non ha ancora segnalato cambiamenti.
+Chi la usa adesso
+il proprietario non l'ha approvato
+Ciclo degli eventi
+Valori, cronologia, dati
+Valori
+guardare e agire
+la connessione \xE8 andata persa
+scartati, troppi
+la cifratura
+cartella dei dati
+richiede un codice
+energia immessa
+disinserisce l'allarme
+riscaldamento
+Per ripristinarlo:
+suono della sirena
+ancora * s
+titolo
+Cantina
+i dispositivi della casa non sono ancora noti
+, perch\xE9 \xE8 stata applicata la scena {scene}
+stanza
+rimuovi #
+fuori casa
+rifiuta la password di password_file o password_env in [gateways.mdns.drivers.shelly]
+sensore del terreno
+attivo
+rende la casa pi\xF9 sicura
+a mano
+non \xE8 tra ci\xF2 che l'accesso pu\xF2 comandare
+prendi i valori attuali
+scartati, lettura troppo lenta
+correggi il dispositivo o il suo annuncio
+servono secondi, 0 o pi\xF9
+le pi\xF9 recenti prima
+Trovati:
+qualit\xE0 dell'aria
+un codice Matter ha 11 o 21 cifre, o \xE8 un codice QR che inizia con MT:
+lo storico non \xE8 iniziato, o non viene conservato; \`homebot doctor\` dice perch\xE9
+batteria, corrente, portata? Se non c'\xE8 pi\xF9: homebot forget DEVICE
+, a causa di $
+solo la tabella di un gateway accetta password o token
+accetta un numero che il suo formato pu\xF2 esprimere
+pu\xF2 comandare
+Il messaggio di prova \xE8 stato inviato.
+l'hai fatto > prima
+PM10
+Il certificato di cui i tuoi dispositivi devono fidarsi
+lettore di tag
+quel dispositivo non esiste
+Non c'\xE8 ancora nessun dispositivo.
+il server Matter non ha Bluetooth; raggiunge solo dispositivi in rete
+pianta con * stanza
+{issuer} \xE8 stato rifiutato: &
+il bridge risponde qualcosa di sconosciuto
+Soggiorno
+{energy} kWh in altri giorni simili
+accetta
+Altri comandi
+il registro ha ognuno con la sua traccia: segnalalo o correggilo
+Password
+scuro
+approva #
+scartati per assenti
+reindirizza a un altro computer, e non viene seguito
+insieme
+accedi
+scartati (QoS 0)
+comandi
+il suo effetto non dura
+riavvia homebot
+segnala gas
+Premi ora il pulsante: ancora * s
+niente
+artista
+la porta \xE8 forse aperta
+si fa una volta e non dura
+non \xE8 un proxy Bluetooth; aggiungi "bluetooth_proxy:" alla sua configurazione ESPHome
+senza stanza
+scartati, troppo grandi
+comandi rifiutati
+versione
+L'approvazione permette questi comandi:
+tu, con $
+messaggi rifiutati
+valori illeggibili
+immagine di #
+invia un messaggio di prova
+reindirizza troppo spesso
+segnala un problema
+Nessun dispositivo di questa casa \xE8 adatto: $
+scrittura \u2026
+il token non vale pi\xF9, o \xE8 di un altro
+servono due dispositivi diversi
+salva
+inviato
+mostra`,o=`# asks, so another answers: use the owner's token, and give programs their own
 # must ask itself
 the question is over: &
 the Matter server answered with error *

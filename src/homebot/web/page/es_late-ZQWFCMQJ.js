@@ -1,706 +1,654 @@
-var e=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l sw 4ab 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 36 2es 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
-planta
-el c\xF3digo es incorrecto
-tiene la etiqueta always_ask
-el dispositivo est\xE1 en servicio, pero no se pudieron leer sus atributos
-el texto
-fallos del diario
+var e=`12j 1nt xg kp 7jj e9 1ca 7b 6gn o4 1jy 16u 187 3l 43 1ys dl 2gl 9k l 16l dy 1tl mb 18g 1 2g jv ht 1ey b2g 2o9 57v 56 77i 19j 2ce eq 2dy f9 2u5 25s 6sh 2u 34u ds 6z 8u 1ck 15z dw fw tk 9a 3z9 dz 2d 2re 1sy 26q 4il 5th 9s 28y f4 fs 2do afh 8f 3i5 cv 61l 2hu 1 yw 2so 21l qk 1pk f8 49v h0 2nv 50y 1ws 50y 2qv sp qi 1p8 16f qf cf sm 8r ds 1m5 fv 6a 4pw 2p6 143 1bj 2ur 1px 3lz cz 18x 1x9 3eg 2dx 7on 1cp 3c 34y 11h 169 eh df da 8ls 1q9 x4 3xe 14o c7w 3ah 5z 5k 32g s0 l7 9fy 1xr 44j 27j ta g3 ep qk 6mh 12p 1og 1xv 15x 49 el 23l 328 5i 100 327 1wm 1xk 1ap 2t4 2v1 5x 2k 4s 2h8 1kc 1up lh 2i9 2no r4 6rc 1v6 1q0 i9 32t 1av 42x xs 13 kd 112 3bm 1n4 1e2 b2 p6 1i3 wv 1w6 3qg 175 3jk g7 41r 2g7 3il 1pz 2g1 ro 3wh 1qt 26e oz 3rr 1tg 1c f3 6yx al 4so 17l 41w 6dv 1kc 1nd cu 1rj 7fv 59c 140 1be 3cm dw 4go 1li zh 4yb 68y c2 5d0 31 2er 3sa 43i 1kz 34i 4w8 13r 22m ak9 2ou 1q1 6gs 2nw v4 hm 3in ay dx 54a 8ph 8yp 1n2 226 5j4 3kr ky 1ax 4x xt 2z1 2b9 1lj 7q3 8ma 56d 2p8 cel 24 5el xa mf 3wt 3xk 2qm 6vi hx 6bj 6o 4on byf 4ut t9 2h 405 2ht 1x7 1pt 1eb 4zo 6rz 4or 5a8 53o a8 218 3gv 3ej 7a 3r 226 ub 9jc 1v 2cw 8b p9 17l 149 13y 59b 2bs 3pw 1sj 5ho 1ho 17t 8mb fn 2jv rf c0p 2s 14d hy 2nz 1gt r4 1qs 31i 2z9 klp 18a 207 tj tg 3q 3g 2bl ji c 2s9 4x6 6xf 11b 14h 2e8 emi 2tj cz yw 1tn aa 34y 4ut 2y0 1y 2tz gr 2ny 60j 3jv 1nb th 1ew 5jo 7z 1pz 9cd 2mr tx 1ce 7d7 44g 1w8 x 2fx 11r a9 2m1 4ci 133 9l 72c 6i vc 5um nr 2dc 483 pv 3s 7gs e5 308 l6 447 ui 23k 233 1fi ca lq 2ct vi 23l bq 1ds z0 d6 31k 3ca 4i2 k2 4sq 2g3 1vq 3oz 2a8 26q 341 1r9 5cu 3d0 1lc 28 13 3je oz z7 206 2gi cj x9 8u 4k5 2pp 7t 37h 3kx rh 2nq 84j 1cx 1bw 4sv 3y 4dy ox 1jt 1dk 1d0 1h 46 4ig r7 392 132 3ok 27c 33y 7j 3ql z4 1tg bg 303 11 28r 1tv 3e 976 6e4 40v bmc 1xq zn 5sd 4so 3u 5lg 38 4j1 3tr 13q 350 8xl 15c 1o8 18z 4m3 af jf 3yp 2vr 2q3 sw 176 7y f 2f4 14r 18b 27i 1q7 56i 1s7 rv 38y 5g3 2s9 lu 1xh xr we 4f6 1ox r 179 ed6 18o 1lc 9r 1 2nd bd 59v 3yl 3zn o 13q 23e ij 9xx gb qp bu to 2ub a1g 11h 1b4 1p3 1cl 40g 1f3 7n3 42d ha 1sv 3h6 1pm 2gp 1kl 3qy 1f2 3qi 2d3 23v 5ta 5p 31l 2qw 9nh 5n 39d 28q 4mo 6mx aa 2c 1h 38r y ep 5tz 3it pv q4 tn k3 18d akw 1ki 1kq 5on is 1nx 16s 19d 3f 2hr 3fi 5up 2zs 2m7 82 3pd 20r 3x7 6f 3lr 5j1 w3 171 kp h 1nr 8ry 16b 17q 42u vd 3po 11x z 26y 9x0 5jo l2 24d 4aw bm 6y 4et 125 35n 1ta 71r 1c5 2y 2f b8 27u 113 4rf 4f5 958 2el 1n7 2d4 32f 7wy 73a 1l1 3ly 4dj 8jf 4n fb 1ua 18k xh
+no respondi\xF3 a tiempo
 Garaje
-no acepta \xF3rdenes; solo informa
-tono (0 a 360) y saturaci\xF3n (0 a 100), como 0,100 para rojo o 240,50 para azul p\xE1lido
 Jard\xEDn
-estados perdidos
-empezar de nuevo
-# se ha descargado ({size} kB).
-A\xFAn no ha informado de ning\xFAn cambio.
-sensor de caudal
-otra clave
-solo una app o una rutina puede tener uno, por su clave \`act\`
-el dispositivo solo emite
-iniciar sesi\xF3n
-calidad del aire
-anuncios rechazados
-respuestas tard\xEDas
-como el sistema
-fabricante
-si homebot ya funciona, preg\xFAntale: homebot doctor
-conservar
-archivo de datos
+detecta manipulaci\xF3n
+configuraci\xF3n err\xF3nea
+pasarela
+detector de fugas
+Siete d\xEDas
 A\xF1adir
-acepta m\xE1s de 0 y hasta 100 %
-Terraza
-informes
+el robot tiene una orden; pon antes su opci\xF3n en idle
+homebot funciona de prueba y no env\xEDa nada
 Registro
 PM1
-clientes cortados
-di\xF3xido de carbono
-Ya est\xE1 en vigor.
+la tabla de un gateway tiene secretos, ninguna p\xE1gina la lee
+\xD3rdenes
 Por qu\xE9
-En una pared
-Ninguna de las * entradas m\xE1s recientes tiene esas palabras.
-oscilaci\xF3n
-En la semana de prueba lo hiciste {done} de {total} veces; una rutina acertar\xEDa entre el {low} y el {high} % de las veces.
-a\xFAn no ha informado de nada desde que arranc\xF3 homebot
+el broker ya no responde
+cerrar sesi\xF3n
 consulta
-artista
-homebot show DEVICE muestra ambos lados; homebot forget DEVICE lo termina
-no tiene sensor de movimiento
-acci\xF3n
-durante
-calor desde
-A\xFAn no hay cerradura, contacto ni alarma.
+fallos del archivo de dispositivos
+\xFAltimas veces
+si empieza mientras se ejecuta
 baja
 ahora
-el servidor de Matter no tiene Bluetooth; solo llega a los dispositivos de la red
 se ejecut\xF3
 en bruto
-etiqueta
-su gateway codifica sus mensajes
-seguir sin token
-{issuer} pidi\xF3 {values}
-reproductor de v\xEDdeo
-PM10
-lo hiciste > antes
-enviando \u2026
-Historial
-los emparejamientos con Apple Home
-un programa desconocido
-se apag\xF3 el servidor de Matter
-darle el derecho
-ninguna escena guarda uno
-el dispositivo responde con un error
-un c\xF3digo Matter tiene 11 o 21 cifras, o es un c\xF3digo QR que empieza por MT:
-hacer
-la habitaci\xF3n del dispositivo
-se cancel\xF3
-Qu\xE9 se sabe, y de d\xF3nde
-congelador
-su modo es desconocido; aj\xFAstalo primero
-puerto
-tipos rechazados
-demasiado largos
-fuera de todas las habitaciones
-descartados por lectura lenta
-est\xE1 mojado
-su otra consigna es desconocida, y ambas van juntas
-respuestas desconocidas
-sensor de apertura
-anuncios rechazados
-Alertas
-actualizaci\xF3n
-no hay D-Bus; en Linux, bluetoothd y el bus del sistema deben estar en marcha
-Se est\xE1 haciendo \u2026
-Cambi\xF3 a las >.
-por {issuer}
-Una luz tenue para el camino de noche.
-favorito
-\xBFpila, corriente, alcance?
-No entendido a las >:
-movimiento
-Diagn\xF3stico
-no se puede codificar como UTF-8
-presencia
-las \xFAltimas 24 horas
-Un servidor en este ordenador
-t\xEDtulo
-no hay puerto TCP libre para el broker integrado
-su plantilla falla con este c\xF3digo
-conexi\xF3n
-Un ventilador funciona mientras el ba\xF1o est\xE1 h\xFAmedo.
-avisos perdidos
-deben ser segundos, 0 o m\xE1s
-el historial no ha empezado, o no se guarda; \`homebot doctor\` dice por qu\xE9
-reiniciar homebot
-No hay (o ya no hay) un dispositivo #.
-a mano o por s\xED solo
-homebot why DISPOSITIVO muestra los informes
-homebot funciona de prueba y no env\xEDa nada
-su efecto no dura
-medios
-su plantilla no da nada para ello
-Usuario
-ha cambiado desde entonces; m\xEDralo otra vez
-enviado en un solo mensaje al grupo #
-se perdi\xF3 la conexi\xF3n con Home Assistant
-termina
-\xD3rdenes
-medidor
-avisos descartados
-deshacer
-detecta mon\xF3xido de carbono
-no hay v\xEDa para \xF3rdenes
-hace la casa m\xE1s segura
-inform\xF3 {values}
-lleva demasiado tiempo en silencio
-aprobaci\xF3n
-\xBFEst\xE1 abierta la carcasa, o fuera de la pared?
-en espera
-tras un c\xF3digo incorrecto necesita una pausa; int\xE9ntalo m\xE1s tarde
-plano con * habitaci\xF3n
-ning\xFAn programa responde all\xED: in\xEDcialo, o corrige la direcci\xF3n
-detector de humo o CO
-detector de heladas
-no es un puente Hue; empareja el puente al que pertenece
-ha cambiado desde tu aprobaci\xF3n
-$ a lo largo del tiempo, * puntos
-A\xFAn no ha pasado nada.
-este protocolo no acepta \xF3rdenes en bruto; usa una direcci\xF3n de texto
-Luz mientras alguien se mueve y est\xE1 oscuro; no se toca una l\xE1mpara ya encendida o que alguien cambie entretanto.
-Qui\xE9n la usa ahora
-no disponible
-Un token da a esta p\xE1gina sus permisos: el tuyo es la l\xEDnea de owner.token, en la carpeta de datos de homebot. Para una tableta, crea uno con:
-M\xE1s fresco sin nadie en casa, c\xE1lido con el primero que llega.
-, por una persona
-Como ntfy://TOPIC o mailto://USER:PASSWORD@HOST; appriseit.com los enumera todos.
-la conexi\xF3n se cerr\xF3
-acepta una fecha de 1970 a 2106
-no hacer nada
-usa un directorio en este equipo, o configura su direcci\xF3n
-la tabla de un gateway tiene secretos, ninguna p\xE1gina la lee
-ajuste
-vuelve a instalar el homebot m\xE1s nuevo, o: homebot restore BACKUP
-Aviso si el garaje queda abierto, y otra vez mientras siga.
-corrige la causa del registro y luego: homebot app reload APP, o reinicia homebot
-acaba de anunciar otros temas de \xF3rdenes, quiz\xE1 de otro dispositivo; int\xE9ntalo otra vez
-aire acondicionado
-fragmentos descartados
-Las nuevas pasarelas empiezan con el pr\xF3ximo inicio de homebot.
-espera, un minuto como mucho, a los dispositivos de antes; int\xE9ntalo otra vez
-su puente no lo alcanza
-sensor de humedad
-Las alertas y preguntas llegan por estas direcciones a tel\xE9fonos, chats y correo.
-el control no est\xE1 en marcha; se reinicia solo, v\xE9ase Sistema
-\xF3rdenes fallidas
-\u2026 y * m\xE1s
-ya no llegan eventos
-no se encontr\xF3 ning\xFAn dispositivo con este c\xF3digo; \xBFest\xE1 listo para vincularse, en esta red y a\xFAn sin vincular?
-Emparejado con * controladores.
-permitido
-acepta n\xFAmeros de 0 a 360, 0 a 100
-usar #
-Espera tu aprobaci\xF3n
-sabotaje
-Personas
-se contradicen; da solo uno
-Abrid las ventanas, salid y pedid ayuda
-antes
-, porque se aplic\xF3 la escena {scene}
-guardado
-, porque se deshizo la escena {scene}
-desde >
-solo acepta true
-no se conoce el nombre del equipo: corrige la direcci\xF3n
-Latitud
-ocultarlo en la casa
-observa: #
-Las l\xEDneas aparecen aqu\xED seg\xFAn llegan.
-empieza por {view}
-Sal\xF3n
-corrige o quita el emisor
-acepta una fecha con zona horaria
-Necesita: $
-las etiquetas no aceptan \xF3rdenes
-Sus dispositivos aparecen aqu\xED.
-Ning\xFAn dispositivo indica a\xFAn una temperatura.
-El aspirador limpia una vez al d\xEDa cuando todos se han ido.
-sensor de lluvia
-Un calefactor descansa mientras su ventana est\xE1 abierta.
-\`homebot find\` muestra lo que sirve
-pon password_file o password_env en [gateways.mdns.drivers.shelly]
-no acepta ninguno
-\xFAltima versi\xF3n
-modelo
-if: todo lo que debe cumplirse entonces
-mensajes perdidos
-dentro
-hora de dormir
-valores
-mensajes no guardados
-el cliente #
-falta una biblioteca
-tard\xF3 demasiado
-humedad del suelo
-cada paso
-Esta imagen ya no es reciente.
-anuncios: bytes en memoria
-cu\xE1ndo
-tras
-cuarentenas
-c\xE1mbiala o c\xE1rgala
-una habitaci\xF3n nueva
-peticiones rechazadas
-Lo dice un mensaje guardado, sin decir desde cu\xE1ndo.
-pulsador
-velocidad
-central de alarma
-aspiradoras que a\xFAn no son robots
-A\xFAn no hay ning\xFAn dispositivo.
-calentador de agua
-C\xF3digo QR
-Etiquetas
-no se puede contactar con \xE9l
-h\xFAmedo desde
-oscuro bajo
-d\xEDas
-imagen de #
-usuario
-{energy} devueltos
-cambiar
-homebot funciona sin archivo; in\xEDcialo en una carpeta con homebot.toml
-Cada dispositivo tiene una habitaci\xF3n.
-hora
-Dormitorio
-Ahora
-visto por \xFAltima vez
-l\xEDmite
-el broker ya no responde
-vincular
-necesita un c\xF3digo
-Copia de seguridad
-a\xF1ade la tabla y reinicia homebot: docs/robots.md
-el dispositivo ya no tiene esa parte
-Pulsa el bot\xF3n del dispositivo y luego \xABvincular\xBB.
-se perdi\xF3 la conexi\xF3n
-cortac\xE9sped
-las m\xE1s recientes primero
-Lo que guarda esta escena no dice sus valores.
-novedades perdidas
-Ning\xFAn dispositivo de esta casa sirve: $
-rechaza la contrase\xF1a de password_file o password_env en [gateways.mdns.drivers.shelly]
-siguiente
-encontrados y a\xFAn sin usar
-est\xE1 ocupado
-horas y la casa
-grafo
-no se sabe nada que una escena pueda recuperar
-Esta pantalla
-S\xF3tano
-est\xE1 vinculado en otro sitio; qu\xEDtalo all\xED o restabl\xE9celo
-un puente no tiene c\xF3digo: pulsa su bot\xF3n
-Puede
-descartados para ausentes
-rechazados
-la direcci\xF3n de un flujo, como una radio
-Bajada dos tercios mientras hace calor.
-{least} a {most}
-Aviso si una ventana queda abierta y fuera hace fr\xEDo.
-Aviso cuando se gasta mucha potencia un rato.
-en reposo
-una escena tiene valores que duran; para lo que se hace una vez usa una rutina
-Cargando el plano \u2026
-ci\xE9rralo
-modo
-Puertas y ventanas
-accesible por
-est\xE1 en la configuraci\xF3n; cambia [places] all\xED
-, por $
-M\xE1s controles
-redirige demasiadas veces
-Nombre, habitaci\xF3n y etiquetas
-no respondi\xF3 a tiempo
-imagen
-Zona horaria
-Preguntando a homebot \u2026
-pasarela
-humidificador
-Una pulsaci\xF3n en la cama: todo apagado, y aviso si algo est\xE1 abierto.
-A\xFAn no hay ninguna rutina.
-Tel\xE9fono en la red
-frecuencia
-Ni llamas ni interruptores; abrid las ventanas, salid y pedid ayuda
-No hay nada que proponer.
-sin respuesta
-direcciones rechazadas
-Temas m\xE1s activos
-otra contrase\xF1a
-Nombre
-otra
-M\xE1s fresco de noche.
-Aviso cuando una planta necesita agua.
-nombra un dispositivo, o busca como 'light in hall'
-propuesta por #
-lector de etiquetas
-pr\xF3xima vez
-deshacer
-detecta manipulaci\xF3n
-Longitud
-Nombre y lugar
-tono de sirena
-energ\xEDa del {day}
-Un enchufe se apaga de noche si su aparato solo espera.
-Home Assistant lo rechaza, o el c\xF3digo es incorrecto
-conexiones rechazadas
-Rutinas listas
-{issuer} public\xF3 {text}
-noche
-mon\xF3xido de carbono
-sin dar motivo
-Luz en el pasillo cuando se abre la puerta a oscuras.
-sensor de suelo
-Ning\xFAn dispositivo indica a\xFAn su potencia o energ\xEDa.
-tiene poca bater\xEDa
-descartados por largos
-si
-descartados por mal formados
-C\xE1lido por la ma\xF1ana y por la noche.
-temperatura de color
-Cada pantalla tiene su propio token, que se le puede quitar.
-mensajes en espera y perdidos
-redirige a otro equipo, y eso no se sigue
-consultas descartadas
-el directorio a\xFAn no se ha le\xEDdo
-un n\xFAmero finito
-Energ\xEDa por d\xEDa
-se ha activado
-Planta baja
-horas de silencio
 hazla tuya o indica otra en HOMEBOT_DATA
-when: lo que la inicia, una l\xEDnea cada uno
-puede manejar
-Mostrar
-El c\xF3digo del dispositivo
-fallos del archivo de dispositivos
-anuncios: bytes de m\xE1s
-Un bot\xF3n enciende y apaga una l\xE1mpara.
-guardar
-acepta true o false
-Valores
-enviado
-anuncios aplazados
-fr\xEDo bajo
-Tus costumbres
-detecta gas
-mostrar
-Contrase\xF1a
-ajustar
-no existe ese dispositivo
-no tiene
-Los primeros valores llegan en dos segundos.
-fuga de agua
-su descripci\xF3n no nombra el par\xE1metro
+etiqueta
 \xBFHay fuego? Salid y llamad a los bomberos
-esa pregunta ya no existe; \`homebot answer\` muestra las abiertas
-anuncios derivados
-Se avisa de un timbrazo, y se ilumina la entrada a oscuras.
-\xFAltimas veces
-\xF3rdenes
-sensor de temperatura
-no se conoce la habitaci\xF3n del dispositivo, as\xED que puede haber alguien
-Un dispositivo sin valor queda fuera.
-La casa est\xE1 cerrada
-temperatura ambiente
-activa
-robot
-crear un token
-sobre todo #
-no se sabe: {names}
-inofensivo
-cierra el agua
-el registro tiene cada uno con su traza: comun\xEDcalo o corr\xEDgelo
+inform\xF3 {values}
+accesible por
+si homebot ya funciona, preg\xFAntale: homebot doctor
 no hay ruta a ese equipo
-no es un proxy Bluetooth; a\xF1ade "bluetooth_proxy:" a su configuraci\xF3n de ESPHome
-Ba\xF1o
-recreado
-el broker
-solo responde una persona, en la p\xE1gina
-Aviso cuando un congelador lleva un rato demasiado caliente.
-no se uni\xF3 nada a \xE9l
-Ocultos
-est\xE1 abierto
-Esto est\xE1 ahora en homebot.toml:
-no tiene orden que seguir; dale un destino
-Bucle de eventos
-detector
-Pasillo
-aprobar #
-demasiados c\xF3digos incorrectos; descon\xE9ctalo un momento
-quiz\xE1 la puerta est\xE9 abierta
-enclavamiento
-Sin medidor propio
-Todo est\xE1 bien. A tener en cuenta:
-Mensajes
-True o False
-Ninguna habitaci\xF3n tiene forma a\xFAn. Dale esquinas en la tabla [places.rooms], o importa un mapa: homebot places import ARCHIVO.
-empieza
-detecta humo o calor
-contradicci\xF3n
+when: lo que la inicia, una l\xEDnea cada uno
+preajuste
+ning\xFAn programa responde all\xED: in\xEDcialo, o corrige la direcci\xF3n
+deshacer
+humedad del suelo
+atr\xE1s
+antes
+uno de sus valores es desconocido
+sensor de lluvia
+se ha activado
+quiere varios a la vez, y no se admite
+Hoy
+desde >
+secando
+normal
+Token
+la habitaci\xF3n del dispositivo
+Tema
+retraso del bucle de eventos
+Idioma
+Necesita: $
+informes
+anuncios rechazados
+pila baja
+vuelve a instalar el homebot m\xE1s nuevo, o: homebot restore BACKUP
+Las nuevas pasarelas empiezan con el pr\xF3ximo inicio de homebot.
+aspiradoras que a\xFAn no son robots
+est\xE1 ocupado
+hacer una copia
+usar #
+{issuer} public\xF3 {text}
+un puente no tiene c\xF3digo: pulsa su bot\xF3n
+c\xE1mbiala o c\xE1rgala
+no se conoce la habitaci\xF3n del dispositivo, as\xED que puede haber alguien
+humo o calor
+da uno, como level 40
+Lo dice un mensaje guardado, sin decir desde cu\xE1ndo.
+Ya est\xE1 en vigor.
+Personas
 ocultar
 alta
-se anunci\xF3 despu\xE9s de aprobar el dispositivo
-no lo hiciste
-no anunci\xF3 ninguna
-ejecutar ahora
-El c\xF3digo que muestra homebot run deja entrar a la primera pantalla.
-energ\xEDa devuelta
-inicios de sesi\xF3n fallidos
-nadie se enter\xF3; [notify] y el registro dicen por qu\xE9
-solo la tabla de un gateway acepta contrase\xF1a o token
-Pantallas
-el robot tiene una orden; pon antes su opci\xF3n en idle
-valores rechazados
-Ya estaba as\xED en su primer informe.
-El mensaje de prueba se ha enviado.
-donde est\xE1 esta pantalla
-preguntar siempre
-anuncios ignorados
-, en camino
-Valores, historial, datos
-Guarda los valores actuales de:
-Contiene todo lo que homebot guarda, menos las contrase\xF1as.
-ese modo no tiene esa consigna
-Un punto lleno est\xE1 encendido, abierto u ocupado.
-Para restaurarla:
-este homebot no guarda nada
-homebot show DISPOSITIVO
-carpeta de datos
-hacen falta dos dispositivos distintos
-Siete d\xEDas
-localizador
-a mano
-Home Assistant cerr\xF3 la conexi\xF3n
-el c\xF3digo es incorrecto; si est\xE1s seguro, int\xE9ntalo otra vez
-identificadores cortados
-la pasarela solo observa; perm\xEDtele dar \xF3rdenes en Sistema, Dispositivos
-La casa est\xE1 abierta
-aqu\xED no
-Cambiado desde la aprobaci\xF3n anterior:
-rutinas listas
-indica un problema
-sin anuncio v\xE1lido desde que arranc\xF3 esta pasarela; reinicia el dispositivo o su puente, o espera
-no hay nada que deshacer, o el archivo cambi\xF3 despu\xE9s
-buscando \u2026
-Su \xFAltimo suceso, que no es un estado:
-una contrase\xF1a sola ir\xEDa sin cifrar a quien se llame as\xED: a\xF1ade "api: encryption:" a su configuraci\xF3n de ESPHome y da key_file, o su direcci\xF3n IP fija como allow_plaintext_at en [gateways.mdns.drivers.esphome.devices.NAME]
-se hace una vez y no dura
-a la casa
-oscilaci\xF3n horizontal
-Abre esto una vez en la pantalla; solo se muestra ahora:
-El lugar da el amanecer y el atardecer; se queda aqu\xED.
-el robot a\xFAn no ha dicho su estado
-preajuste
-no le queda memoria
-ninguna direcci\xF3n
-desarma la alarma
-sensor
-tomar los valores actuales
-Una l\xE1mpara luce desde el anochecer hasta la hora de dormir si hay alguien.
-topics reservados
-el puente responde algo desconocido
-dispositivos rechazados
-# est\xE1 vinculado.
-calefactor
-sin conexi\xF3n
-queda
-Persona
-descartados (QoS 0)
-brillo
-since debe ir antes de until
-No hay ninguna app en marcha.
-acepta una fecha sin zona horaria
-Cargando las rutinas \u2026
-da a homebot una carpeta donde pueda escribir (HOMEBOT_DATA), o arr\xE1ncalo con --ephemeral
-espera un minuto y mira el registro de homebot
-varios nombres para un identificador: quiz\xE1 varios dispositivos
-quiere varios a la vez, y no se admite
-hogar
-planta
-el dispositivo solo puede apagarse, como una placa por seguridad
-a\xFAn sin conexi\xF3n
-el perfil del dispositivo no tiene trama para ello
-La aprobaci\xF3n permite estas \xF3rdenes:
-el token ya no vale, o es de otro
-por otro programa
-atr\xE1s
-secreto
-timbre
-escribiendo \u2026
-Los nodos de la izquierda publican temas, los de la derecha se suscriben.
-, por s\xED mismo
-caducidades descartadas
-Receptor m\xE1s lento
-el termostato est\xE1 en otro modo; c\xE1mbialo primero
-, un eco
-lo hiciste > despu\xE9s
-aceptar
-HomeKit no tiene servicio para ello
-Encontrados:
-inaccesible
-El certificado en el que deben confiar sus dispositivos
-corregirla y luego: homebot config check
-intensidad de se\xF1al
-A los cinco minutos muestra un reloj tenue y lo que est\xE1 abierto. La direcci\xF3n de esta pantalla:
-Est\xE1 as\xED desde que homebot lo conoce.
-no se envi\xF3
-medidor el\xE9ctrico
-parada
-persiana o cortina
-Cargando el grafo \u2026
-Token o c\xF3digo
-cerradura
-enviado en un solo mensaje a la escena #
-, por otro programa
-a\xFAn no se cambi\xF3 nada
-modo del ventilador
-Todo est\xE1 bien.
-acepta un n\xFAmero que su formato pueda expresar
-Calienta con una ventana abierta
-no es un JPEG, PNG, GIF o WebP de hasta 2 MiB
-hace >
-descartados por grandes
-corrige el dispositivo o su anuncio
-modo
-t\xFA, por $
-si empieza mientras se ejecuta
-Dispositivos
-Omitidos por ser secretos: {files}
-enviar un mensaje de prueba
-A\xFAn no se ha contado nada.
-on u off
-homebot no puede reiniciarse solo aqu\xED; in\xEDcialo de nuevo
-sin ruta a esa red
-retraso del bucle de eventos
-el registro y homebot journal dicen m\xE1s
-reinicia homebot tras una tabla nueva: docs/protocols.md
-nueva rutina
-frecuencia
-localizar
-\xF3rdenes rechazadas
-el servidor de Matter es demasiado lento
-despu\xE9s
+tiene la etiqueta always_ask
+el estado de la casa
 con retraso de
-en disputa
-# puede controlar dispositivos
-da uno, como level 40
-presi\xF3n
-cada vez
-detector de fugas
-v\xE1lvula de agua
-ma\xF1ana
-recibidos
-bluetoothd no est\xE1 en marcha
-una contrase\xF1a
-da a cada dispositivo un identificador propio en sus anuncios; mientras, sus partes tienen estos nombres
-todos en casa
-fuga de agua
-abierto mucho tiempo
-ascensor
-sensor de presencia
+acepta una fecha sin zona horaria
+Est\xE1 as\xED desde que homebot lo conoce.
+detector de heladas
+la red lo acept\xF3
+Longitud
+por s\xED solo
+Un token da a esta p\xE1gina sus permisos: el tuyo es la l\xEDnea de owner.token, en la carpeta de datos de homebot. Para una tableta, crea uno con:
+hogar
+Cargando el plano \u2026
+robot
+Omitidos por ser secretos: {files}
+anuncios rechazados
+Como ntfy://TOPIC o mailto://USER:PASSWORD@HOST; appriseit.com los enumera todos.
+, por otro programa
+no se uni\xF3 nada a \xE9l
+fallos del diario
+por otro programa
+conexiones fallidas
+fabricante
+descartados por largos
+homebot why DISPOSITIVO muestra los informes
+Terraza
+acepta n\xFAmeros de 0 a 360, 0 a 100
+homebot sabe qui\xE9n est\xE1 en casa por los tel\xE9fonos de la red y los rastreadores.
+hace >
+horas de silencio
+{least} a {most}
+Guarda los valores actuales de:
+modo
+est\xE1 mojado
+anuncios
+acepta true o false
+modo del ventilador
+pr\xF3xima vez
+La casa est\xE1 abierta
+mostrar qu\xE9 permite aprobar #
+if: todo lo que debe cumplirse entonces
+aire acondicionado
+no se envi\xF3
+por {issuer}
+Esto est\xE1 ahora en homebot.toml:
+Nombre y lugar
+Los nodos de la izquierda publican temas, los de la derecha se suscriben.
+no se conoce el nombre del equipo: corrige la direcci\xF3n
+inicios de sesi\xF3n fallidos
+parada
+Planta baja
 topics rechazados
+planta
+usa un directorio en este equipo, o configura su direcci\xF3n
+Historial
+cada vez
+sensor de apertura
+direcciones rechazadas
+ci\xE9rralo
+acepta una fecha de 1970 a 2106
+est\xE1 en la configuraci\xF3n; cambia [places] all\xED
+modo
+sin conexi\xF3n
+Tel\xE9fono en la red
+di\xF3xido de carbono
+ocultarlo en la casa
+Abrid las ventanas, salid y pedid ayuda
+solo acepta true
+acaba de anunciar otros temas de \xF3rdenes, quiz\xE1 de otro dispositivo; int\xE9ntalo otra vez
+Esta pantalla
+{nodes} nodos y {topics} temas
+Direcci\xF3n
+temperatura de color
+tipos rechazados
+localizador
+sus lamas solo se abren (100) y se cierran (0)
+$ a lo largo del tiempo, * puntos
+compuestos org\xE1nicos vol\xE1tiles
+no disponible
+no le queda memoria
+visto por \xFAltima vez
+ese modo no tiene esa consigna
+copiado
+vincular
+anuncios: bytes de m\xE1s
+no hay nada que deshacer, o el archivo cambi\xF3 despu\xE9s
+recreado
+no hacer nada
+su plantilla no da nada para ello
+fragmentos descartados
+no tiene sensor de movimiento
+homebot busca en el historial de cuatro semanas lo que haces una y otra vez, y lo observa una semana antes de proponerlo.
+homebot show DISPOSITIVO
+a\xFAn no ha informado de nada desde que arranc\xF3 homebot
+los emparejamientos con Apple Home
+Ni llamas ni interruptores; abrid las ventanas, salid y pedid ayuda
+nueva rutina
+persiana o cortina
+A\xFAn no hay cerradura, contacto ni alarma.
+plano con * habitaciones
+un n\xFAmero
+Zona horaria
+Cada pantalla tiene su propio token, que se le puede quitar.
+Sus dispositivos aparecen aqu\xED.
+cuarentenas
+no acepta ninguno
+presi\xF3n
+ajuste
+en marcha
+Esta imagen ya no es reciente.
+Un servidor en este ordenador
+Un dispositivo sin valor queda fuera.
+espera, un minuto como mucho, a los dispositivos de antes; int\xE9ntalo otra vez
+guardarlo en este navegador
+no tiene orden que seguir; dale un destino
+dispositivos rechazados
+dejar que esta rutina maneje {names}
+sensor de calidad del aire
+Tus costumbres
+se perdi\xF3 la conexi\xF3n con Home Assistant
+Las alertas y preguntas llegan por estas direcciones a tel\xE9fonos, chats y correo.
+no anunci\xF3 ninguna
+el dispositivo responde con un error
+el robot a\xFAn no ha dicho su estado
+mensajes por segundo
+la direcci\xF3n de un flujo, como una radio
+pulsador
+Su \xFAltimo suceso, que no es un estado:
+\xF3rdenes fallidas
+\xDAltimamente aqu\xED
+guardado
+detector de humo o CO
+sensor de caudal
+anuncios: bytes en memoria
+intensidad de se\xF1al
+siguiente
+localizar
+homebot no puede reiniciarse solo aqu\xED; in\xEDcialo de nuevo
+Humo, agua, movimiento
+un n\xFAmero finito
+modelo
+ninguna direcci\xF3n
+valores rechazados
+A\xFAn no ha pasado nada.
+respuestas
+varios nombres para un identificador: quiz\xE1 varios dispositivos
+{issuer} pidi\xF3 {values}
+\xBFEst\xE1 abierta la carcasa, o fuera de la pared?
+la conexi\xF3n se cerr\xF3
+su puente no lo alcanza
+cortac\xE9sped
+Cambi\xF3 a las >.
+detector
+el dispositivo solo emite
+No entendido a las >:
+disyuntor
+sensor de luz
+Pulsa el bot\xF3n del dispositivo y luego \xABvincular\xBB.
+el registro y homebot journal dicen m\xE1s
+da a homebot una carpeta donde pueda escribir (HOMEBOT_DATA), o arr\xE1ncalo con --ephemeral
+sensor de humedad
+enviado en un solo mensaje al grupo #
+todo
+sensor de presi\xF3n
+Apps
+Home Assistant cerr\xF3 la conexi\xF3n
+Ning\xFAn dispositivo indica a\xFAn su potencia o energ\xEDa.
+clientes cortados
+a\xFAn sin conexi\xF3n
+v\xE1lvula de agua
+tras un c\xF3digo incorrecto necesita una pausa; int\xE9ntalo m\xE1s tarde
+bluetoothd no est\xE1 en marcha
+no se sabe: {names}
+nadie se enter\xF3; [notify] y el registro dicen por qu\xE9
+actualizaci\xF3n
+Todo est\xE1 bien.
+A los cinco minutos muestra un reloj tenue y lo que est\xE1 abierto. La direcci\xF3n de esta pantalla:
+enviado en un solo mensaje a la escena #
+calentador de agua
+presencia
+rechazar
+deshacer
+velocidad
+central de alarma
+medidor el\xE9ctrico
+Qu\xE9 se sabe, y de d\xF3nde
+otra clave
+Estudio
+Sin medidor propio
+corrige la causa del registro y luego: homebot app reload APP, o reinicia homebot
 ninguna orden manda a la gente a casa
+pon password_file o password_env en [gateways.mdns.drivers.shelly]
+grafo
+No hay nada que proponer.
+No hay (o ya no hay) un dispositivo #.
+frecuencia
+el dispositivo ya no tiene esa parte
+# est\xE1 vinculado.
+Calienta con una ventana abierta
+Cambiado desde la aprobaci\xF3n anterior:
+do: sus pasos, una l\xEDnea cada uno
+no es un puente Hue; empareja el puente al que pertenece
+suscripciones rechazadas
+env\xEDa lo que su anuncio no explica
+\xFAltima versi\xF3n
+{energy} devueltos
+donde est\xE1 esta pantalla
+cu\xE1ndo
+la pasarela solo observa; perm\xEDtele dar \xF3rdenes en Sistema, Dispositivos
+Sin TLS el navegador no instala ninguna aplicaci\xF3n: tls = true en [door].
+homebot funciona sin archivo; in\xEDcialo en una carpeta con homebot.toml
+No se guarda nada de ese tiempo.
+cerradura
+crear un token
+no lo hiciste
+su descripci\xF3n no nombra el par\xE1metro
+Cargando las rutinas \u2026
+HomeKit no tiene servicio para ello
+topics reservados
+a\xFAn no se cambi\xF3 nada
+da la clave que su configuraci\xF3n de ESPHome tiene en "api: encryption:" como key_file, o ninguna
+Espera tu aprobaci\xF3n
+sin respuesta
+Copia de seguridad
+El c\xF3digo del dispositivo
+Mostrar
+ninguna escena guarda uno
+Home Assistant lo rechaza, o el c\xF3digo es incorrecto
+nombra un dispositivo, o busca como 'light in hall'
+hacer
+Alertas
+peticiones rechazadas
+reproductor de v\xEDdeo
+recibidos
+Ninguna habitaci\xF3n tiene forma a\xFAn. Dale esquinas en la tabla [places.rooms], o importa un mapa: homebot places import ARCHIVO.
+da a cada dispositivo un identificador propio en sus anuncios; mientras, sus partes tienen estos nombres
+el c\xF3digo es incorrecto
+buscando \u2026
+no acepta \xF3rdenes; solo informa
+una escena tiene valores que duran; para lo que se hace una vez usa una rutina
+inofensivo
+no hay D-Bus; en Linux, bluetoothd y el bus del sistema deben estar en marcha
+cada paso
+contradicci\xF3n
+respuestas desconocidas
+no hay v\xEDa para \xF3rdenes
+usuario
+demasiados c\xF3digos incorrectos; descon\xE9ctalo un momento
+puerto
+Energ\xEDa por d\xEDa
+horas y la casa
+encontrados y a\xFAn sin usar
+No hay ninguna app en marcha.
+enviado otra vez
+su plantilla falla con este c\xF3digo
+Cargando el grafo \u2026
+mensajes perdidos
+empezar de nuevo
+no se puede observar
+un programa desconocido
+Dispositivos
+archivo de datos
+sobre todo #
+frecuencia
+cambiar
+on u off
+solo responde una persona, en la p\xE1gina
+el dispositivo est\xE1 en servicio, pero no se pudieron leer sus atributos
+se est\xE1 vinculando otro dispositivo
+no se encontr\xF3 ning\xFAn dispositivo con este c\xF3digo; \xBFest\xE1 listo para vincularse, en esta red y a\xFAn sin vincular?
+anuncios derivados
+se contradicen; da solo uno
+homebot show DEVICE muestra ambos lados; homebot forget DEVICE lo termina
+Pasillo
+medios
+cierra el agua
+no se puede contactar con \xE9l
+el dispositivo solo puede apagarse, como una placa por seguridad
+sin ruta a esa red
+otra contrase\xF1a
+las \xFAltimas 24 horas
+Preguntando a homebot \u2026
+A\xFAn no se ha contado nada.
+lleva demasiado tiempo en silencio
+demasiado largos
+se cancel\xF3
+sensor de temperatura
+tiene poca bater\xEDa
+el control no est\xE1 en marcha; se reinicia solo, v\xE9ase Sistema
+\xBFpila, corriente, alcance?
+rechazados
+Colores
+acepta una fecha con zona horaria
+ha cambiado desde entonces; m\xEDralo otra vez
+solo una app o una rutina puede tener uno, por su clave \`act\`
+ya no llegan eventos
+energ\xEDa del {day}
+anuncios ignorados
+el termostato est\xE1 en otro modo; c\xE1mbialo primero
+Nombre
+True o False
+inaccesible
+su convenci\xF3n fall\xF3
+aqu\xED no
+Latitud
+oscilaci\xF3n
+lo hiciste > despu\xE9s
+Se est\xE1 haciendo \u2026
+homebot place DISPOSITIVO HABITACI\xD3N
+Diagn\xF3stico
+buscar costumbres
+C\xF3digo QR
+Ahora
+permitido
+sin dar motivo
+corregirla y luego: homebot config check
+bater\xEDa cargando
+reinicia homebot tras una tabla nueva: docs/protocols.md
+a la casa
+Puertas y ventanas
+Receptor m\xE1s lento
+Colas y p\xE9rdidas
+se apag\xF3 el servidor de Matter
+Ya estaba as\xED en su primer informe.
+esa pregunta ya no existe; \`homebot answer\` muestra las abiertas
+observa: #
+a\xF1ade la tabla y reinicia homebot: docs/robots.md
+detecta humo o calor
+, por s\xED mismo
+Persona
+conservar
+todos en casa
+Ning\xFAn dispositivo indica a\xFAn una temperatura.
+una contrase\xF1a
+Etiquetas
+avisos fallidos
+Temas m\xE1s activos
+fuga de agua
+despu\xE9s
+el servidor de Matter es demasiado lento
+el directorio a\xFAn no se ha le\xEDdo
+espera un minuto y mira el registro de homebot
+caducidades descartadas
+avisos descartados
+descartados por mal formados
+Mensajes
+otro cifrado
+sensor
+una habitaci\xF3n nueva
+el cliente #
+no ha dicho lo que sabe hacer desde que arranc\xF3 esta pasarela; quiz\xE1 duerma: despi\xE9rtalo, e int\xE9ntalo otra vez
+tard\xF3 demasiado
+Contiene todo lo que homebot guarda, menos las contrase\xF1as.
+favorito
+en reposo
+imagen
+infractores olvidados
+sabotaje
+# puede controlar dispositivos
+propuesta por #
+aprobaci\xF3n
+estados perdidos
+Pantallas
+En la semana de prueba lo hiciste {done} de {total} veces; una rutina acertar\xEDa entre el {low} y el {high} % de las veces.
+acepta m\xE1s de 0 y hasta 100 %
+abierto mucho tiempo
+su otra consigna es desconocida, y ambas van juntas
+, por el dispositivo o una persona
+permisos
+acci\xF3n
+, un eco
+, por una persona
+no es un JPEG, PNG, GIF o WebP de hasta 2 MiB
+mensajes en espera y perdidos
+no se sabe nada que una escena pueda recuperar
+su gateway codifica sus mensajes
+cambi\xF3 a {values}
+ejecutar ahora
+Un punto lleno est\xE1 encendido, abierto u ocupado.
+el broker
+ha cambiado desde tu aprobaci\xF3n
+modo
+en espera
+ajustar
+mon\xF3xido de carbono
+identificadores cortados
+humidificador
+su modo es desconocido; aj\xFAstalo primero
+La casa est\xE1 cerrada
+Todo est\xE1 bien. A tener en cuenta:
+una contrase\xF1a sola ir\xEDa sin cifrar a quien se llame as\xED: a\xF1ade "api: encryption:" a su configuraci\xF3n de ESPHome y da key_file, o su direcci\xF3n IP fija como allow_plaintext_at en [gateways.mdns.drivers.esphome.devices.NAME]
+una pulsaci\xF3n de su bot\xF3n
+robot aspirador
+est\xE1 abierto
+avisos perdidos
+este homebot no guarda nada
+En una pared
+desconocido ahora
+Ocultos
+sin anuncio v\xE1lido desde que arranc\xF3 esta pasarela; reinicia el dispositivo o su puente, o espera
+El lugar da el amanecer y el atardecer; se queda aqu\xED.
+Abre esto una vez en la pantalla; solo se muestra ahora:
+Los primeros valores llegan en dos segundos.
+seguir sin token
+el c\xF3digo es incorrecto; si est\xE1s seguro, int\xE9ntalo otra vez
+since debe ir antes de until
+secreto
+no hay direcci\xF3n: [notify] no tiene ninguna
+Token o c\xF3digo
+Cada dispositivo tiene una habitaci\xF3n.
+empieza por {view}
+Rutinas listas
+\`homebot find\` muestra lo que sirve
+Lo que cambias aqu\xED se ve en todas las pantallas.
+El c\xF3digo que muestra homebot run deja entrar a la primera pantalla.
+caudal
+CoAP no tiene ese m\xE9todo
+Puede
+en disputa
+, porque {device} inform\xF3 {values}
+detecta mon\xF3xido de carbono
+anuncios ambiguos
+falta una biblioteca
+el texto
+anuncios aplazados
+conexi\xF3n
+no se puede codificar como UTF-8
+En la app Casa: +, A\xF1adir accesorio, y escanea esto o escribe el c\xF3digo.
+corrige o quita el emisor
+este protocolo no acepta \xF3rdenes en bruto; usa una direcci\xF3n de texto
+no hay puerto TCP libre para el broker integrado
+rutinas listas
+fallos
+Emparejado con * controladores.
+tono (0 a 360) y saturaci\xF3n (0 a 100), como 0,100 para rojo o 240,50 para azul p\xE1lido
+Nada de lo medido funciona.
+enviando \u2026
+como el sistema
+las etiquetas no aceptan \xF3rdenes
+novedades perdidas
+conexiones rechazadas
+\u2026 y * m\xE1s
+est\xE1 vinculado en otro sitio; qu\xEDtalo all\xED o restabl\xE9celo
+fuga de agua
+ascensor
+, en camino
 mirar
 perdidos
-respuestas
-Pulsa ahora el bot\xF3n: quedan * s
-CoAP no tiene ese m\xE9todo
-\xDAltimamente aqu\xED
-do: sus pasos, una l\xEDnea cada uno
+darle el derecho
+Nombre, habitaci\xF3n y etiquetas
+Usuario
+valores
+el perfil del dispositivo no tiene trama para ello
+Ninguna de las * entradas m\xE1s recientes tiene esas palabras.
 un texto
-plano con * habitaciones
-sin habitaci\xF3n
-a la vez
-bater\xEDa cargando
-Luz y aviso cuando hay agua donde no debe.
-eliminar #
-sensor de presi\xF3n
-hacer una copia
+Dormitorio
+Lo que guarda esta escena no dice sus valores.
+fuera de todas las habitaciones
+se anunci\xF3 despu\xE9s de aprobar el dispositivo
+temperatura ambiente
+A\xFAn no hay ninguna rutina.
+enclavamiento
+Ba\xF1o
+respuestas tard\xEDas
+preguntar siempre
+consultas descartadas
+si
+Las l\xEDneas aparecen aqu\xED seg\xFAn llegan.
+sensor de presencia
 no tiene direcci\xF3n
-mensajes rechazados
-{nodes} nodos y {topics} temas
-anuncios ambiguos
-compuestos org\xE1nicos vol\xE1tiles
-No se guarda nada de ese tiempo.
-mirar y actuar
-sensor de luz
-permisos
-Apps
-pila baja
-disyuntor
-Aviso inmediato si se abre una puerta y no hay nadie en casa.
-suscripciones rechazadas
-rechazar
-Hoy
-cambi\xF3 a {values}
-env\xEDa lo que su anuncio no explica
-Token
-da la clave que su configuraci\xF3n de ESPHome tiene en "api: encryption:" como key_file, o ninguna
-habitaci\xF3n
-se rechaz\xF3 a {issuer}: &
-Tema
-homebot sabe qui\xE9n est\xE1 en casa por los tel\xE9fonos de la red y los rastreadores.
-fuera
-De noche se encienden y apagan l\xE1mparas sin nadie en casa.
-Aviso cuando la lavadora ha terminado.
-su convenci\xF3n fall\xF3
-reducido
-, por el dispositivo o una persona
-no ha dicho lo que sabe hacer desde que arranc\xF3 esta pasarela; quiz\xE1 duerma: despi\xE9rtalo, e int\xE9ntalo otra vez
-guardarlo en este navegador
-avisos fallidos
-otro cifrado
-\xBFpila, corriente, alcance? Si ya no existe: homebot forget DEVICE
-secando
-Estudio
-Colas y p\xE9rdidas
-Nada de lo medido funciona.
-Lo que cambias aqu\xED se ve en todas las pantallas.
-sus lamas solo se abren (100) y se cierran (0)
-descartados por exceso
-un n\xFAmero
 este homebot no tiene rutinas
-oscuro
-Sin TLS el navegador no instala ninguna aplicaci\xF3n: tls = true en [door].
-versi\xF3n
-conexiones fallidas
-robot aspirador
-Colores
-cifrado
-valores ilegibles
-una pulsaci\xF3n de su bot\xF3n
-copiado
-cerrar sesi\xF3n
-por s\xED solo
-quedan * s
-nada
-no hay direcci\xF3n: [notify] no tiene ninguna
-configuraci\xF3n err\xF3nea
-Una l\xE1mpara gana luz veinte minutos antes de levantarte.
-el estado de la casa
-enviado otra vez
-mostrar qu\xE9 permite aprobar #
-homebot busca en el historial de cuatro semanas lo que haces una y otra vez, y lo observa una semana antes de proponerlo.
-a\xFAn no se conocen los dispositivos de la casa
-no se puede observar
-Humo, agua, movimiento
-Cocina
-Se apagan todas las luces cuando todos se han ido.
-Direcci\xF3n
-el propietario no lo ha aprobado
-caudal
-humo o calor
-abierto desde
-, porque {device} inform\xF3 {values}
-dejar que esta rutina maneje {names}
-modo
-Idioma
-Abajo al anochecer, arriba por la ma\xF1ana.
-todo
-la red lo acept\xF3
-buscar costumbres
-no est\xE1 entre lo que el acceso puede controlar
-{energy} kWh en otros d\xEDas como este
-normal
-sensor de calidad del aire
-mensajes por segundo
-en marcha
-desconocido ahora
-fallos
+no tiene
 claro
-infractores olvidados
-uno de sus valores es desconocido
-se est\xE1 vinculando otro dispositivo
-En la app Casa: +, A\xF1adir accesorio, y escanea esto o escribe el c\xF3digo.
-homebot place DISPOSITIVO HABITACI\xD3N
-anuncios`,n=`# asks, so another answers: use the owner's token, and give programs their own
+a mano o por s\xED solo
+# se ha descargado ({size} kB).
+, porque se deshizo la escena {scene}
+mensajes no guardados
+Cocina
+oscilaci\xF3n horizontal
+A\xFAn no ha informado de ning\xFAn cambio.
+Qui\xE9n la usa ahora
+el propietario no lo ha aprobado
+Bucle de eventos
+Valores, historial, datos
+Valores
+mirar y actuar
+se perdi\xF3 la conexi\xF3n
+descartados por exceso
+cifrado
+carpeta de datos
+necesita un c\xF3digo
+energ\xEDa devuelta
+desarma la alarma
+calefactor
+Para restaurarla:
+tono de sirena
+quedan * s
+t\xEDtulo
+S\xF3tano
+a\xFAn no se conocen los dispositivos de la casa
+, porque se aplic\xF3 la escena {scene}
+habitaci\xF3n
+eliminar #
+fuera
+rechaza la contrase\xF1a de password_file o password_env en [gateways.mdns.drivers.shelly]
+sensor de suelo
+activa
+hace la casa m\xE1s segura
+a mano
+no est\xE1 entre lo que el acceso puede controlar
+tomar los valores actuales
+descartados por lectura lenta
+corrige el dispositivo o su anuncio
+deben ser segundos, 0 o m\xE1s
+las m\xE1s recientes primero
+Encontrados:
+calidad del aire
+un c\xF3digo Matter tiene 11 o 21 cifras, o es un c\xF3digo QR que empieza por MT:
+el historial no ha empezado, o no se guarda; \`homebot doctor\` dice por qu\xE9
+\xBFpila, corriente, alcance? Si ya no existe: homebot forget DEVICE
+, por $
+solo la tabla de un gateway acepta contrase\xF1a o token
+acepta un n\xFAmero que su formato pueda expresar
+puede manejar
+El mensaje de prueba se ha enviado.
+lo hiciste > antes
+PM10
+El certificado en el que deben confiar sus dispositivos
+lector de etiquetas
+no existe ese dispositivo
+A\xFAn no hay ning\xFAn dispositivo.
+el servidor de Matter no tiene Bluetooth; solo llega a los dispositivos de la red
+plano con * habitaci\xF3n
+se rechaz\xF3 a {issuer}: &
+el puente responde algo desconocido
+Sal\xF3n
+{energy} kWh en otros d\xEDas como este
+aceptar
+M\xE1s controles
+el registro tiene cada uno con su traza: comun\xEDcalo o corr\xEDgelo
+Contrase\xF1a
+oscuro
+aprobar #
+descartados para ausentes
+redirige a otro equipo, y eso no se sigue
+a la vez
+iniciar sesi\xF3n
+descartados (QoS 0)
+\xF3rdenes
+su efecto no dura
+reiniciar homebot
+detecta gas
+Pulsa ahora el bot\xF3n: quedan * s
+nada
+artista
+quiz\xE1 la puerta est\xE9 abierta
+se hace una vez y no dura
+no es un proxy Bluetooth; a\xF1ade "bluetooth_proxy:" a su configuraci\xF3n de ESPHome
+sin habitaci\xF3n
+descartados por grandes
+\xF3rdenes rechazadas
+versi\xF3n
+La aprobaci\xF3n permite estas \xF3rdenes:
+t\xFA, por $
+mensajes rechazados
+valores ilegibles
+imagen de #
+enviar un mensaje de prueba
+redirige demasiadas veces
+indica un problema
+Ning\xFAn dispositivo de esta casa sirve: $
+escribiendo \u2026
+el token ya no vale, o es de otro
+hacen falta dos dispositivos distintos
+guardar
+enviado
+mostrar`,n=`# asks, so another answers: use the owner's token, and give programs their own
 # must ask itself
 the question is over: &
 the Matter server answered with error *

@@ -1,706 +1,654 @@
-var e=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l sw 4ab 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 36 2es 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
-plante
-le code est faux
-il a l'\xE9tiquette always_ask
-mis en service, mais ses attributs n'ont pu \xEAtre lus
-le texte
-\xE9checs du journal
+var e=`12j 1nt xg kp 7jj e9 1ca 7b 6gn o4 1jy 16u 187 3l 43 1ys dl 2gl 9k l 16l dy 1tl mb 18g 1 2g jv ht 1ey b2g 2o9 57v 56 77i 19j 2ce eq 2dy f9 2u5 25s 6sh 2u 34u ds 6z 8u 1ck 15z dw fw tk 9a 3z9 dz 2d 2re 1sy 26q 4il 5th 9s 28y f4 fs 2do afh 8f 3i5 cv 61l 2hu 1 yw 2so 21l qk 1pk f8 49v h0 2nv 50y 1ws 50y 2qv sp qi 1p8 16f qf cf sm 8r ds 1m5 fv 6a 4pw 2p6 143 1bj 2ur 1px 3lz cz 18x 1x9 3eg 2dx 7on 1cp 3c 34y 11h 169 eh df da 8ls 1q9 x4 3xe 14o c7w 3ah 5z 5k 32g s0 l7 9fy 1xr 44j 27j ta g3 ep qk 6mh 12p 1og 1xv 15x 49 el 23l 328 5i 100 327 1wm 1xk 1ap 2t4 2v1 5x 2k 4s 2h8 1kc 1up lh 2i9 2no r4 6rc 1v6 1q0 i9 32t 1av 42x xs 13 kd 112 3bm 1n4 1e2 b2 p6 1i3 wv 1w6 3qg 175 3jk g7 41r 2g7 3il 1pz 2g1 ro 3wh 1qt 26e oz 3rr 1tg 1c f3 6yx al 4so 17l 41w 6dv 1kc 1nd cu 1rj 7fv 59c 140 1be 3cm dw 4go 1li zh 4yb 68y c2 5d0 31 2er 3sa 43i 1kz 34i 4w8 13r 22m ak9 2ou 1q1 6gs 2nw v4 hm 3in ay dx 54a 8ph 8yp 1n2 226 5j4 3kr ky 1ax 4x xt 2z1 2b9 1lj 7q3 8ma 56d 2p8 cel 24 5el xa mf 3wt 3xk 2qm 6vi hx 6bj 6o 4on byf 4ut t9 2h 405 2ht 1x7 1pt 1eb 4zo 6rz 4or 5a8 53o a8 218 3gv 3ej 7a 3r 226 ub 9jc 1v 2cw 8b p9 17l 149 13y 59b 2bs 3pw 1sj 5ho 1ho 17t 8mb fn 2jv rf c0p 2s 14d hy 2nz 1gt r4 1qs 31i 2z9 klp 18a 207 tj tg 3q 3g 2bl ji c 2s9 4x6 6xf 11b 14h 2e8 emi 2tj cz yw 1tn aa 34y 4ut 2y0 1y 2tz gr 2ny 60j 3jv 1nb th 1ew 5jo 7z 1pz 9cd 2mr tx 1ce 7d7 44g 1w8 x 2fx 11r a9 2m1 4ci 133 9l 72c 6i vc 5um nr 2dc 483 pv 3s 7gs e5 308 l6 447 ui 23k 233 1fi ca lq 2ct vi 23l bq 1ds z0 d6 31k 3ca 4i2 k2 4sq 2g3 1vq 3oz 2a8 26q 341 1r9 5cu 3d0 1lc 28 13 3je oz z7 206 2gi cj x9 8u 4k5 2pp 7t 37h 3kx rh 2nq 84j 1cx 1bw 4sv 3y 4dy ox 1jt 1dk 1d0 1h 46 4ig r7 392 132 3ok 27c 33y 7j 3ql z4 1tg bg 303 11 28r 1tv 3e 976 6e4 40v bmc 1xq zn 5sd 4so 3u 5lg 38 4j1 3tr 13q 350 8xl 15c 1o8 18z 4m3 af jf 3yp 2vr 2q3 sw 176 7y f 2f4 14r 18b 27i 1q7 56i 1s7 rv 38y 5g3 2s9 lu 1xh xr we 4f6 1ox r 179 ed6 18o 1lc 9r 1 2nd bd 59v 3yl 3zn o 13q 23e ij 9xx gb qp bu to 2ub a1g 11h 1b4 1p3 1cl 40g 1f3 7n3 42d ha 1sv 3h6 1pm 2gp 1kl 3qy 1f2 3qi 2d3 23v 5ta 5p 31l 2qw 9nh 5n 39d 28q 4mo 6mx aa 2c 1h 38r y ep 5tz 3it pv q4 tn k3 18d akw 1ki 1kq 5on is 1nx 16s 19d 3f 2hr 3fi 5up 2zs 2m7 82 3pd 20r 3x7 6f 3lr 5j1 w3 171 kp h 1nr 8ry 16b 17q 42u vd 3po 11x z 26y 9x0 5jo l2 24d 4aw bm 6y 4et 125 35n 1ta 71r 1c5 2y 2f b8 27u 113 4rf 4f5 958 2el 1n7 2d4 32f 7wy 73a 1l1 3ly 4dj 8jf 4n fb 1ua 18k xh
+il n'a pas r\xE9pondu \xE0 temps
 Garage
-il ne prend pas de commandes, il signale seulement
-teinte (0 \xE0 360) et saturation (0 \xE0 100), comme 0,100 pour rouge ou 240,50 pour bleu p\xE2le
 Jardin
-\xE9tats perdus
-recommencer
-# est t\xE9l\xE9charg\xE9e ({size} ko).
-Il n'a encore signal\xE9 aucun changement.
-d\xE9bitm\xE8tre
-une autre cl\xE9
-seule une app ou routine peut en avoir un, par \`act\`
-l'appareil ne fait qu'\xE9mettre
-se connecter
-qualit\xE9 de l'air
-annonces refus\xE9es
-r\xE9ponses tardives
-comme le syst\xE8me
-fabricant
-si homebot tourne d\xE9j\xE0, demandez-lui : homebot doctor
-garder
-fichier de donn\xE9es
+signale une manipulation
+configuration erron\xE9e
+passerelle
+d\xE9tecteur de fuite
+Sept jours
 Ajouter
-accepte plus de 0 et jusqu'\xE0 100 %
-Terrasse
-rapports
+le robot a un ordre ; mettez d'abord son option sur idle
+homebot tourne \xE0 l'essai et n'envoie rien
 Journal technique
 PM1
-clients coup\xE9s
-dioxyde de carbone
-En vigueur d\xE8s maintenant.
+la table d'une passerelle a des secrets, aucune page ne la lit
+Commandes
 Pourquoi
-Au mur
-Aucune des * derni\xE8res entr\xE9es n'a ces mots.
-balayage
-Pendant la semaine d'essai vous l'avez fait {done} fois sur {total} ; une routine aurait raison dans {low} \xE0 {high} % des cas.
-il n'a encore rien signal\xE9 depuis le d\xE9marrage de homebot
+le broker ne r\xE9pond plus
+se d\xE9connecter
 demande
-artiste
-homebot show DEVICE montre les deux c\xF4t\xE9s ; homebot forget DEVICE y met fin
-elle n'a pas de d\xE9tecteur de mouvement
-action
-dur\xE9e
-chaud d\xE8s
-Il n'y a encore ni serrure, ni contact, ni alarme.
+\xE9checs du fichier des appareils
+derni\xE8res fois
+si elle d\xE9marre alors qu'elle tourne
 faible
 maintenant
-le serveur Matter n'a pas de Bluetooth ; il n'atteint que les appareils du r\xE9seau
 a tourn\xE9
 brut
-\xE9tiquette
-sa passerelle encode ses messages
-continuer sans jeton
-{issuer} a demand\xE9 {values}
-lecteur vid\xE9o
-PM10
-vous l'avez fait > avant
-envoi \u2026
-Historique
-les associations avec Apple Home
-un programme inconnu
-le serveur Matter a \xE9t\xE9 arr\xEAt\xE9
-lui donner le droit
-aucune sc\xE8ne n'en garde
-l'appareil r\xE9pond par une erreur
-un code Matter a 11 ou 21 chiffres, ou est un QR code qui commence par MT:
-faire
-la pi\xE8ce de l'appareil
-cela a \xE9t\xE9 annul\xE9
-Ce qui est connu, et d'o\xF9
-cong\xE9lateur
-son mode est inconnu ; r\xE9glez-le d'abord
-port
-types refus\xE9s
-trop longs
-hors de toutes les pi\xE8ces
-perdus, lecture trop lente
-est mouill\xE9
-son autre consigne est inconnue, et les deux vont ensemble
-r\xE9ponses inconnues
-capteur d'ouverture
-annonces rejet\xE9es
-Alertes
-mise \xE0 jour
-pas de D-Bus ; sous Linux, bluetoothd et le bus syst\xE8me doivent tourner
-Elle est en cours \u2026
-Il a chang\xE9 \xE0 >.
-par {issuer}
-Une lumi\xE8re douce pour le chemin, la nuit.
-favori
-pile, courant, port\xE9e ?
-Non compris \xE0 > :
-mouvement
-Diagnostic
-il ne peut \xEAtre encod\xE9 en UTF-8
-pr\xE9sence
-les derni\xE8res 24 heures
-Un serveur sur cet ordinateur
-titre
-aucun port TCP n'est libre pour le broker int\xE9gr\xE9
-son mod\xE8le \xE9choue avec ce code
-connexion
-Un ventilateur tourne tant que la salle de bain est humide.
-retours perdus
-il faut des secondes, 0 ou plus
-l'historique n'a pas commenc\xE9, ou est inutilisable ; \`homebot doctor\` dit pourquoi
-red\xE9marrer homebot
-Il n'y a pas (ou plus) d'appareil #.
-\xE0 la main ou tout seul
-homebot why APPAREIL montre les signalements
-homebot tourne \xE0 l'essai et n'envoie rien
-son effet ne dure pas
-m\xE9dia
-son mod\xE8le ne donne rien pour cela
-Utilisateur
-il a chang\xE9 depuis ; regardez-le de nouveau
-envoy\xE9 en un seul message au groupe #
-la connexion \xE0 Home Assistant est perdue
-finit
-Commandes
-compteur
-notifications perdues
-annuler
-signale du monoxyde de carbone
-aucune voie n'y m\xE8ne les commandes
-cela rend la maison plus s\xFBre
-a signal\xE9 {values}
-il est silencieux depuis trop longtemps
-approbation
-Son bo\xEEtier est-il ouvert, ou est-il d\xE9croch\xE9 du mur ?
-en attente
-apr\xE8s un code faux, il veut une pause ; r\xE9essayez plus tard
-plan de * pi\xE8ce
-aucun programme n'y r\xE9pond : d\xE9marrez-le, ou corrigez l'adresse
-d\xE9tecteur de fum\xE9e ou de CO
-d\xE9tecteur de gel
-ce n'est pas un pont Hue ; associez le pont dont il d\xE9pend
-il a chang\xE9 depuis votre accord
-$ au fil du temps, * points
-Rien ne s'est encore pass\xE9.
-ce protocole n'accepte pas de commandes brutes ; utilisez une adresse texte
-De la lumi\xE8re tant que quelqu'un bouge et qu'il fait sombre ; une lampe d\xE9j\xE0 allum\xE9e, ou que l'on commande entre-temps, reste comme elle est.
-Qui la consomme
-indisponible
-Un jeton donne ses droits \xE0 cette page : le v\xF4tre est la ligne dans owner.token, dans le dossier de donn\xE9es de homebot. Pour une tablette, cr\xE9ez-en un avec :
-Plus frais quand personne n'est l\xE0, chaud d\xE8s le premier qui rentre.
-, par une personne
-Comme ntfy://TOPIC ou mailto://USER:PASSWORD@HOST ; appriseit.com les cite tous.
-la connexion a \xE9t\xE9 ferm\xE9e
-accepte une date de 1970 \xE0 2106
-ne rien faire
-prenez un annuaire sur cet ordinateur, ou configurez son adresse
-la table d'une passerelle a des secrets, aucune page ne la lit
-r\xE9glage
-r\xE9installer le homebot plus r\xE9cent, ou : homebot restore BACKUP
-Un mot quand le garage reste ouvert, puis encore.
-corriger la cause dans le journal, puis : homebot app reload APP, ou red\xE9marrer homebot
-il vient d'annoncer d'autres sujets, peut-\xEAtre ceux d'un autre appareil ; r\xE9essayez
-climatiseur
-fragments perdus
-Les nouvelles passerelles commencent au prochain d\xE9marrage de homebot.
-il attend, une minute au plus, les appareils d'avant ; r\xE9essayez
-son pont ne l'atteint pas
-capteur d'humidit\xE9
-Les alertes et les questions vont par ces adresses aux t\xE9l\xE9phones, aux messageries et au courrier.
-la commande ne tourne pas ; elle red\xE9marre d'elle-m\xEAme, voir Syst\xE8me
-commandes \xE9chou\xE9es
-\u2026 et * autres
-il n'y a plus d'\xE9v\xE9nements
-aucun appareil trouv\xE9 avec ce code ; est-il pr\xEAt \xE0 l'association, sur ce r\xE9seau, et pas d\xE9j\xE0 associ\xE9 ?
-Associ\xE9 \xE0 * contr\xF4leurs.
-permis
-accepte des nombres de 0 \xE0 360, 0 \xE0 100
-utiliser #
-En attente de votre accord
-sabotage
-Personnes
-c'est contradictoire ; n'en donnez qu'un
-Ouvrez les fen\xEAtres, sortez et appelez \xE0 l'aide
-plus t\xF4t
-, car la sc\xE8ne {scene} a \xE9t\xE9 appliqu\xE9e
-enregistr\xE9
-, car la sc\xE8ne {scene} a \xE9t\xE9 annul\xE9e
-depuis >
-n'accepte que true
-le nom de la machine est inconnu : corrigez l'adresse
-Latitude
-la masquer dans la maison
-observe : #
-Les lignes apparaissent ici \xE0 mesure.
-commence par {view}
-Salon
-corriger ou retirer l'\xE9metteur
-accepte une date avec fuseau horaire
-Il faut : $
-les \xE9tiquettes n'acceptent pas de commandes
-Ses appareils apparaissent ici.
-Aucun appareil n'indique encore de temp\xE9rature.
-L'aspirateur nettoie une fois par jour quand tout le monde est parti.
-capteur de pluie
-Un chauffage se repose tant que sa fen\xEAtre est ouverte.
-\`homebot find\` montre ce qui va
-donnez password_file ou password_env dans [gateways.mdns.drivers.shelly]
-n'en accepte pas
-derni\xE8re version
-mod\xE8le
-if : tout ce qui doit alors \xEAtre vrai
-messages perdus
-dedans
-heure du coucher
-valeurs
-messages non conserv\xE9s
-le client #
-biblioth\xE8que manquante
-c'\xE9tait trop long
-humidit\xE9 du sol
-chaque \xE9tape
-Cette image n'est plus r\xE9cente.
-annonces : octets en m\xE9moire
-quand
-apr\xE8s
-quarantaines
-remplacez-la ou chargez-la
-une nouvelle pi\xE8ce
-demandes refus\xE9es
-Un message conserv\xE9 le dit, sans dire depuis quand.
-bouton
-vitesse
-centrale d'alarme
-aspirateurs qui ne sont pas encore des robots
-Aucun appareil pour l'instant.
-chauffe-eau
-Code QR
-\xC9tiquettes
-il est injoignable
-humide d\xE8s
-sombre sous
-jours
-image de #
-usager
-{energy} inject\xE9s
-modifier
-homebot tourne sans fichier ; d\xE9marrez-le dans un dossier avec homebot.toml
-Chaque appareil a une pi\xE8ce.
-heure
-Chambre
-Maintenant
-vu en dernier
-limite
-le broker ne r\xE9pond plus
-associer
-il demande un code
-Sauvegarde
-ajouter la table, et red\xE9marrer homebot : docs/robots.md
-l'appareil n'a plus cette partie
-Appuyez sur le bouton de l'appareil, puis sur \xAB associer \xBB.
-la connexion a \xE9t\xE9 perdue
-tondeuse
-les plus r\xE9centes d'abord
-Ce qui garde cette sc\xE8ne n'en dit pas les valeurs.
-nouvelles manqu\xE9es
-Aucun appareil de cette maison ne convient : $
-il refuse le mot de passe de password_file ou password_env dans [gateways.mdns.drivers.shelly]
-suivant
-trouv\xE9s, et pas encore utilis\xE9s
-il est occup\xE9
-heures et la maison
-graphe
-rien n'en est connu qu'une sc\xE8ne pourrait r\xE9tablir
-Cet \xE9cran
-Cave
-il est associ\xE9 ailleurs ; retirez-le l\xE0-bas, ou r\xE9initialisez-le
-un pont n'a pas de code : appuyez sur son bouton
-Il peut
-perdus pour des absents
-rejet\xE9s
-l'adresse d'un flux, comme une radio
-Baiss\xE9 aux deux tiers tant qu'il fait chaud.
-{least} \xE0 {most}
-Un mot quand une fen\xEAtre reste ouverte et qu'il fait froid dehors.
-Un mot quand on consomme beaucoup un moment.
-au repos
-une sc\xE8ne a des valeurs qui durent ; pour ce qui se fait une fois, prenez une routine
-Chargement du plan \u2026
-fermez-le
-mode
-Portes et fen\xEAtres
-joint par
-c'est dans la configuration ; changez [places] l\xE0
-, \xE0 cause de $
-Autres commandes
-il redirige trop souvent
-Nom, pi\xE8ce et \xE9tiquettes
-il n'a pas r\xE9pondu \xE0 temps
-image
-Fuseau horaire
-Interrogation de homebot \u2026
-passerelle
-humidificateur
-Une pression au lit : tout s'\xE9teint, et un mot si quelque chose est ouvert.
-Il n'y a pas encore de routine.
-T\xE9l\xE9phone dans le r\xE9seau
-fr\xE9quence
-Ni flamme ni interrupteur ; ouvrez les fen\xEAtres, sortez et appelez \xE0 l'aide
-Il n'y a rien \xE0 proposer.
-pas de r\xE9ponse
-adresses refus\xE9es
-Sujets les plus actifs
-un autre mot de passe
-Nom
-autre
-Plus frais la nuit.
-Un mot quand une plante a soif.
-nommez un appareil, ou cherchez comme 'light in hall'
-propos\xE9e par #
-lecteur d'\xE9tiquettes
-prochaine fois
-annuler
-signale une manipulation
-Longitude
-Nom et lieu
-son de la sir\xE8ne
-\xE9nergie du {day}
-Une prise s'\xE9teint la nuit si son appareil ne fait qu'attendre.
-Home Assistant le refuse, ou le code est faux
-connexions refus\xE9es
-Routines toutes pr\xEAtes
-{issuer} a publi\xE9 {text}
-soir
-monoxyde de carbone
-sans donner de raison
-De la lumi\xE8re dans l'entr\xE9e quand la porte s'ouvre dans le noir.
-capteur de sol
-Aucun appareil n'indique encore sa puissance ou son \xE9nergie.
-a une pile faible
-abandonn\xE9s, trop longs
-si
-abandonn\xE9s, mal form\xE9s
-Chaud le matin et le soir.
-temp\xE9rature de couleur
-Chaque \xE9cran a son propre jeton, qui peut lui \xEAtre retir\xE9.
-messages en attente ou perdus
-il redirige vers une autre machine, ce qui n'est pas suivi
-demandes abandonn\xE9es
-l'annuaire n'a pas encore \xE9t\xE9 lu
-un nombre fini
-\xC9nergie par jour
-est d\xE9clench\xE9e
-Rez-de-chauss\xE9e
-heures calmes
 en devenir propri\xE9taire, ou en nommer un autre dans HOMEBOT_DATA
-when : ce qui la lance, une ligne chacun
-peut commander
-Montrer
-Le code sur l'appareil
-\xE9checs du fichier des appareils
-annonces : octets en trop
-Un bouton commande une lampe.
-enregistrer
-accepte true ou false
-Valeurs
-envoy\xE9
-annonces diff\xE9r\xE9es
-froid sous
-Vos habitudes
-signale du gaz
-montrer
-Mot de passe
-r\xE9gler
-cet appareil n'existe pas
-il n'en a pas
-Les premi\xE8res valeurs arrivent dans deux secondes.
-fuite d'eau
-sa description ne nomme pas le param\xE8tre
+\xE9tiquette
 Y a-t-il un feu ? Sortez et appelez les pompiers
-cette question n'existe plus ; \`homebot answer\` liste les autres
-annonces d\xE9riv\xE9es
-Une sonnerie est annonc\xE9e, et \xE9claire l'entr\xE9e dans le noir.
-derni\xE8res fois
-commandes
-capteur de temp\xE9rature
-la pi\xE8ce de l'appareil est inconnue, il y a donc peut-\xEAtre quelqu'un
-Un appareil sans valeur est retir\xE9.
-La maison est ferm\xE9e
-temp\xE9rature ambiante
-active
-robot
-cr\xE9er un jeton
-surtout #
-inconnu : {names}
-inoffensif
-coupez l'eau
-le journal a chacune avec sa trace : la signaler ou la corriger
+a signal\xE9 {values}
+joint par
+si homebot tourne d\xE9j\xE0, demandez-lui : homebot doctor
 aucune route vers cette machine
-ce n'est pas un proxy Bluetooth ; ajoutez "bluetooth_proxy:" \xE0 sa configuration ESPHome
-Salle de bain
-recr\xE9\xE9
-le broker
-seule une personne r\xE9pond, sur la page
-Un mot quand un cong\xE9lateur est trop chaud un moment.
-rien n'y a \xE9t\xE9 r\xE9uni
-Masqu\xE9s
-est ouvert
-Ceci est maintenant dans homebot.toml :
-il n'a pas d'ordre \xE0 poursuivre ; donnez-lui une destination
-Boucle d'\xE9v\xE9nements
-d\xE9tecteur
-Entr\xE9e
-approuver #
-trop de codes faux ; d\xE9branchez-le un instant
-la porte est peut-\xEAtre ouverte
-verrouillage
-Sans compteur propre
-Tout va bien. \xC0 noter :
-Messages
-True ou False
-Aucune pi\xE8ce n'a encore de forme. Donnez-lui des coins dans la table [places.rooms], ou importez une carte : homebot places import FICHIER.
-commence
-signale fum\xE9e ou chaleur
-contradiction
+when : ce qui la lance, une ligne chacun
+pr\xE9r\xE9glage
+aucun programme n'y r\xE9pond : d\xE9marrez-le, ou corrigez l'adresse
+annuler
+humidit\xE9 du sol
+retour
+plus t\xF4t
+une de ses valeurs est inconnue
+capteur de pluie
+est d\xE9clench\xE9e
+il en veut plusieurs \xE0 la fois, ce n'est pas possible
+Aujourd'hui
+depuis >
+d\xE9shumidifie
+normale
+Jeton
+la pi\xE8ce de l'appareil
+Sujet
+retard de la boucle d'\xE9v\xE9nements
+Langue
+Il faut : $
+rapports
+annonces refus\xE9es
+pile faible
+r\xE9installer le homebot plus r\xE9cent, ou : homebot restore BACKUP
+Les nouvelles passerelles commencent au prochain d\xE9marrage de homebot.
+aspirateurs qui ne sont pas encore des robots
+il est occup\xE9
+faire une sauvegarde
+utiliser #
+{issuer} a publi\xE9 {text}
+un pont n'a pas de code : appuyez sur son bouton
+remplacez-la ou chargez-la
+la pi\xE8ce de l'appareil est inconnue, il y a donc peut-\xEAtre quelqu'un
+fum\xE9e ou chaleur
+donnez-en une, comme level 40
+Un message conserv\xE9 le dit, sans dire depuis quand.
+En vigueur d\xE8s maintenant.
+Personnes
 masquer
 \xE9lev\xE9e
-il a \xE9t\xE9 annonc\xE9 apr\xE8s l'approbation de l'appareil
-vous ne l'avez pas fait
-il n'en a pas annonc\xE9
-lancer maintenant
-Le code qu'affiche homebot run laisse entrer un premier \xE9cran.
-\xE9nergie inject\xE9e
-connexions refus\xE9es au mot de passe
-personne n'a \xE9t\xE9 pr\xE9venu ; [notify] et le journal disent pourquoi
-seule la table d'une passerelle prend un mot de passe ou un jeton
-\xC9crans
-le robot a un ordre ; mettez d'abord son option sur idle
-valeurs refus\xE9es
-C'\xE9tait ainsi \xE0 son premier signalement.
-Le message d'essai est envoy\xE9.
-o\xF9 est cet \xE9cran
-toujours demander
-annonces ignor\xE9es
-, en chemin
-Valeurs, historique, faits
-Elle garde les valeurs actuelles de :
-Elle contient tout ce que homebot garde, sauf les mots de passe.
-ce mode n'a pas cette consigne
-Un point plein est allum\xE9, ouvert ou occup\xE9.
-Pour la restaurer :
-ce homebot ne garde rien
-homebot show APPAREIL
-dossier des donn\xE9es
-il faut deux appareils diff\xE9rents
-Sept jours
-traceur
-\xE0 la main
-Home Assistant a ferm\xE9 la connexion
-le code est faux ; si vous en \xEAtes s\xFBr, r\xE9essayez
-identifiants coup\xE9s
-la passerelle ne fait qu'observer ; autorisez-la \xE0 commander sous Syst\xE8me, Appareils
-La maison est ouverte
-pas ici
-Chang\xE9 depuis le dernier accord :
-routines toutes pr\xEAtes
-signale un probl\xE8me
-aucune annonce valable depuis le d\xE9marrage de cette passerelle ; red\xE9marrez-le ou son pont, ou attendez
-il n'y a rien \xE0 annuler, ou le fichier a chang\xE9 depuis
-recherche \u2026
-Son dernier \xE9v\xE9nement, qui n'est pas un \xE9tat :
-un mot de passe seul irait en clair \xE0 qui se nomme ainsi : ajoutez "api: encryption:" \xE0 sa configuration ESPHome et donnez key_file, ou son adresse IP fixe comme allow_plaintext_at dans [gateways.mdns.drivers.esphome.devices.NAME]
-c'est fait une fois, et ne dure pas
-vers la maison
-balayage horizontal
-Ouvrez ceci une fois sur l'\xE9cran ; ce n'est affich\xE9 que maintenant :
-Le lieu donne le lever et le coucher du soleil ; il reste ici.
-le robot n'a pas encore dit son \xE9tat
-pr\xE9r\xE9glage
-sa m\xE9moire est pleine
-aucune adresse
-il d\xE9sarme l'alarme
-capteur
-prendre les valeurs actuelles
-Une lampe est allum\xE9e du cr\xE9puscule au coucher tant que quelqu'un est l\xE0.
-topics r\xE9serv\xE9s
-le pont r\xE9pond quelque chose d'inconnu
-appareils refus\xE9s
-# est associ\xE9.
-chauffage
-non connect\xE9
-reste
-Personne
-perdus (QoS 0)
-luminosit\xE9
-since doit pr\xE9c\xE9der until
-Aucune app ne tourne.
-accepte une date sans fuseau horaire
-Chargement des routines \u2026
-donnez \xE0 homebot un dossier accessible (HOMEBOT_DATA), ou lancez-le avec --ephemeral
-attendre une minute, puis voir le journal de homebot
-plusieurs noms pour un identifiant : peut-\xEAtre plusieurs appareils
-il en veut plusieurs \xE0 la fois, ce n'est pas possible
-foyer
-\xE9tage
-l'appareil ne peut qu'\xEAtre \xE9teint, comme une plaque par s\xE9curit\xE9
-pas encore connect\xE9
-le profil de l'appareil n'a pas de trame pour cela
-L'accord permet ces commandes :
-le jeton n'est plus valable, ou est celui d'un autre
-par un autre programme
-retour
-secret
-sonnette
-\xE9criture \u2026
-Les n\u0153uds \xE0 gauche publient des sujets, ceux \xE0 droite s'y abonnent.
-, de lui-m\xEAme
-expirations abandonn\xE9es
-R\xE9cepteur le plus lent
-le thermostat est dans un autre mode ; changez-le d'abord
-, un \xE9cho
-vous l'avez fait > plus tard
-accepter
-HomeKit n'a pas de service pour cela
-Trouv\xE9s :
-injoignable
-Le certificat auquel vos appareils doivent faire confiance
-la corriger, puis : homebot config check
-force du signal
-Apr\xE8s cinq minutes, il montre une horloge sombre et ce qui est ouvert. L'adresse de cet \xE9cran :
-C'est ainsi depuis que homebot le conna\xEEt.
-ce n'a pas \xE9t\xE9 envoy\xE9
-compteur \xE9lectrique
-arr\xEAt\xE9e
-store ou volet
-Chargement du graphe \u2026
-Jeton ou code
-serrure
-envoy\xE9 en un seul message \xE0 la sc\xE8ne #
-, par un autre programme
-rien n'a encore \xE9t\xE9 chang\xE9
-mode du ventilateur
-Tout va bien.
-accepte un nombre que son format peut \xE9crire
-Le chauffage marche fen\xEAtre ouverte
-ce n'est pas un JPEG, PNG, GIF ou WebP de 2 Mio au plus
-il y a >
-perdus, trop grands
-corriger l'appareil ou son annonce
-mode
-vous, par $
-si elle d\xE9marre alors qu'elle tourne
-Appareils
-Omis, car secrets : {files}
-envoyer un message d'essai
-Rien n'est encore compt\xE9.
-on ou off
-homebot ne peut pas red\xE9marrer seul ici ; relancez-le
-aucune route vers ce r\xE9seau
-retard de la boucle d'\xE9v\xE9nements
-le journal et homebot journal en disent plus
-red\xE9marrer homebot apr\xE8s une nouvelle table : docs/protocols.md
-nouvelle routine
-fr\xE9quence
-localiser
-commandes refus\xE9es
-le serveur Matter est trop lent
-ensuite
+il a l'\xE9tiquette always_ask
+l'\xE9tat de la maison
 en retard de
-contest\xE9
-# peut commander les appareils
-donnez-en une, comme level 40
-pression
-chaque fois
-d\xE9tecteur de fuite
-vanne d'eau
-matin
-re\xE7us
-bluetoothd ne tourne pas
-un mot de passe
-donnez \xE0 chaque appareil un identifiant propre dans ses annonces ; d'ici l\xE0, ses parties ont ces noms
-tous \xE0 la maison
-fuite d'eau
-ouvert depuis longtemps
-ascenseur
-d\xE9tecteur de pr\xE9sence
+accepte une date sans fuseau horaire
+C'est ainsi depuis que homebot le conna\xEEt.
+d\xE9tecteur de gel
+le r\xE9seau l'a accept\xE9
+Longitude
+tout seul
+Un jeton donne ses droits \xE0 cette page : le v\xF4tre est la ligne dans owner.token, dans le dossier de donn\xE9es de homebot. Pour une tablette, cr\xE9ez-en un avec :
+foyer
+Chargement du plan \u2026
+robot
+Omis, car secrets : {files}
+annonces rejet\xE9es
+Comme ntfy://TOPIC ou mailto://USER:PASSWORD@HOST ; appriseit.com les cite tous.
+, par un autre programme
+rien n'y a \xE9t\xE9 r\xE9uni
+\xE9checs du journal
+par un autre programme
+connexions \xE9chou\xE9es
+fabricant
+abandonn\xE9s, trop longs
+homebot why APPAREIL montre les signalements
+Terrasse
+accepte des nombres de 0 \xE0 360, 0 \xE0 100
+homebot sait qui est \xE0 la maison par les t\xE9l\xE9phones du r\xE9seau et par les traceurs.
+il y a >
+heures calmes
+{least} \xE0 {most}
+Elle garde les valeurs actuelles de :
+mode
+est mouill\xE9
+annonces
+accepte true ou false
+mode du ventilateur
+prochaine fois
+La maison est ouverte
+montrer ce que permet l'accord pour #
+if : tout ce qui doit alors \xEAtre vrai
+climatiseur
+ce n'a pas \xE9t\xE9 envoy\xE9
+par {issuer}
+Ceci est maintenant dans homebot.toml :
+Nom et lieu
+Les n\u0153uds \xE0 gauche publient des sujets, ceux \xE0 droite s'y abonnent.
+le nom de la machine est inconnu : corrigez l'adresse
+connexions refus\xE9es au mot de passe
+arr\xEAt\xE9e
+Rez-de-chauss\xE9e
 topics refus\xE9s
+\xE9tage
+prenez un annuaire sur cet ordinateur, ou configurez son adresse
+Historique
+chaque fois
+capteur d'ouverture
+adresses refus\xE9es
+fermez-le
+accepte une date de 1970 \xE0 2106
+c'est dans la configuration ; changez [places] l\xE0
+mode
+non connect\xE9
+T\xE9l\xE9phone dans le r\xE9seau
+dioxyde de carbone
+la masquer dans la maison
+Ouvrez les fen\xEAtres, sortez et appelez \xE0 l'aide
+n'accepte que true
+il vient d'annoncer d'autres sujets, peut-\xEAtre ceux d'un autre appareil ; r\xE9essayez
+Cet \xE9cran
+{nodes} n\u0153uds et {topics} sujets
+Adresse
+temp\xE9rature de couleur
+types refus\xE9s
+traceur
+ses lames ne font que s'ouvrir (100) et se fermer (0)
+$ au fil du temps, * points
+compos\xE9s organiques volatils
+indisponible
+sa m\xE9moire est pleine
+vu en dernier
+ce mode n'a pas cette consigne
+copi\xE9
+associer
+annonces : octets en trop
+il n'y a rien \xE0 annuler, ou le fichier a chang\xE9 depuis
+recr\xE9\xE9
+ne rien faire
+son mod\xE8le ne donne rien pour cela
+fragments perdus
+elle n'a pas de d\xE9tecteur de mouvement
+homebot cherche dans l'historique de quatre semaines ce que vous faites r\xE9guli\xE8rement, et l'observe une semaine avant de le proposer.
+homebot show APPAREIL
+il n'a encore rien signal\xE9 depuis le d\xE9marrage de homebot
+les associations avec Apple Home
+Ni flamme ni interrupteur ; ouvrez les fen\xEAtres, sortez et appelez \xE0 l'aide
+nouvelle routine
+store ou volet
+Il n'y a encore ni serrure, ni contact, ni alarme.
+plan de * pi\xE8ces
+un nombre
+Fuseau horaire
+Chaque \xE9cran a son propre jeton, qui peut lui \xEAtre retir\xE9.
+Ses appareils apparaissent ici.
+quarantaines
+n'en accepte pas
+pression
+r\xE9glage
+en marche
+Cette image n'est plus r\xE9cente.
+Un serveur sur cet ordinateur
+Un appareil sans valeur est retir\xE9.
+il attend, une minute au plus, les appareils d'avant ; r\xE9essayez
+le garder dans ce navigateur
+il n'a pas d'ordre \xE0 poursuivre ; donnez-lui une destination
+appareils refus\xE9s
+laisser cette routine commander {names}
+capteur de qualit\xE9 de l'air
+Vos habitudes
+la connexion \xE0 Home Assistant est perdue
+Les alertes et les questions vont par ces adresses aux t\xE9l\xE9phones, aux messageries et au courrier.
+il n'en a pas annonc\xE9
+l'appareil r\xE9pond par une erreur
+le robot n'a pas encore dit son \xE9tat
+messages par seconde
+l'adresse d'un flux, comme une radio
+bouton
+Son dernier \xE9v\xE9nement, qui n'est pas un \xE9tat :
+commandes \xE9chou\xE9es
+R\xE9cemment ici
+enregistr\xE9
+d\xE9tecteur de fum\xE9e ou de CO
+d\xE9bitm\xE8tre
+annonces : octets en m\xE9moire
+force du signal
+suivant
+localiser
+homebot ne peut pas red\xE9marrer seul ici ; relancez-le
+Fum\xE9e, eau, mouvement
+un nombre fini
+mod\xE8le
+aucune adresse
+valeurs refus\xE9es
+Rien ne s'est encore pass\xE9.
+r\xE9ponses
+plusieurs noms pour un identifiant : peut-\xEAtre plusieurs appareils
+{issuer} a demand\xE9 {values}
+Son bo\xEEtier est-il ouvert, ou est-il d\xE9croch\xE9 du mur ?
+la connexion a \xE9t\xE9 ferm\xE9e
+son pont ne l'atteint pas
+tondeuse
+Il a chang\xE9 \xE0 >.
+d\xE9tecteur
+l'appareil ne fait qu'\xE9mettre
+Non compris \xE0 > :
+disjoncteur
+capteur de luminosit\xE9
+Appuyez sur le bouton de l'appareil, puis sur \xAB associer \xBB.
+le journal et homebot journal en disent plus
+donnez \xE0 homebot un dossier accessible (HOMEBOT_DATA), ou lancez-le avec --ephemeral
+capteur d'humidit\xE9
+envoy\xE9 en un seul message au groupe #
+tout
+capteur de pression
+Apps
+Home Assistant a ferm\xE9 la connexion
+Aucun appareil n'indique encore sa puissance ou son \xE9nergie.
+clients coup\xE9s
+pas encore connect\xE9
+vanne d'eau
+apr\xE8s un code faux, il veut une pause ; r\xE9essayez plus tard
+bluetoothd ne tourne pas
+inconnu : {names}
+personne n'a \xE9t\xE9 pr\xE9venu ; [notify] et le journal disent pourquoi
+mise \xE0 jour
+Tout va bien.
+Apr\xE8s cinq minutes, il montre une horloge sombre et ce qui est ouvert. L'adresse de cet \xE9cran :
+envoy\xE9 en un seul message \xE0 la sc\xE8ne #
+chauffe-eau
+pr\xE9sence
+refuser
+annuler
+vitesse
+centrale d'alarme
+compteur \xE9lectrique
+Ce qui est connu, et d'o\xF9
+une autre cl\xE9
+Bureau
+Sans compteur propre
+corriger la cause dans le journal, puis : homebot app reload APP, ou red\xE9marrer homebot
 aucune commande ne ram\xE8ne les gens chez eux
+donnez password_file ou password_env dans [gateways.mdns.drivers.shelly]
+graphe
+Il n'y a rien \xE0 proposer.
+Il n'y a pas (ou plus) d'appareil #.
+fr\xE9quence
+l'appareil n'a plus cette partie
+# est associ\xE9.
+Le chauffage marche fen\xEAtre ouverte
+Chang\xE9 depuis le dernier accord :
+do : ses \xE9tapes, une ligne chacune
+ce n'est pas un pont Hue ; associez le pont dont il d\xE9pend
+abonnements refus\xE9s
+envoie ce que son annonce n'explique pas
+derni\xE8re version
+{energy} inject\xE9s
+o\xF9 est cet \xE9cran
+quand
+la passerelle ne fait qu'observer ; autorisez-la \xE0 commander sous Syst\xE8me, Appareils
+Sans TLS, un navigateur n'installe pas d'application : tls = true dans [door].
+homebot tourne sans fichier ; d\xE9marrez-le dans un dossier avec homebot.toml
+Rien n'est conserv\xE9 de cette p\xE9riode.
+serrure
+cr\xE9er un jeton
+vous ne l'avez pas fait
+sa description ne nomme pas le param\xE8tre
+Chargement des routines \u2026
+HomeKit n'a pas de service pour cela
+topics r\xE9serv\xE9s
+rien n'a encore \xE9t\xE9 chang\xE9
+donnez la cl\xE9 que sa configuration ESPHome a sous "api: encryption:" comme key_file, ou aucune
+En attente de votre accord
+pas de r\xE9ponse
+Sauvegarde
+Le code sur l'appareil
+Montrer
+aucune sc\xE8ne n'en garde
+Home Assistant le refuse, ou le code est faux
+nommez un appareil, ou cherchez comme 'light in hall'
+faire
+Alertes
+demandes refus\xE9es
+lecteur vid\xE9o
+re\xE7us
+Aucune pi\xE8ce n'a encore de forme. Donnez-lui des coins dans la table [places.rooms], ou importez une carte : homebot places import FICHIER.
+donnez \xE0 chaque appareil un identifiant propre dans ses annonces ; d'ici l\xE0, ses parties ont ces noms
+le code est faux
+recherche \u2026
+il ne prend pas de commandes, il signale seulement
+une sc\xE8ne a des valeurs qui durent ; pour ce qui se fait une fois, prenez une routine
+inoffensif
+pas de D-Bus ; sous Linux, bluetoothd et le bus syst\xE8me doivent tourner
+chaque \xE9tape
+contradiction
+r\xE9ponses inconnues
+aucune voie n'y m\xE8ne les commandes
+usager
+trop de codes faux ; d\xE9branchez-le un instant
+port
+\xC9nergie par jour
+heures et la maison
+trouv\xE9s, et pas encore utilis\xE9s
+Aucune app ne tourne.
+renvoy\xE9
+son mod\xE8le \xE9choue avec ce code
+Chargement du graphe \u2026
+messages perdus
+recommencer
+il ne peut \xEAtre observ\xE9
+un programme inconnu
+Appareils
+fichier de donn\xE9es
+surtout #
+fr\xE9quence
+modifier
+on ou off
+seule une personne r\xE9pond, sur la page
+mis en service, mais ses attributs n'ont pu \xEAtre lus
+un autre appareil est en cours d'association
+aucun appareil trouv\xE9 avec ce code ; est-il pr\xEAt \xE0 l'association, sur ce r\xE9seau, et pas d\xE9j\xE0 associ\xE9 ?
+annonces d\xE9riv\xE9es
+c'est contradictoire ; n'en donnez qu'un
+homebot show DEVICE montre les deux c\xF4t\xE9s ; homebot forget DEVICE y met fin
+Entr\xE9e
+m\xE9dia
+coupez l'eau
+il est injoignable
+l'appareil ne peut qu'\xEAtre \xE9teint, comme une plaque par s\xE9curit\xE9
+aucune route vers ce r\xE9seau
+un autre mot de passe
+les derni\xE8res 24 heures
+Interrogation de homebot \u2026
+Rien n'est encore compt\xE9.
+il est silencieux depuis trop longtemps
+trop longs
+cela a \xE9t\xE9 annul\xE9
+capteur de temp\xE9rature
+a une pile faible
+la commande ne tourne pas ; elle red\xE9marre d'elle-m\xEAme, voir Syst\xE8me
+pile, courant, port\xE9e ?
+rejet\xE9s
+Couleurs
+accepte une date avec fuseau horaire
+il a chang\xE9 depuis ; regardez-le de nouveau
+seule une app ou routine peut en avoir un, par \`act\`
+il n'y a plus d'\xE9v\xE9nements
+\xE9nergie du {day}
+annonces ignor\xE9es
+le thermostat est dans un autre mode ; changez-le d'abord
+Nom
+True ou False
+injoignable
+sa convention a \xE9chou\xE9
+pas ici
+Latitude
+balayage
+vous l'avez fait > plus tard
+Elle est en cours \u2026
+homebot place APPAREIL PI\xC8CE
+Diagnostic
+chercher des habitudes
+Code QR
+Maintenant
+permis
+sans donner de raison
+la corriger, puis : homebot config check
+pile en charge
+red\xE9marrer homebot apr\xE8s une nouvelle table : docs/protocols.md
+vers la maison
+Portes et fen\xEAtres
+R\xE9cepteur le plus lent
+Files et pertes
+le serveur Matter a \xE9t\xE9 arr\xEAt\xE9
+C'\xE9tait ainsi \xE0 son premier signalement.
+cette question n'existe plus ; \`homebot answer\` liste les autres
+observe : #
+ajouter la table, et red\xE9marrer homebot : docs/robots.md
+signale fum\xE9e ou chaleur
+, de lui-m\xEAme
+Personne
+garder
+tous \xE0 la maison
+Aucun appareil n'indique encore de temp\xE9rature.
+un mot de passe
+\xC9tiquettes
+notifications \xE9chou\xE9es
+Sujets les plus actifs
+fuite d'eau
+ensuite
+le serveur Matter est trop lent
+l'annuaire n'a pas encore \xE9t\xE9 lu
+attendre une minute, puis voir le journal de homebot
+expirations abandonn\xE9es
+notifications perdues
+abandonn\xE9s, mal form\xE9s
+Messages
+un autre chiffrement
+capteur
+une nouvelle pi\xE8ce
+le client #
+depuis le d\xE9marrage de cette passerelle il n'a pas dit ce qu'il sait faire ; s'il dort, r\xE9veillez-le
+c'\xE9tait trop long
+Elle contient tout ce que homebot garde, sauf les mots de passe.
+favori
+au repos
+image
+fautifs oubli\xE9s
+sabotage
+# peut commander les appareils
+propos\xE9e par #
+approbation
+\xE9tats perdus
+\xC9crans
+Pendant la semaine d'essai vous l'avez fait {done} fois sur {total} ; une routine aurait raison dans {low} \xE0 {high} % des cas.
+accepte plus de 0 et jusqu'\xE0 100 %
+ouvert depuis longtemps
+son autre consigne est inconnue, et les deux vont ensemble
+, par l'appareil ou une personne
+droits
+action
+, un \xE9cho
+, par une personne
+ce n'est pas un JPEG, PNG, GIF ou WebP de 2 Mio au plus
+messages en attente ou perdus
+rien n'en est connu qu'une sc\xE8ne pourrait r\xE9tablir
+sa passerelle encode ses messages
+pass\xE9 \xE0 {values}
+lancer maintenant
+Un point plein est allum\xE9, ouvert ou occup\xE9.
+le broker
+il a chang\xE9 depuis votre accord
+mode
+en attente
+r\xE9gler
+monoxyde de carbone
+identifiants coup\xE9s
+humidificateur
+son mode est inconnu ; r\xE9glez-le d'abord
+La maison est ferm\xE9e
+Tout va bien. \xC0 noter :
+un mot de passe seul irait en clair \xE0 qui se nomme ainsi : ajoutez "api: encryption:" \xE0 sa configuration ESPHome et donnez key_file, ou son adresse IP fixe comme allow_plaintext_at dans [gateways.mdns.drivers.esphome.devices.NAME]
+une pression sur son bouton
+robot aspirateur
+est ouvert
+retours perdus
+ce homebot ne garde rien
+Au mur
+inconnu pour l'instant
+Masqu\xE9s
+aucune annonce valable depuis le d\xE9marrage de cette passerelle ; red\xE9marrez-le ou son pont, ou attendez
+Le lieu donne le lever et le coucher du soleil ; il reste ici.
+Ouvrez ceci une fois sur l'\xE9cran ; ce n'est affich\xE9 que maintenant :
+Les premi\xE8res valeurs arrivent dans deux secondes.
+continuer sans jeton
+le code est faux ; si vous en \xEAtes s\xFBr, r\xE9essayez
+since doit pr\xE9c\xE9der until
+secret
+il n'y a pas d'adresse : [notify] n'en a aucune
+Jeton ou code
+Chaque appareil a une pi\xE8ce.
+commence par {view}
+Routines toutes pr\xEAtes
+\`homebot find\` montre ce qui va
+Ce que vous changez ici, chaque \xE9cran le montre.
+Le code qu'affiche homebot run laisse entrer un premier \xE9cran.
+d\xE9bit
+CoAP n'a pas cette m\xE9thode
+Il peut
+contest\xE9
+, car {device} a signal\xE9 {values}
+signale du monoxyde de carbone
+annonces ambigu\xEBs
+biblioth\xE8que manquante
+le texte
+annonces diff\xE9r\xE9es
+connexion
+il ne peut \xEAtre encod\xE9 en UTF-8
+Dans l\u2019app Maison : +, Ajouter un accessoire, puis scannez ceci ou tapez le code.
+corriger ou retirer l'\xE9metteur
+ce protocole n'accepte pas de commandes brutes ; utilisez une adresse texte
+aucun port TCP n'est libre pour le broker int\xE9gr\xE9
+routines toutes pr\xEAtes
+d\xE9faillances
+Associ\xE9 \xE0 * contr\xF4leurs.
+teinte (0 \xE0 360) et saturation (0 \xE0 100), comme 0,100 pour rouge ou 240,50 pour bleu p\xE2le
+Rien de mesur\xE9 ne fonctionne.
+envoi \u2026
+comme le syst\xE8me
+les \xE9tiquettes n'acceptent pas de commandes
+nouvelles manqu\xE9es
+connexions refus\xE9es
+\u2026 et * autres
+il est associ\xE9 ailleurs ; retirez-le l\xE0-bas, ou r\xE9initialisez-le
+fuite d'eau
+ascenseur
+, en chemin
 regarder
 perdus
-r\xE9ponses
-Appuyez sur le bouton : encore * s
-CoAP n'a pas cette m\xE9thode
-R\xE9cemment ici
-do : ses \xE9tapes, une ligne chacune
+lui donner le droit
+Nom, pi\xE8ce et \xE9tiquettes
+Utilisateur
+valeurs
+le profil de l'appareil n'a pas de trame pour cela
+Aucune des * derni\xE8res entr\xE9es n'a ces mots.
 un texte
-plan de * pi\xE8ces
-sans pi\xE8ce
-en m\xEAme temps
-pile en charge
-De la lumi\xE8re et un mot quand il y a de l'eau o\xF9 il n'en faut pas.
-supprimer #
-capteur de pression
-faire une sauvegarde
+Chambre
+Ce qui garde cette sc\xE8ne n'en dit pas les valeurs.
+hors de toutes les pi\xE8ces
+il a \xE9t\xE9 annonc\xE9 apr\xE8s l'approbation de l'appareil
+temp\xE9rature ambiante
+Il n'y a pas encore de routine.
+verrouillage
+Salle de bain
+r\xE9ponses tardives
+toujours demander
+demandes abandonn\xE9es
+si
+Les lignes apparaissent ici \xE0 mesure.
+d\xE9tecteur de pr\xE9sence
 il n'a pas d'adresse
-messages refus\xE9s
-{nodes} n\u0153uds et {topics} sujets
-annonces ambigu\xEBs
-compos\xE9s organiques volatils
-Rien n'est conserv\xE9 de cette p\xE9riode.
-regarder et agir
-capteur de luminosit\xE9
-droits
-Apps
-pile faible
-disjoncteur
-Un mot aussit\xF4t quand une porte s'ouvre et que personne n'est l\xE0.
-abonnements refus\xE9s
-refuser
-Aujourd'hui
-pass\xE9 \xE0 {values}
-envoie ce que son annonce n'explique pas
-Jeton
-donnez la cl\xE9 que sa configuration ESPHome a sous "api: encryption:" comme key_file, ou aucune
-pi\xE8ce
-{issuer} a \xE9t\xE9 refus\xE9 : &
-Sujet
-homebot sait qui est \xE0 la maison par les t\xE9l\xE9phones du r\xE9seau et par les traceurs.
-absent
-Des lampes s'allument et s'\xE9teignent le soir quand personne n'est l\xE0.
-Un mot quand le lave-linge a fini.
-sa convention a \xE9chou\xE9
-abaiss\xE9
-, par l'appareil ou une personne
-depuis le d\xE9marrage de cette passerelle il n'a pas dit ce qu'il sait faire ; s'il dort, r\xE9veillez-le
-le garder dans ce navigateur
-notifications \xE9chou\xE9es
-un autre chiffrement
-pile, courant, port\xE9e ? S'il est parti pour de bon : homebot forget DEVICE
-d\xE9shumidifie
-Bureau
-Files et pertes
-Rien de mesur\xE9 ne fonctionne.
-Ce que vous changez ici, chaque \xE9cran le montre.
-ses lames ne font que s'ouvrir (100) et se fermer (0)
-abandonn\xE9s, trop nombreux
-un nombre
 ce homebot n'a pas de routines
-sombre
-Sans TLS, un navigateur n'installe pas d'application : tls = true dans [door].
-version
-connexions \xE9chou\xE9es
-robot aspirateur
-Couleurs
-un chiffrement
-valeurs illisibles
-une pression sur son bouton
-copi\xE9
-se d\xE9connecter
-tout seul
-encore * s
-rien
-il n'y a pas d'adresse : [notify] n'en a aucune
-configuration erron\xE9e
-Une lampe s'\xE9claircit vingt minutes avant le lever.
-l'\xE9tat de la maison
-renvoy\xE9
-montrer ce que permet l'accord pour #
-homebot cherche dans l'historique de quatre semaines ce que vous faites r\xE9guli\xE8rement, et l'observe une semaine avant de le proposer.
-les appareils de la maison ne sont pas encore connus
-il ne peut \xEAtre observ\xE9
-Fum\xE9e, eau, mouvement
-Cuisine
-Tout s'\xE9teint quand tout le monde est parti.
-Adresse
-le propri\xE9taire ne l'a pas approuv\xE9
-d\xE9bit
-fum\xE9e ou chaleur
-ouvert depuis
-, car {device} a signal\xE9 {values}
-laisser cette routine commander {names}
-mode
-Langue
-Baiss\xE9 au cr\xE9puscule, lev\xE9 le matin.
-tout
-le r\xE9seau l'a accept\xE9
-chercher des habitudes
-il n'est pas parmi ce que l'acc\xE8s peut commander
-{energy} kWh les autres jours semblables
-normale
-capteur de qualit\xE9 de l'air
-messages par seconde
-en marche
-inconnu pour l'instant
-d\xE9faillances
+il n'en a pas
 clair
-fautifs oubli\xE9s
-une de ses valeurs est inconnue
-un autre appareil est en cours d'association
-Dans l\u2019app Maison : +, Ajouter un accessoire, puis scannez ceci ou tapez le code.
-homebot place APPAREIL PI\xC8CE
-annonces`,n=`# asks, so another answers: use the owner's token, and give programs their own
+\xE0 la main ou tout seul
+# est t\xE9l\xE9charg\xE9e ({size} ko).
+, car la sc\xE8ne {scene} a \xE9t\xE9 annul\xE9e
+messages non conserv\xE9s
+Cuisine
+balayage horizontal
+Il n'a encore signal\xE9 aucun changement.
+Qui la consomme
+le propri\xE9taire ne l'a pas approuv\xE9
+Boucle d'\xE9v\xE9nements
+Valeurs, historique, faits
+Valeurs
+regarder et agir
+la connexion a \xE9t\xE9 perdue
+abandonn\xE9s, trop nombreux
+un chiffrement
+dossier des donn\xE9es
+il demande un code
+\xE9nergie inject\xE9e
+il d\xE9sarme l'alarme
+chauffage
+Pour la restaurer :
+son de la sir\xE8ne
+encore * s
+titre
+Cave
+les appareils de la maison ne sont pas encore connus
+, car la sc\xE8ne {scene} a \xE9t\xE9 appliqu\xE9e
+pi\xE8ce
+supprimer #
+absent
+il refuse le mot de passe de password_file ou password_env dans [gateways.mdns.drivers.shelly]
+capteur de sol
+active
+cela rend la maison plus s\xFBre
+\xE0 la main
+il n'est pas parmi ce que l'acc\xE8s peut commander
+prendre les valeurs actuelles
+perdus, lecture trop lente
+corriger l'appareil ou son annonce
+il faut des secondes, 0 ou plus
+les plus r\xE9centes d'abord
+Trouv\xE9s :
+qualit\xE9 de l'air
+un code Matter a 11 ou 21 chiffres, ou est un QR code qui commence par MT:
+l'historique n'a pas commenc\xE9, ou est inutilisable ; \`homebot doctor\` dit pourquoi
+pile, courant, port\xE9e ? S'il est parti pour de bon : homebot forget DEVICE
+, \xE0 cause de $
+seule la table d'une passerelle prend un mot de passe ou un jeton
+accepte un nombre que son format peut \xE9crire
+peut commander
+Le message d'essai est envoy\xE9.
+vous l'avez fait > avant
+PM10
+Le certificat auquel vos appareils doivent faire confiance
+lecteur d'\xE9tiquettes
+cet appareil n'existe pas
+Aucun appareil pour l'instant.
+le serveur Matter n'a pas de Bluetooth ; il n'atteint que les appareils du r\xE9seau
+plan de * pi\xE8ce
+{issuer} a \xE9t\xE9 refus\xE9 : &
+le pont r\xE9pond quelque chose d'inconnu
+Salon
+{energy} kWh les autres jours semblables
+accepter
+Autres commandes
+le journal a chacune avec sa trace : la signaler ou la corriger
+Mot de passe
+sombre
+approuver #
+perdus pour des absents
+il redirige vers une autre machine, ce qui n'est pas suivi
+en m\xEAme temps
+se connecter
+perdus (QoS 0)
+commandes
+son effet ne dure pas
+red\xE9marrer homebot
+signale du gaz
+Appuyez sur le bouton : encore * s
+rien
+artiste
+la porte est peut-\xEAtre ouverte
+c'est fait une fois, et ne dure pas
+ce n'est pas un proxy Bluetooth ; ajoutez "bluetooth_proxy:" \xE0 sa configuration ESPHome
+sans pi\xE8ce
+perdus, trop grands
+commandes refus\xE9es
+version
+L'accord permet ces commandes :
+vous, par $
+messages refus\xE9s
+valeurs illisibles
+image de #
+envoyer un message d'essai
+il redirige trop souvent
+signale un probl\xE8me
+Aucun appareil de cette maison ne convient : $
+\xE9criture \u2026
+le jeton n'est plus valable, ou est celui d'un autre
+il faut deux appareils diff\xE9rents
+enregistrer
+envoy\xE9
+montrer`,n=`# asks, so another answers: use the owner's token, and give programs their own
 # must ask itself
 the question is over: &
 the Matter server answered with error *

@@ -1,706 +1,654 @@
-var e=`24e 5rm 1ts 2b7 5w 1j0 y4 rn 1pz 40 2gq 5up d1 1c9 25s 105 nh 10b w7 il 1ow 109 1qe 44w 3z id 7yk 5qv 14g iw 61n 1ul 3g6 ku ll 3f1 1hl 1yd 10k 2g1 1oc o5 wy 2f 10u 8v nn 2c9 1qf 1a0 26v 1qf 2vn kx 1 1qf m8 2ms 312 1on 84 93w 56y 5g 1sr 1 62v 1ir 1gj av 5qs nf 23f 4mf hp 35f 2y9 10e 36f xv hf zg ef xn h0 2t0 md ec 40 ot 1pj 4cg 2k1 1nw 5jw 19v 47w 3e0 2wt 8s an 6vj 1al 2a4 st 1tj 4ff 64j 38b 1be 8q 1qy 43 1z3 17l 6k kt 9zn 53l x6 58 1im 9x 24s 16z 2l3 uh 3s3 11j 2se 16a 1x6 164 29w 272 1h6 2yb 13c 36o 3ol jf 54w b 8li 233 1jf 415 463 101 1lp 2vn 2u5 41m 11l 16e 41z cw 131 ny o3 4qd 5r8 2pb 3tv 18j sp 9b 1l2 q0 1qy 10u 1fh 5gx 23n 3h5 hh 4e fg bx 1ei 1c3 h6 6n 6tg 19i ij 243 us ss sc m8 md 4ku 353 2h1 z1 4ys 6nt 2o8 98 21z 7lk 88c ji f2 gv 4z0 14d 72h 1lo py 29q 2os 38b 18q 1e6 4be 66n 9jc 53k e0 8l1 51 9m 6do 16t 69b 1b xm 2un 1d7 1a8 1ba 4vr 83f nd 3o7 16o c6 7e8 10j 4 5 1cr 12a bc 1lb 5op 3tm 1i4 4uf 13p r1 1n1 mh fso gp 1a5 2i 182 bp 62u 2a0 5g3 jo cm wk 4l 17l 9nf 38l sw 4ab 5ar 1b3 2vv y2 5zn 1xy 1cg d4j 36 2es 1yk kc vp 8i9 2ey 17z 70 1cw xs 507 24o 1n8 1lj 1nb 9m 3d1 5bi fv 1g0 3ph 1c2 lm 1f0 62 5hs ag as1 66m 2cg ti 159 1t0 ge 72 3y7 5p5 1lh 4q8 3nv 5s 288 2ss 9n 1o sf 5kd 38j 2bi od 20t bee 1g7 3i8 ir bn 598 fm 2r2 jf 1ma 9n ar 2rg 8gp 1nz 1vo zu 8zc 7z5 ym 23s 1go l c1 25g 1b9 84t fy ot 18v 8h 12s qw 1n1 8e 13 7a 14e 10j ec 2kg pi qe 56d np cf 70w 1o2 yq 146 2x v2 fz dv 1yp et 5cw j8 ms 14j 1b0 1ji 1o3 l2 16k 3oz 1ni z 2nz zf g2 sl 372 rt 2la 16 21x qi 2hs aw6 2qa 61h 1do 169 2a2 7u x5 1ls 9o 2m 3x0 2t1 c0 3 d6 b9 1oi cr 4be 2r2 3uo 39k ep 1rk 3j kz 1jv 100 gh aa 390 u3 m2 3sb 1ni 878 2we 26o 1tg hq 7o pa 5pl 3ei 2xk dm 3gu 35n jv 1vd 85 52v 19o 1af 60 19n 6z ow 1y4 1kw 89 1qr el rb 1vc n5 39k k2 1s5 1xu 5y3 1hy 4l2 bp1 pi lr 45a 91 9r 1hy dfu 2gz 1a6 337 5w8 lw 5e8 2mt 2kh 4al x7 1k9 1cg 2eh em 2tq 7sy 151 2tm df 33m 154 eo 6qe 8mc 68l 1l1 3xd 1uy p 1y1 2nu 1p 1dy 8l4 403 7k1 3b0 2ho 6dc 2om 65u 3gi 1s4 r3 b8 o9 k8 2vb h4 16k 2j6 8i5 37e mi 32h 4qs 4e 4zn 2q7 2uv 7k 4o 3uo 6f2 jx 4dl 2gj 3m1 2de 19f 203 ea 2b3 ib 5x2 7nh i2 20q 7gi 3gv 9kb 27p 2si 57f 1mc 179 4d k2 3le 1vj 1lf 2hu 9w 29l 66 3 5tk 6u 4re 6bq 8dt 7 230 4nc 6it nr 3gq 26v 38l 1pl 30u te rp er o9 8f 68x 45j 4yu 840 1f4 1j8 3dd dv 2s6 1b5 2kq 20i 1hd 5j 1ih 1s5 w0 1ax cx 1nh ih 2hh 18m 6h sj 17y al q7 3x1 1fo 2wz 1df 6qm 5c1 k9 1dh 6l a1n h ca 13y 10c 4rg 35s 25z rh z0 123 ru 2aw 2kn 3j5 6n 29h 1d6 3p8 1yg 22k e oe 1o9 90i 4u 104 60 np 1u2 hr 3oo 3ay wd 6tj 2bf 1v6 3nd el 2vy 6bj 33 1vf 2lg ap b1 1rq it 4vq 18q gk tj 20v 4h6 q3
-Pflanze
-der Code ist falsch
-es tr\xE4gt das Kennzeichen always_ask
-in Betrieb, aber seine Attribute sind nicht lesbar
-der Text
-Fehler des Journals
+var e=`12j 1nt xg kp 7jj e9 1ca 7b 6gn o4 1jy 16u 187 3l 43 1ys dl 2gl 9k l 16l dy 1tl mb 18g 1 2g jv ht 1ey b2g 2o9 57v 56 77i 19j 2ce eq 2dy f9 2u5 25s 6sh 2u 34u ds 6z 8u 1ck 15z dw fw tk 9a 3z9 dz 2d 2re 1sy 26q 4il 5th 9s 28y f4 fs 2do afh 8f 3i5 cv 61l 2hu 1 yw 2so 21l qk 1pk f8 49v h0 2nv 50y 1ws 50y 2qv sp qi 1p8 16f qf cf sm 8r ds 1m5 fv 6a 4pw 2p6 143 1bj 2ur 1px 3lz cz 18x 1x9 3eg 2dx 7on 1cp 3c 34y 11h 169 eh df da 8ls 1q9 x4 3xe 14o c7w 3ah 5z 5k 32g s0 l7 9fy 1xr 44j 27j ta g3 ep qk 6mh 12p 1og 1xv 15x 49 el 23l 328 5i 100 327 1wm 1xk 1ap 2t4 2v1 5x 2k 4s 2h8 1kc 1up lh 2i9 2no r4 6rc 1v6 1q0 i9 32t 1av 42x xs 13 kd 112 3bm 1n4 1e2 b2 p6 1i3 wv 1w6 3qg 175 3jk g7 41r 2g7 3il 1pz 2g1 ro 3wh 1qt 26e oz 3rr 1tg 1c f3 6yx al 4so 17l 41w 6dv 1kc 1nd cu 1rj 7fv 59c 140 1be 3cm dw 4go 1li zh 4yb 68y c2 5d0 31 2er 3sa 43i 1kz 34i 4w8 13r 22m ak9 2ou 1q1 6gs 2nw v4 hm 3in ay dx 54a 8ph 8yp 1n2 226 5j4 3kr ky 1ax 4x xt 2z1 2b9 1lj 7q3 8ma 56d 2p8 cel 24 5el xa mf 3wt 3xk 2qm 6vi hx 6bj 6o 4on byf 4ut t9 2h 405 2ht 1x7 1pt 1eb 4zo 6rz 4or 5a8 53o a8 218 3gv 3ej 7a 3r 226 ub 9jc 1v 2cw 8b p9 17l 149 13y 59b 2bs 3pw 1sj 5ho 1ho 17t 8mb fn 2jv rf c0p 2s 14d hy 2nz 1gt r4 1qs 31i 2z9 klp 18a 207 tj tg 3q 3g 2bl ji c 2s9 4x6 6xf 11b 14h 2e8 emi 2tj cz yw 1tn aa 34y 4ut 2y0 1y 2tz gr 2ny 60j 3jv 1nb th 1ew 5jo 7z 1pz 9cd 2mr tx 1ce 7d7 44g 1w8 x 2fx 11r a9 2m1 4ci 133 9l 72c 6i vc 5um nr 2dc 483 pv 3s 7gs e5 308 l6 447 ui 23k 233 1fi ca lq 2ct vi 23l bq 1ds z0 d6 31k 3ca 4i2 k2 4sq 2g3 1vq 3oz 2a8 26q 341 1r9 5cu 3d0 1lc 28 13 3je oz z7 206 2gi cj x9 8u 4k5 2pp 7t 37h 3kx rh 2nq 84j 1cx 1bw 4sv 3y 4dy ox 1jt 1dk 1d0 1h 46 4ig r7 392 132 3ok 27c 33y 7j 3ql z4 1tg bg 303 11 28r 1tv 3e 976 6e4 40v bmc 1xq zn 5sd 4so 3u 5lg 38 4j1 3tr 13q 350 8xl 15c 1o8 18z 4m3 af jf 3yp 2vr 2q3 sw 176 7y f 2f4 14r 18b 27i 1q7 56i 1s7 rv 38y 5g3 2s9 lu 1xh xr we 4f6 1ox r 179 ed6 18o 1lc 9r 1 2nd bd 59v 3yl 3zn o 13q 23e ij 9xx gb qp bu to 2ub a1g 11h 1b4 1p3 1cl 40g 1f3 7n3 42d ha 1sv 3h6 1pm 2gp 1kl 3qy 1f2 3qi 2d3 23v 5ta 5p 31l 2qw 9nh 5n 39d 28q 4mo 6mx aa 2c 1h 38r y ep 5tz 3it pv q4 tn k3 18d akw 1ki 1kq 5on is 1nx 16s 19d 3f 2hr 3fi 5up 2zs 2m7 82 3pd 20r 3x7 6f 3lr 5j1 w3 171 kp h 1nr 8ry 16b 17q 42u vd 3po 11x z 26y 9x0 5jo l2 24d 4aw bm 6y 4et 125 35n 1ta 71r 1c5 2y 2f b8 27u 113 4rf 4f5 958 2el 1n7 2d4 32f 7wy 73a 1l1 3ly 4dj 8jf 4n fb 1ua 18k xh
+es hat nicht rechtzeitig geantwortet
 Garage
-es nimmt keine Befehle, es meldet nur
-Farbton (0 bis 360) und S\xE4ttigung (0 bis 100), wie 0,100 f\xFCr Rot oder 240,50 f\xFCr Hellblau
 Garten
-verlorene Zust\xE4nde
-neu beginnen
-# ist heruntergeladen ({size} kB).
-Es hat noch keine \xC4nderung gemeldet.
-Durchflusssensor
-einen anderen Schl\xFCssel
-nur eine App oder Routine kann eines haben, durch \`act\`
-das Ger\xE4t sendet nur
-anmelden
-Luftqualit\xE4t
-abgelehnte Ank\xFCndigungen
-sp\xE4te Antworten
-wie das System
-Hersteller
-l\xE4uft homebot schon, frage es: homebot doctor
-behalten
-Datei mit Daten
+meldet einen Eingriff
+falsche Konfiguration
+Gateway
+Wassermelder
+Sieben Tage
 Hinzuf\xFCgen
-nimmt mehr als 0 und bis 100 %
-Terrasse
-Meldungen
+der Roboter hat einen Auftrag; setze seine Option zuerst auf idle
+homebot l\xE4uft zur Probe und sendet nichts
 Protokoll
 Feinstaub PM1
-getrennte Clients
-Kohlendioxid
-Gilt ab jetzt.
+die Tabelle eines Gateways hat Geheimnisse, keine Seite liest sie
+Befehle
 Warum
-An einer Wand
-Keiner der neuesten * Eintr\xE4ge hat diese W\xF6rter.
-Schwenken
-In der Probewoche hast du das {done} von {total} Malen getan; eine Routine h\xE4tte in {low} bis {high} % der F\xE4lle recht.
-es hat seit dem Start von homebot noch nichts gemeldet
+der Broker antwortet nicht mehr
+abmelden
 R\xFCckfrage
-Interpret
-homebot show DEVICE zeigt beide Seiten; homebot forget DEVICE beendet es
-er hat keinen Bewegungsmelder
-T\xE4tigkeit
-lang
-hei\xDF ab
-Noch gibt es weder Schloss noch Kontakt noch Alarm.
+Fehler der Ger\xE4teliste
+letzte L\xE4ufe
+wenn sie startet, w\xE4hrend sie l\xE4uft
 niedrig
 jetzt
-der Matter-Server hat kein Bluetooth; er erreicht nur Ger\xE4te im Netz
 lief
 Rohdaten
-Tag
-sein Gateway kodiert seine Nachrichten
-ohne Token weiter
-{issuer} wollte {values}
-Fernseher
-Feinstaub PM10
-du hast es > vorher getan
-wird gesendet \u2026
-Verlauf
-die Kopplungen mit Apple Home
-ein unbekanntes Programm
-der Matter-Server wurde beendet
-das Recht geben
-keine Szene bewahrt einen auf
-das Ger\xE4t antwortet mit einem Fehler
-ein Matter-Code hat 11 oder 21 Ziffern oder ist ein QR-Code, der mit MT: beginnt
-tu
-der Raum des Ger\xE4ts
-es wurde abgebrochen
-Was bekannt ist, und woher
-Gefrierschrank
-sein Modus ist unbekannt; stelle ihn zuerst ein
-Port
-abgelehnte Typen
-zu lang
-au\xDFerhalb aller R\xE4ume
-verworfen, weil zu langsam gelesen
-ist nass
-sein anderer Sollwert ist unbekannt, und beide geh\xF6ren zusammen
-unbekannte Antworten
-Kontaktsensor
-abgelehnte Ank\xFCndigungen
-Alarme
-Aktualisierung
-kein D-Bus; unter Linux m\xFCssen bluetoothd und der Systembus laufen
-Sie wird erstellt \u2026
-Es hat sich um > ge\xE4ndert.
-durch {issuer}
-Ein schwaches Licht f\xFCr den Weg in der Nacht.
-Favorit
-Batterie, Strom, Reichweite?
-Nicht verstanden um >:
-Bewegung
-Diagnose
-es l\xE4sst sich nicht als UTF-8 kodieren
-Anwesenheit
-die letzten 24 Stunden
-Ein Server auf diesem Rechner
-Titel
-kein TCP-Port ist frei f\xFCr den eigenen Broker
-seine Vorlage scheitert an diesem Code
-Verbindung
-Ein L\xFCfter l\xE4uft, solange das Bad feucht ist.
-verlorene R\xFCckmeldungen
-n\xF6tig sind Sekunden, 0 oder mehr
-noch kein Verlauf, oder nicht nutzbar; \`homebot doctor\` sagt, warum
-homebot neu starten
-Es gibt kein Ger\xE4t # (mehr).
-von Hand oder von selbst
-homebot why GER\xC4T zeigt die Meldungen
-homebot l\xE4uft zur Probe und sendet nichts
-die Wirkung h\xE4lt nicht an
-Medien
-seine Vorlage ergibt daf\xFCr nichts
-Benutzer
-es hat sich seitdem ver\xE4ndert; sieh es noch einmal an
-gesendet in einer Nachricht an die Gruppe #
-die Verbindung zu Home Assistant ging verloren
-endet
-Befehle
-Z\xE4hler
-verworfene Mitteilungen
-r\xFCckg\xE4ngig
-meldet Kohlenmonoxid
-kein Weg f\xFChrt Befehle dorthin
-es macht das Haus sicherer
-meldete {values}
-es ist zu lange stumm
-Freigabe
-Ist das Geh\xE4use offen, oder ist es von der Wand?
-wartend
-nach einem falschen Code braucht es eine Pause; versuche es sp\xE4ter
-Plan mit * Raum
-dort antwortet kein Programm: starte es, oder berichtige die Adresse
-Rauch- oder CO-Melder
-Frostmelder
-es ist keine Hue Bridge; verbinde die Bridge, zu der es geh\xF6rt
-es hat sich seit deiner Freigabe ver\xE4ndert
-$ im Lauf der Zeit, * Punkte
-Noch ist nichts geschehen.
-dieses Protokoll nimmt keine rohen Befehle; nimm eine Textadresse
-Licht, solange sich jemand bewegt und es dunkel ist; eine Lampe, die schon an ist oder die jemand inzwischen schaltet, bleibt wie sie ist.
-Wer sie jetzt braucht
-nicht verf\xFCgbar
-Ein Token gibt dieser Seite ihre Rechte: Deines ist die Zeile in owner.token, im Datenordner von homebot. F\xFCr ein Tablet erzeugst du eines mit:
-K\xFChler, wenn niemand zu Hause ist, wieder warm mit dem Ersten, der kommt.
-, durch einen Menschen
-Wie ntfy://TOPIC oder mailto://USER:PASSWORD@HOST; appriseit.com nennt alle.
-die Verbindung wurde beendet
-nimmt einen Zeitpunkt von 1970 bis 2106
-nichts tun
-nimm ein Verzeichnis auf diesem Computer, oder trage seine Adresse ein
-die Tabelle eines Gateways hat Geheimnisse, keine Seite liest sie
-Einstellung
-das neuere homebot wieder installieren oder: homebot restore BACKUP
-Eine Nachricht, wenn die Garage offen bleibt, und immer wieder.
-die Ursache im Protokoll beheben, dann: homebot app reload APP, oder homebot neu starten
-es hat gerade andere Themen angek\xFCndigt, vielleicht eines anderen Ger\xE4ts
-Klimaanlage
-verworfene Teile
-Neue Gateways beginnen mit dem n\xE4chsten Start von homebot.
-sie wartet h\xF6chstens eine Minute auf Ger\xE4te von vorher; versuche es noch einmal
-seine Bridge erreicht es nicht
-Feuchtesensor
-Alarme und Fragen gehen \xFCber diese Adressen an Handys, Chats und E-Mail.
-die Steuerung l\xE4uft nicht; sie startet von selbst neu, siehe System
-gescheiterte Befehle
-\u2026 und * weitere
-es kommen keine Ereignisse mehr
-mit diesem Code wurde kein Ger\xE4t gefunden; ist es bereit zum Verbinden, in diesem Netz und noch nirgends verbunden?
-Gekoppelt mit * Steuerger\xE4ten.
-erlaubt
-nimmt Zahlen von 0 bis 360, 0 bis 100
-# verwenden
-Wartet auf deine Freigabe
-Sabotage
-Personen
-das widerspricht sich; gib nur eines an
-Fenster auf, hinausgehen, Hilfe rufen
-fr\xFCher
-, weil die Szene {scene} angewandt wurde
-gespeichert
-, weil die Szene {scene} r\xFCckg\xE4ngig gemacht wurde
-seit >
-nimmt nur true
-der Name des Rechners ist unbekannt: berichtige die Adresse
-Breite
-im Haus verbergen
-beobachtet: #
-Zeilen erscheinen hier, sobald sie kommen.
-beginnt mit {view}
-Wohnzimmer
-den Absender richten oder entfernen
-nimmt einen Zeitpunkt mit Zeitzone
-N\xF6tig ist: $
-Tags nehmen keine Befehle
-Hier erscheinen die Ger\xE4te dazu.
-Noch meldet kein Ger\xE4t eine Temperatur.
-Der Sauger reinigt einmal am Tag, wenn alle gegangen sind.
-Regensensor
-Eine Heizung ruht, solange ihr Fenster offen ist.
-\`homebot find\` zeigt, was passt
-nenne password_file oder password_env in [gateways.mdns.drivers.shelly]
-nimmt keine
-neueste Version
-Modell
-if: was dann alles gelten muss
-verlorene Nachrichten
-innen
-Schlafenszeit
-Werte
-nicht aufbewahrte Nachrichten
-der Client #
-fehlende Bibliothek
-es dauerte zu lange
-Bodenfeuchte
-jeder Schritt
-Dieses Bild ist nicht mehr neu.
-Ank\xFCndigungen: Bytes im Speicher
-wann
-nach
-Quarant\xE4nen
-wechseln oder laden
-ein neuer Raum
-abgelehnte Anfragen
-Eine aufbewahrte Nachricht sagt es, aber nicht seit wann.
-Taster
-Drehzahl
-Alarmanlage
-Saugroboter, die noch keine Roboter sind
-Noch ist kein Ger\xE4t da.
-Warmwasserbereiter
-QR-Code
-Stichw\xF6rter
-es ist nicht erreichbar
-feucht ab
-dunkel unter
-Tage
-Bild von #
-Nutzer
-{energy} eingespeist
-\xE4ndern
-homebot l\xE4uft ohne Datei; starte es in einem Ordner mit homebot.toml
-Jedes Ger\xE4t hat einen Raum.
-Uhrzeit
-Schlafzimmer
-Jetzt
-zuletzt geh\xF6rt
-Grenze
-der Broker antwortet nicht mehr
-verbinden
-es braucht einen Code
-Sicherung
-die Tabelle erg\xE4nzen und homebot neu starten: docs/robots.md
-das Ger\xE4t hat diesen Teil nicht mehr
-Dr\xFCcke den Knopf am Ger\xE4t, dann \u201Everbinden\u201C.
-die Verbindung ging verloren
-Rasenm\xE4her
-neueste zuerst
-Was diese Szene verwahrt, sagt ihre Werte nicht.
-verpasste Neuigkeiten
-Kein Ger\xE4t dieses Hauses passt: $
-es lehnt das Passwort aus password_file oder password_env in [gateways.mdns.drivers.shelly] ab
-weiter
-gefunden und noch nicht benutzt
-es ist besch\xE4ftigt
-Zeiten und das Haus
-Graph
-nichts davon ist bekannt, was eine Szene zur\xFCckholen k\xF6nnte
-Dieser Bildschirm
-Keller
-es ist schon anderswo verbunden; entferne es dort oder setze es zur\xFCck
-eine Bridge hat keinen Code: dr\xFCcke ihren Knopf
-Er darf
-verworfen f\xFCr Abwesende
-zur\xFCckgewiesen
-die Adresse eines Streams, etwa eines Radios
-Zu zwei Dritteln herunter, solange es hei\xDF ist.
-{least} bis {most}
-Eine Nachricht, wenn ein Fenster offen bleibt, w\xE4hrend es drau\xDFen kalt ist.
-Eine Nachricht, wenn eine Weile viel Strom verbraucht wird.
-in Ruhe
-eine Szene hat Werte, die bleiben; f\xFCr Einmaliges nimm eine Routine
-Plan wird geladen \u2026
-schlie\xDFen
-Betriebsart
-T\xFCren und Fenster
-erreicht \xFCber
-es steht in der Konfiguration; \xE4ndere dort [places]
-, wegen $
-Mehr Bedienung
-es leitet zu oft um
-Name, Raum und Stichw\xF6rter
-es hat nicht rechtzeitig geantwortet
-Bild
-Zeitzone
-homebot wird befragt \u2026
-Gateway
-Luftbefeuchter
-Ein Druck am Bett: alle Lichter aus, und eine Nachricht, wenn etwas offen ist.
-Noch gibt es keine Routine.
-Handy im Netz
-H\xE4ufigkeit
-Keine Flamme, kein Schalter; Fenster auf, hinausgehen, Hilfe rufen
-Es gibt nichts vorzuschlagen.
-keine Antwort
-abgelehnte Adressen
-Die meisten Nachrichten
-ein anderes Passwort
-Name
-andere
-Nachts k\xFChler.
-Eine Nachricht, wenn eine Pflanze Wasser braucht.
-nenne ein Ger\xE4t, oder suche wie 'light in hall'
-vorgeschlagen von #
-Tag-Leser
-als N\xE4chstes
-r\xFCckg\xE4ngig machen
-meldet einen Eingriff
-L\xE4nge
-Name und Ort
-Sirenenton
-Energie am {day}
-Eine Steckdose geht nachts aus, wenn ihr Ger\xE4t nur wartet.
-Home Assistant lehnt es ab, oder der Code ist falsch
-abgelehnte Verbindungen
-Fertige Routinen
-{issuer} sandte {text}
-Abend
-Kohlenmonoxid
-ohne Angabe von Gr\xFCnden
-Licht im Flur, wenn die Haust\xFCr im Dunkeln aufgeht.
-Bodensensor
-Noch meldet kein Ger\xE4t Leistung oder Energie.
-hat eine schwache Batterie
-verworfen, da zu lang
-falls
-verworfen, da entstellt
-Morgens und abends warm.
-Farbtemperatur
-Jeder Bildschirm hat ein eigenes Token, das man ihm nehmen kann.
-wartende und verlorene Nachrichten
-es leitet zu einem anderen Rechner um, dem wird nicht gefolgt
-verworfene Anfragen
-das Verzeichnis ist noch nicht gelesen
-eine endliche Zahl
-Energie je Tag
-hat ausgel\xF6st
-Erdgeschoss
-Ruhezeit
 zu deinem machen oder in HOMEBOT_DATA einen anderen nennen
-when: was sie startet, je eine Zeile
-darf schalten
-Zeige
-Der Code auf dem Ger\xE4t
-Fehler der Ger\xE4teliste
-Ank\xFCndigungen: Bytes zu viel
-Ein Taster schaltet eine Lampe.
-speichern
-nimmt true oder false
-Werte
-gesendet
-aufgeschobene Ank\xFCndigungen
-kalt unter
-Deine Gewohnheiten
-meldet Gas
-zeigen
-Passwort
-setzen
-dieses Ger\xE4t gibt es nicht
-es hat keines
-Die ersten Werte kommen in zwei Sekunden.
-Wasser
-seine Beschreibung nennt den Parameter nicht
+Tag
 Brennt es? Verlasst das Haus und ruft die Feuerwehr
-die Frage gibt es nicht mehr; \`homebot answer\` nennt die offenen
-abgeleitete Ank\xFCndigungen
-Ein Klingeln wird gemeldet und macht im Dunkeln Licht am Eingang.
-letzte L\xE4ufe
-Befehle
-Temperatursensor
-der Raum des Ger\xE4ts ist unbekannt, also ist vielleicht jemand dort
-Ein Ger\xE4t ohne Wert geh\xF6rt nicht mehr dazu.
-Das Haus ist zu
-Raumtemperatur
-in Betrieb
-Roboter
-Token erzeugen
-am meisten #
-nicht bekannt: {names}
-harmlos
-Wasser abstellen
-das Protokoll hat jeden mit seiner Spur: melden oder beheben
+meldete {values}
+erreicht \xFCber
+l\xE4uft homebot schon, frage es: homebot doctor
 kein Weg zu diesem Rechner
-es ist kein Bluetooth-Proxy; erg\xE4nze "bluetooth_proxy:" in seiner ESPHome-Konfiguration
-Bad
-neu angelegt
-der Broker
-nur ein Mensch antwortet, auf der Seite
-Eine Nachricht, wenn ein Gefrierschrank eine Weile zu warm ist.
-nichts wurde damit vereint
-Verborgen
-ist offen
-Das steht jetzt in homebot.toml:
-es hat keinen Auftrag; nenne ihm ein Ziel
-Ereignisschleife
-Melder
-Flur
-# freigeben
-zu viele falsche Codes; nimm es kurz vom Strom
-die T\xFCr ist vielleicht offen
-Verriegelung
-Ohne eigenen Z\xE4hler
-Alles ist in Ordnung. Zu beachten:
-Nachrichten
-True oder False
-Noch hat kein Raum eine Form. Gib ihm Ecken in der Tabelle [places.rooms], oder lies eine Karte ein: homebot places import DATEI.
-beginnt
-meldet Rauch oder Hitze
-Widerspruch
+when: was sie startet, je eine Zeile
+Voreinstellung
+dort antwortet kein Programm: starte es, oder berichtige die Adresse
+r\xFCckg\xE4ngig machen
+Bodenfeuchte
+zur\xFCck
+fr\xFCher
+einer seiner Werte ist unbekannt
+Regensensor
+hat ausgel\xF6st
+es verlangt mehrere zugleich, das geht nicht
+Heute
+seit >
+entfeuchtet
+normal
+Token
+der Raum des Ger\xE4ts
+Thema
+Verz\xF6gerung der Ereignisschleife
+Sprache
+N\xF6tig ist: $
+Meldungen
+abgelehnte Ank\xFCndigungen
+schwache Batterie
+das neuere homebot wieder installieren oder: homebot restore BACKUP
+Neue Gateways beginnen mit dem n\xE4chsten Start von homebot.
+Saugroboter, die noch keine Roboter sind
+es ist besch\xE4ftigt
+Sicherung erstellen
+# verwenden
+{issuer} sandte {text}
+eine Bridge hat keinen Code: dr\xFCcke ihren Knopf
+wechseln oder laden
+der Raum des Ger\xE4ts ist unbekannt, also ist vielleicht jemand dort
+Rauch oder Hitze
+gib eines an, wie level 40
+Eine aufbewahrte Nachricht sagt es, aber nicht seit wann.
+Gilt ab jetzt.
+Personen
 verbergen
 hoch
-es wurde erst nach der Freigabe angek\xFCndigt
-du hast es nicht getan
-es hat keines angek\xFCndigt
-jetzt ausf\xFChren
-Der Code, den homebot run ausgibt, l\xE4sst den ersten Bildschirm ein.
-eingespeiste Energie
-gescheiterte Anmeldungen
-niemand hat es erfahren; [notify] und das Log sagen, warum
-nur die Tabelle eines Gateways nimmt Passwort oder Token
-Bildschirme
-der Roboter hat einen Auftrag; setze seine Option zuerst auf idle
-abgelehnte Werte
-Es war so bei der ersten Meldung.
-Die Testnachricht ist verschickt.
-wo dieser Bildschirm ist
-immer fragen
-\xFCbergangene Ank\xFCndigungen
-, unterwegs
-Werte, Verlauf, Fakten
-Sie beh\xE4lt die jetzigen Werte von:
-Sie enth\xE4lt alles, was homebot aufbewahrt, aber keine Passw\xF6rter.
-in diesem Modus gibt es diesen Sollwert nicht
-Ein voller Punkt ist an, offen oder belegt.
-Zum Zur\xFCckspielen:
-dieses homebot bewahrt nichts auf
-homebot show GER\xC4T
-Ordner f\xFCr Daten
-dazu geh\xF6ren zwei verschiedene Ger\xE4te
-Sieben Tage
-Ortung
-von Hand
-Home Assistant hat die Verbindung beendet
-der Code ist falsch; wenn du dir sicher bist, versuche es noch einmal
-gek\xFCrzte Kennungen
-das Gateway beobachtet nur; erlaube ihm Befehle unter System, Ger\xE4te
-Das Haus ist offen
-nicht hier
-Seit der letzten Freigabe ge\xE4ndert:
-fertige Routinen
-meldet ein Problem
-noch keine g\xFCltige Ank\xFCndigung; starte es oder seine Bridge neu, oder warte
-es gibt nichts zur\xFCckzunehmen, oder die Datei wurde seitdem ge\xE4ndert
-suche \u2026
-Sein letztes Ereignis, das kein Zustand ist:
-ein Passwort allein ginge unverschl\xFCsselt an jeden, der sich so nennt: erg\xE4nze "api: encryption:" in seiner ESPHome-Konfiguration und nenne key_file, oder seine feste IP-Adresse als allow_plaintext_at in [gateways.mdns.drivers.esphome.devices.NAME]
-es geschieht einmal und h\xE4lt nicht an
-zum Haus
-waagrechtes Schwenken
-\xD6ffne das einmal auf dem Bildschirm; es wird nur jetzt gezeigt:
-Der Ort ergibt Sonnenaufgang und Sonnenuntergang; er bleibt hier.
-der Roboter hat seinen Zustand noch nicht gemeldet
-Voreinstellung
-sein Speicher ist voll
-keiner Adresse
-es schaltet den Alarm unscharf
-Sensor
-die jetzigen Werte nehmen
-Eine Lampe leuchtet von der D\xE4mmerung bis zur Schlafenszeit, wenn jemand zu Hause ist.
-vorbehaltene Topics
-die Bridge antwortet etwas Unbekanntes
-abgelehnte Ger\xE4te
-# ist verbunden.
-Heizung
-nicht verbunden
-bleibt
-Person
-verworfen (QoS 0)
-Helligkeit
-since muss vor until liegen
-Keine App l\xE4uft.
-nimmt einen Zeitpunkt ohne Zeitzone
-Routinen werden geladen \u2026
-gib homebot ein beschreibbares Verzeichnis (HOMEBOT_DATA), oder starte es mit --ephemeral
-eine Minute warten, dann das Protokoll ansehen
-mehrere Namen f\xFCr eine Kennung: vielleicht mehrere Ger\xE4te
-es verlangt mehrere zugleich, das geht nicht
-Haushalt
-Stockwerk
-das Ger\xE4t l\xE4sst sich nur ausschalten, wie ein Herd zur Sicherheit
-noch nicht verbunden
-das Profil des Ger\xE4ts hat daf\xFCr keinen Rahmen
-Die Freigabe erlaubt diese Befehle:
-das Token gilt nicht mehr, oder f\xFCr etwas anderes
-durch ein anderes Programm
-zur\xFCck
-Geheimnis
-Klingel
-schreibe \u2026
-Knoten links ver\xF6ffentlichen Themen, Knoten rechts abonnieren sie.
-, von selbst
-verworfene Abl\xE4ufe
-Langsamster Empf\xE4nger
-der Thermostat ist in einem anderen Modus; \xE4ndere ihn zuerst
-, ein Echo
-du hast es > sp\xE4ter getan
-annehmen
-HomeKit hat daf\xFCr keinen Dienst
-Gefunden:
-nicht erreichbar
-Das Zertifikat, dem deine Ger\xE4te vertrauen sollen
-berichtigen, dann: homebot config check
-Signalst\xE4rke
-Nach f\xFCnf Minuten zeigt er eine dunkle Uhr und was offen ist. Die Adresse dieses Bildschirms:
-Es ist so, seit homebot davon wei\xDF.
-es wurde nicht gesendet
-Stromz\xE4hler
-au\xDFer Betrieb
-Rollladen oder Vorhang
-Graph wird geladen \u2026
-Token oder Code
-T\xFCrschloss
-gesendet in einer Nachricht an die Szene #
-, durch ein anderes Programm
-noch wurde nichts ge\xE4ndert
-L\xFCfterstufe
-Alles ist in Ordnung.
-nimmt eine Zahl, die sein Format kennt
-Es heizt bei offenem Fenster
-es ist kein JPEG, PNG, GIF oder WebP bis 2 MiB
-vor >
-verworfen, weil zu gro\xDF
-das Ger\xE4t oder seine Ank\xFCndigung berichtigen
-Betriebsart
-du, durch $
-wenn sie startet, w\xE4hrend sie l\xE4uft
-Ger\xE4te
-Ausgelassen, weil geheim: {files}
-Testnachricht senden
-Noch ist nichts gez\xE4hlt.
-on oder off
-homebot kann hier nicht selbst neu starten; starte es neu
-kein Weg in dieses Netz
-Verz\xF6gerung der Ereignisschleife
-das Protokoll und homebot journal sagen mehr
-homebot nach einer neuen Tabelle neu starten: docs/protocols.md
-neue Routine
-Frequenz
-Suchen
-abgelehnte Befehle
-der Matter-Server ist zu langsam
-danach
+es tr\xE4gt das Kennzeichen always_ask
+der Zustand des Hauses
 versp\xE4tet um
-strittig
-# darf Ger\xE4te schalten
-gib eines an, wie level 40
-Druck
-jedes Mal
-Wassermelder
-Wasserventil
-Morgen
-empfangen
-bluetoothd l\xE4uft nicht
-ein Passwort
-gib jedem Ger\xE4t in seinen Ank\xFCndigungen eine eigene Kennung; bis dahin hei\xDFen seine Teile so
-alle zu Hause
-Wasser l\xE4uft aus
-lange offen
-Aufzug
-Bewegungsmelder
+nimmt einen Zeitpunkt ohne Zeitzone
+Es ist so, seit homebot davon wei\xDF.
+Frostmelder
+das Netz hat es angenommen
+L\xE4nge
+von selbst
+Ein Token gibt dieser Seite ihre Rechte: Deines ist die Zeile in owner.token, im Datenordner von homebot. F\xFCr ein Tablet erzeugst du eines mit:
+Haushalt
+Plan wird geladen \u2026
+Roboter
+Ausgelassen, weil geheim: {files}
+abgelehnte Ank\xFCndigungen
+Wie ntfy://TOPIC oder mailto://USER:PASSWORD@HOST; appriseit.com nennt alle.
+, durch ein anderes Programm
+nichts wurde damit vereint
+Fehler des Journals
+durch ein anderes Programm
+gescheiterte Verbindungen
+Hersteller
+verworfen, da zu lang
+homebot why GER\xC4T zeigt die Meldungen
+Terrasse
+nimmt Zahlen von 0 bis 360, 0 bis 100
+homebot erkennt an Handys im Netz und an Trackern, wer zu Hause ist.
+vor >
+Ruhezeit
+{least} bis {most}
+Sie beh\xE4lt die jetzigen Werte von:
+Betriebsart
+ist nass
+Ank\xFCndigungen
+nimmt true oder false
+L\xFCfterstufe
+als N\xE4chstes
+Das Haus ist offen
+zeigen, was die Freigabe von # erlaubt
+if: was dann alles gelten muss
+Klimaanlage
+es wurde nicht gesendet
+durch {issuer}
+Das steht jetzt in homebot.toml:
+Name und Ort
+Knoten links ver\xF6ffentlichen Themen, Knoten rechts abonnieren sie.
+der Name des Rechners ist unbekannt: berichtige die Adresse
+gescheiterte Anmeldungen
+au\xDFer Betrieb
+Erdgeschoss
 abgelehnte Topics
+Stockwerk
+nimm ein Verzeichnis auf diesem Computer, oder trage seine Adresse ein
+Verlauf
+jedes Mal
+Kontaktsensor
+abgelehnte Adressen
+schlie\xDFen
+nimmt einen Zeitpunkt von 1970 bis 2106
+es steht in der Konfiguration; \xE4ndere dort [places]
+Betriebsart
+nicht verbunden
+Handy im Netz
+Kohlendioxid
+im Haus verbergen
+Fenster auf, hinausgehen, Hilfe rufen
+nimmt nur true
+es hat gerade andere Themen angek\xFCndigt, vielleicht eines anderen Ger\xE4ts
+Dieser Bildschirm
+{nodes} Knoten und {topics} Themen
+Adresse
+Farbtemperatur
+abgelehnte Typen
+Ortung
+die Lamellen gehen nur auf (100) und zu (0)
+$ im Lauf der Zeit, * Punkte
+fl\xFCchtige Stoffe
+nicht verf\xFCgbar
+sein Speicher ist voll
+zuletzt geh\xF6rt
+in diesem Modus gibt es diesen Sollwert nicht
+kopiert
+verbinden
+Ank\xFCndigungen: Bytes zu viel
+es gibt nichts zur\xFCckzunehmen, oder die Datei wurde seitdem ge\xE4ndert
+neu angelegt
+nichts tun
+seine Vorlage ergibt daf\xFCr nichts
+verworfene Teile
+er hat keinen Bewegungsmelder
+homebot sucht im Verlauf von vier Wochen, was du immer wieder tust, und beobachtet es eine Woche, bevor es das vorschl\xE4gt.
+homebot show GER\xC4T
+es hat seit dem Start von homebot noch nichts gemeldet
+die Kopplungen mit Apple Home
+Keine Flamme, kein Schalter; Fenster auf, hinausgehen, Hilfe rufen
+neue Routine
+Rollladen oder Vorhang
+Noch gibt es weder Schloss noch Kontakt noch Alarm.
+Plan mit * R\xE4umen
+eine Zahl
+Zeitzone
+Jeder Bildschirm hat ein eigenes Token, das man ihm nehmen kann.
+Hier erscheinen die Ger\xE4te dazu.
+Quarant\xE4nen
+nimmt keine
+Druck
+Einstellung
+l\xE4uft
+Dieses Bild ist nicht mehr neu.
+Ein Server auf diesem Rechner
+Ein Ger\xE4t ohne Wert geh\xF6rt nicht mehr dazu.
+sie wartet h\xF6chstens eine Minute auf Ger\xE4te von vorher; versuche es noch einmal
+in diesem Browser behalten
+es hat keinen Auftrag; nenne ihm ein Ziel
+abgelehnte Ger\xE4te
+diese Routine {names} schalten lassen
+Luftqualit\xE4tssensor
+Deine Gewohnheiten
+die Verbindung zu Home Assistant ging verloren
+Alarme und Fragen gehen \xFCber diese Adressen an Handys, Chats und E-Mail.
+es hat keines angek\xFCndigt
+das Ger\xE4t antwortet mit einem Fehler
+der Roboter hat seinen Zustand noch nicht gemeldet
+Nachrichten je Sekunde
+die Adresse eines Streams, etwa eines Radios
+Taster
+Sein letztes Ereignis, das kein Zustand ist:
+gescheiterte Befehle
+Zuletzt hier
+gespeichert
+Rauch- oder CO-Melder
+Durchflusssensor
+Ank\xFCndigungen: Bytes im Speicher
+Signalst\xE4rke
+weiter
+Suchen
+homebot kann hier nicht selbst neu starten; starte es neu
+Rauch, Wasser, Bewegung
+eine endliche Zahl
+Modell
+keiner Adresse
+abgelehnte Werte
+Noch ist nichts geschehen.
+Antworten
+mehrere Namen f\xFCr eine Kennung: vielleicht mehrere Ger\xE4te
+{issuer} wollte {values}
+Ist das Geh\xE4use offen, oder ist es von der Wand?
+die Verbindung wurde beendet
+seine Bridge erreicht es nicht
+Rasenm\xE4her
+Es hat sich um > ge\xE4ndert.
+Melder
+das Ger\xE4t sendet nur
+Nicht verstanden um >:
+Sicherungsschalter
+Helligkeitssensor
+Dr\xFCcke den Knopf am Ger\xE4t, dann \u201Everbinden\u201C.
+das Protokoll und homebot journal sagen mehr
+gib homebot ein beschreibbares Verzeichnis (HOMEBOT_DATA), oder starte es mit --ephemeral
+Feuchtesensor
+gesendet in einer Nachricht an die Gruppe #
+alles
+Drucksensor
+Apps
+Home Assistant hat die Verbindung beendet
+Noch meldet kein Ger\xE4t Leistung oder Energie.
+getrennte Clients
+noch nicht verbunden
+Wasserventil
+nach einem falschen Code braucht es eine Pause; versuche es sp\xE4ter
+bluetoothd l\xE4uft nicht
+nicht bekannt: {names}
+niemand hat es erfahren; [notify] und das Log sagen, warum
+Aktualisierung
+Alles ist in Ordnung.
+Nach f\xFCnf Minuten zeigt er eine dunkle Uhr und was offen ist. Die Adresse dieses Bildschirms:
+gesendet in einer Nachricht an die Szene #
+Warmwasserbereiter
+Anwesenheit
+ablehnen
+r\xFCckg\xE4ngig
+Drehzahl
+Alarmanlage
+Stromz\xE4hler
+Was bekannt ist, und woher
+einen anderen Schl\xFCssel
+Arbeitszimmer
+Ohne eigenen Z\xE4hler
+die Ursache im Protokoll beheben, dann: homebot app reload APP, oder homebot neu starten
 kein Befehl schickt Leute nach Hause
+nenne password_file oder password_env in [gateways.mdns.drivers.shelly]
+Graph
+Es gibt nichts vorzuschlagen.
+Es gibt kein Ger\xE4t # (mehr).
+H\xE4ufigkeit
+das Ger\xE4t hat diesen Teil nicht mehr
+# ist verbunden.
+Es heizt bei offenem Fenster
+Seit der letzten Freigabe ge\xE4ndert:
+do: ihre Schritte, je eine Zeile
+es ist keine Hue Bridge; verbinde die Bridge, zu der es geh\xF6rt
+abgelehnte Abonnements
+sendet, was seine Ank\xFCndigung nicht erkl\xE4rt
+neueste Version
+{energy} eingespeist
+wo dieser Bildschirm ist
+wann
+das Gateway beobachtet nur; erlaube ihm Befehle unter System, Ger\xE4te
+Ohne TLS installiert ein Browser keine App: tls = true in [door].
+homebot l\xE4uft ohne Datei; starte es in einem Ordner mit homebot.toml
+Aus dieser Zeit ist nichts gespeichert.
+T\xFCrschloss
+Token erzeugen
+du hast es nicht getan
+seine Beschreibung nennt den Parameter nicht
+Routinen werden geladen \u2026
+HomeKit hat daf\xFCr keinen Dienst
+vorbehaltene Topics
+noch wurde nichts ge\xE4ndert
+nenne den Schl\xFCssel, den seine ESPHome-Konfiguration unter "api: encryption:" hat, als key_file, oder keinen
+Wartet auf deine Freigabe
+keine Antwort
+Sicherung
+Der Code auf dem Ger\xE4t
+Zeige
+keine Szene bewahrt einen auf
+Home Assistant lehnt es ab, oder der Code ist falsch
+nenne ein Ger\xE4t, oder suche wie 'light in hall'
+tu
+Alarme
+abgelehnte Anfragen
+Fernseher
+empfangen
+Noch hat kein Raum eine Form. Gib ihm Ecken in der Tabelle [places.rooms], oder lies eine Karte ein: homebot places import DATEI.
+gib jedem Ger\xE4t in seinen Ank\xFCndigungen eine eigene Kennung; bis dahin hei\xDFen seine Teile so
+der Code ist falsch
+suche \u2026
+es nimmt keine Befehle, es meldet nur
+eine Szene hat Werte, die bleiben; f\xFCr Einmaliges nimm eine Routine
+harmlos
+kein D-Bus; unter Linux m\xFCssen bluetoothd und der Systembus laufen
+jeder Schritt
+Widerspruch
+unbekannte Antworten
+kein Weg f\xFChrt Befehle dorthin
+Nutzer
+zu viele falsche Codes; nimm es kurz vom Strom
+Port
+Energie je Tag
+Zeiten und das Haus
+gefunden und noch nicht benutzt
+Keine App l\xE4uft.
+erneut gesendet
+seine Vorlage scheitert an diesem Code
+Graph wird geladen \u2026
+verlorene Nachrichten
+neu beginnen
+es l\xE4sst sich nicht beobachten
+ein unbekanntes Programm
+Ger\xE4te
+Datei mit Daten
+am meisten #
+Frequenz
+\xE4ndern
+on oder off
+nur ein Mensch antwortet, auf der Seite
+in Betrieb, aber seine Attribute sind nicht lesbar
+ein anderes Ger\xE4t wird gerade verbunden
+mit diesem Code wurde kein Ger\xE4t gefunden; ist es bereit zum Verbinden, in diesem Netz und noch nirgends verbunden?
+abgeleitete Ank\xFCndigungen
+das widerspricht sich; gib nur eines an
+homebot show DEVICE zeigt beide Seiten; homebot forget DEVICE beendet es
+Flur
+Medien
+Wasser abstellen
+es ist nicht erreichbar
+das Ger\xE4t l\xE4sst sich nur ausschalten, wie ein Herd zur Sicherheit
+kein Weg in dieses Netz
+ein anderes Passwort
+die letzten 24 Stunden
+homebot wird befragt \u2026
+Noch ist nichts gez\xE4hlt.
+es ist zu lange stumm
+zu lang
+es wurde abgebrochen
+Temperatursensor
+hat eine schwache Batterie
+die Steuerung l\xE4uft nicht; sie startet von selbst neu, siehe System
+Batterie, Strom, Reichweite?
+zur\xFCckgewiesen
+Farben
+nimmt einen Zeitpunkt mit Zeitzone
+es hat sich seitdem ver\xE4ndert; sieh es noch einmal an
+nur eine App oder Routine kann eines haben, durch \`act\`
+es kommen keine Ereignisse mehr
+Energie am {day}
+\xFCbergangene Ank\xFCndigungen
+der Thermostat ist in einem anderen Modus; \xE4ndere ihn zuerst
+Name
+True oder False
+nicht erreichbar
+seine Konvention ist ausgefallen
+nicht hier
+Breite
+Schwenken
+du hast es > sp\xE4ter getan
+Sie wird erstellt \u2026
+homebot place GER\xC4T RAUM
+Diagnose
+nach Gewohnheiten suchen
+QR-Code
+Jetzt
+erlaubt
+ohne Angabe von Gr\xFCnden
+berichtigen, dann: homebot config check
+Batterie l\xE4dt
+homebot nach einer neuen Tabelle neu starten: docs/protocols.md
+zum Haus
+T\xFCren und Fenster
+Langsamster Empf\xE4nger
+Warteschlangen und Verluste
+der Matter-Server wurde beendet
+Es war so bei der ersten Meldung.
+die Frage gibt es nicht mehr; \`homebot answer\` nennt die offenen
+beobachtet: #
+die Tabelle erg\xE4nzen und homebot neu starten: docs/robots.md
+meldet Rauch oder Hitze
+, von selbst
+Person
+behalten
+alle zu Hause
+Noch meldet kein Ger\xE4t eine Temperatur.
+ein Passwort
+Stichw\xF6rter
+gescheiterte Mitteilungen
+Die meisten Nachrichten
+Wasser
+danach
+der Matter-Server ist zu langsam
+das Verzeichnis ist noch nicht gelesen
+eine Minute warten, dann das Protokoll ansehen
+verworfene Abl\xE4ufe
+verworfene Mitteilungen
+verworfen, da entstellt
+Nachrichten
+eine andere Verschl\xFCsselung
+Sensor
+ein neuer Raum
+der Client #
+es hat noch nicht gesagt, was es kann; vielleicht schl\xE4ft es: wecke es
+es dauerte zu lange
+Sie enth\xE4lt alles, was homebot aufbewahrt, aber keine Passw\xF6rter.
+Favorit
+in Ruhe
+Bild
+vergessene St\xF6rer
+Sabotage
+# darf Ger\xE4te schalten
+vorgeschlagen von #
+Freigabe
+verlorene Zust\xE4nde
+Bildschirme
+In der Probewoche hast du das {done} von {total} Malen getan; eine Routine h\xE4tte in {low} bis {high} % der F\xE4lle recht.
+nimmt mehr als 0 und bis 100 %
+lange offen
+sein anderer Sollwert ist unbekannt, und beide geh\xF6ren zusammen
+, durch das Ger\xE4t oder einen Menschen
+Rechte
+T\xE4tigkeit
+, ein Echo
+, durch einen Menschen
+es ist kein JPEG, PNG, GIF oder WebP bis 2 MiB
+wartende und verlorene Nachrichten
+nichts davon ist bekannt, was eine Szene zur\xFCckholen k\xF6nnte
+sein Gateway kodiert seine Nachrichten
+ge\xE4ndert zu {values}
+jetzt ausf\xFChren
+Ein voller Punkt ist an, offen oder belegt.
+der Broker
+es hat sich seit deiner Freigabe ver\xE4ndert
+Betriebsart
+wartend
+setzen
+Kohlenmonoxid
+gek\xFCrzte Kennungen
+Luftbefeuchter
+sein Modus ist unbekannt; stelle ihn zuerst ein
+Das Haus ist zu
+Alles ist in Ordnung. Zu beachten:
+ein Passwort allein ginge unverschl\xFCsselt an jeden, der sich so nennt: erg\xE4nze "api: encryption:" in seiner ESPHome-Konfiguration und nenne key_file, oder seine feste IP-Adresse als allow_plaintext_at in [gateways.mdns.drivers.esphome.devices.NAME]
+ein Druck auf seinen Knopf
+Saugroboter
+ist offen
+verlorene R\xFCckmeldungen
+dieses homebot bewahrt nichts auf
+An einer Wand
+gerade nicht bekannt
+Verborgen
+noch keine g\xFCltige Ank\xFCndigung; starte es oder seine Bridge neu, oder warte
+Der Ort ergibt Sonnenaufgang und Sonnenuntergang; er bleibt hier.
+\xD6ffne das einmal auf dem Bildschirm; es wird nur jetzt gezeigt:
+Die ersten Werte kommen in zwei Sekunden.
+ohne Token weiter
+der Code ist falsch; wenn du dir sicher bist, versuche es noch einmal
+since muss vor until liegen
+Geheimnis
+es gibt keine Adresse: in [notify] steht keine
+Token oder Code
+Jedes Ger\xE4t hat einen Raum.
+beginnt mit {view}
+Fertige Routinen
+\`homebot find\` zeigt, was passt
+Was du hier \xE4nderst, zeigt jeder Bildschirm.
+Der Code, den homebot run ausgibt, l\xE4sst den ersten Bildschirm ein.
+Durchfluss
+CoAP kennt diese Methode nicht
+Er darf
+strittig
+, weil {device} {values} meldete
+meldet Kohlenmonoxid
+mehrdeutige Ank\xFCndigungen
+fehlende Bibliothek
+der Text
+aufgeschobene Ank\xFCndigungen
+Verbindung
+es l\xE4sst sich nicht als UTF-8 kodieren
+In der App Home: +, Ger\xE4t hinzuf\xFCgen, und dies scannen oder den Code eingeben.
+den Absender richten oder entfernen
+dieses Protokoll nimmt keine rohen Befehle; nimm eine Textadresse
+kein TCP-Port ist frei f\xFCr den eigenen Broker
+fertige Routinen
+Fehler
+Gekoppelt mit * Steuerger\xE4ten.
+Farbton (0 bis 360) und S\xE4ttigung (0 bis 100), wie 0,100 f\xFCr Rot oder 240,50 f\xFCr Hellblau
+Nichts Gemessenes l\xE4uft.
+wird gesendet \u2026
+wie das System
+Tags nehmen keine Befehle
+verpasste Neuigkeiten
+abgelehnte Verbindungen
+\u2026 und * weitere
+es ist schon anderswo verbunden; entferne es dort oder setze es zur\xFCck
+Wasser l\xE4uft aus
+Aufzug
+, unterwegs
 zusehen
 verloren
-Antworten
-Jetzt den Knopf dr\xFCcken: noch * s
-CoAP kennt diese Methode nicht
-Zuletzt hier
-do: ihre Schritte, je eine Zeile
+das Recht geben
+Name, Raum und Stichw\xF6rter
+Benutzer
+Werte
+das Profil des Ger\xE4ts hat daf\xFCr keinen Rahmen
+Keiner der neuesten * Eintr\xE4ge hat diese W\xF6rter.
 einen Text
-Plan mit * R\xE4umen
-ohne Raum
-gleichzeitig
-Batterie l\xE4dt
-Licht und eine Nachricht, wenn Wasser ist, wo keines sein soll.
-# entfernen
-Drucksensor
-Sicherung erstellen
+Schlafzimmer
+Was diese Szene verwahrt, sagt ihre Werte nicht.
+au\xDFerhalb aller R\xE4ume
+es wurde erst nach der Freigabe angek\xFCndigt
+Raumtemperatur
+Noch gibt es keine Routine.
+Verriegelung
+Bad
+sp\xE4te Antworten
+immer fragen
+verworfene Anfragen
+falls
+Zeilen erscheinen hier, sobald sie kommen.
+Bewegungsmelder
 es hat keine Adresse
-abgelehnte Nachrichten
-{nodes} Knoten und {topics} Themen
-mehrdeutige Ank\xFCndigungen
-fl\xFCchtige Stoffe
-Aus dieser Zeit ist nichts gespeichert.
-zusehen und schalten
-Helligkeitssensor
-Rechte
-Apps
-schwache Batterie
-Sicherungsschalter
-Sofort eine Nachricht, wenn eine T\xFCr aufgeht und niemand zu Hause ist.
-abgelehnte Abonnements
-ablehnen
-Heute
-ge\xE4ndert zu {values}
-sendet, was seine Ank\xFCndigung nicht erkl\xE4rt
-Token
-nenne den Schl\xFCssel, den seine ESPHome-Konfiguration unter "api: encryption:" hat, als key_file, oder keinen
-Raum
-{issuer} wurde abgewiesen: &
-Thema
-homebot erkennt an Handys im Netz und an Trackern, wer zu Hause ist.
-abwesend
-Lampen gehen abends an und aus, wenn niemand zu Hause ist.
-Eine Nachricht, wenn die Waschmaschine fertig ist.
-seine Konvention ist ausgefallen
-abgesenkt
-, durch das Ger\xE4t oder einen Menschen
-es hat noch nicht gesagt, was es kann; vielleicht schl\xE4ft es: wecke es
-in diesem Browser behalten
-gescheiterte Mitteilungen
-eine andere Verschl\xFCsselung
-Batterie, Strom, Reichweite? Ist es f\xFCr immer weg: homebot forget DEVICE
-entfeuchtet
-Arbeitszimmer
-Warteschlangen und Verluste
-Nichts Gemessenes l\xE4uft.
-Was du hier \xE4nderst, zeigt jeder Bildschirm.
-die Lamellen gehen nur auf (100) und zu (0)
-verworfen, da zu viele
-eine Zahl
 dieses homebot hat keine Routinen
-dunkel
-Ohne TLS installiert ein Browser keine App: tls = true in [door].
-Version
-gescheiterte Verbindungen
-Saugroboter
-Farben
-Verschl\xFCsselung
-unlesbare Werte
-ein Druck auf seinen Knopf
-kopiert
-abmelden
-von selbst
-noch * s
-nichts
-es gibt keine Adresse: in [notify] steht keine
-falsche Konfiguration
-Eine Lampe wird zwanzig Minuten lang heller, bevor du aufstehst.
-der Zustand des Hauses
-erneut gesendet
-zeigen, was die Freigabe von # erlaubt
-homebot sucht im Verlauf von vier Wochen, was du immer wieder tust, und beobachtet es eine Woche, bevor es das vorschl\xE4gt.
-die Ger\xE4te des Hauses sind noch nicht bekannt
-es l\xE4sst sich nicht beobachten
-Rauch, Wasser, Bewegung
-K\xFCche
-Alle Lichter gehen aus, sobald alle gegangen sind.
-Adresse
-es ist nicht freigegeben
-Durchfluss
-Rauch oder Hitze
-offen seit
-, weil {device} {values} meldete
-diese Routine {names} schalten lassen
-Betriebsart
-Sprache
-In der D\xE4mmerung herunter, am Morgen herauf.
-alles
-das Netz hat es angenommen
-nach Gewohnheiten suchen
-es geh\xF6rt nicht zu dem, was der Zugang steuern darf
-{energy} kWh an anderen solchen Tagen
-normal
-Luftqualit\xE4tssensor
-Nachrichten je Sekunde
-l\xE4uft
-gerade nicht bekannt
-Fehler
+es hat keines
 hell
-vergessene St\xF6rer
-einer seiner Werte ist unbekannt
-ein anderes Ger\xE4t wird gerade verbunden
-In der App Home: +, Ger\xE4t hinzuf\xFCgen, und dies scannen oder den Code eingeben.
-homebot place GER\xC4T RAUM
-Ank\xFCndigungen`,n=`# asks, so another answers: use the owner's token, and give programs their own
+von Hand oder von selbst
+# ist heruntergeladen ({size} kB).
+, weil die Szene {scene} r\xFCckg\xE4ngig gemacht wurde
+nicht aufbewahrte Nachrichten
+K\xFCche
+waagrechtes Schwenken
+Es hat noch keine \xC4nderung gemeldet.
+Wer sie jetzt braucht
+es ist nicht freigegeben
+Ereignisschleife
+Werte, Verlauf, Fakten
+Werte
+zusehen und schalten
+die Verbindung ging verloren
+verworfen, da zu viele
+Verschl\xFCsselung
+Ordner f\xFCr Daten
+es braucht einen Code
+eingespeiste Energie
+es schaltet den Alarm unscharf
+Heizung
+Zum Zur\xFCckspielen:
+Sirenenton
+noch * s
+Titel
+Keller
+die Ger\xE4te des Hauses sind noch nicht bekannt
+, weil die Szene {scene} angewandt wurde
+Raum
+# entfernen
+abwesend
+es lehnt das Passwort aus password_file oder password_env in [gateways.mdns.drivers.shelly] ab
+Bodensensor
+in Betrieb
+es macht das Haus sicherer
+von Hand
+es geh\xF6rt nicht zu dem, was der Zugang steuern darf
+die jetzigen Werte nehmen
+verworfen, weil zu langsam gelesen
+das Ger\xE4t oder seine Ank\xFCndigung berichtigen
+n\xF6tig sind Sekunden, 0 oder mehr
+neueste zuerst
+Gefunden:
+Luftqualit\xE4t
+ein Matter-Code hat 11 oder 21 Ziffern oder ist ein QR-Code, der mit MT: beginnt
+noch kein Verlauf, oder nicht nutzbar; \`homebot doctor\` sagt, warum
+Batterie, Strom, Reichweite? Ist es f\xFCr immer weg: homebot forget DEVICE
+, wegen $
+nur die Tabelle eines Gateways nimmt Passwort oder Token
+nimmt eine Zahl, die sein Format kennt
+darf schalten
+Die Testnachricht ist verschickt.
+du hast es > vorher getan
+Feinstaub PM10
+Das Zertifikat, dem deine Ger\xE4te vertrauen sollen
+Tag-Leser
+dieses Ger\xE4t gibt es nicht
+Noch ist kein Ger\xE4t da.
+der Matter-Server hat kein Bluetooth; er erreicht nur Ger\xE4te im Netz
+Plan mit * Raum
+{issuer} wurde abgewiesen: &
+die Bridge antwortet etwas Unbekanntes
+Wohnzimmer
+{energy} kWh an anderen solchen Tagen
+annehmen
+Mehr Bedienung
+das Protokoll hat jeden mit seiner Spur: melden oder beheben
+Passwort
+dunkel
+# freigeben
+verworfen f\xFCr Abwesende
+es leitet zu einem anderen Rechner um, dem wird nicht gefolgt
+gleichzeitig
+anmelden
+verworfen (QoS 0)
+Befehle
+die Wirkung h\xE4lt nicht an
+homebot neu starten
+meldet Gas
+Jetzt den Knopf dr\xFCcken: noch * s
+nichts
+Interpret
+die T\xFCr ist vielleicht offen
+es geschieht einmal und h\xE4lt nicht an
+es ist kein Bluetooth-Proxy; erg\xE4nze "bluetooth_proxy:" in seiner ESPHome-Konfiguration
+ohne Raum
+verworfen, weil zu gro\xDF
+abgelehnte Befehle
+Version
+Die Freigabe erlaubt diese Befehle:
+du, durch $
+abgelehnte Nachrichten
+unlesbare Werte
+Bild von #
+Testnachricht senden
+es leitet zu oft um
+meldet ein Problem
+Kein Ger\xE4t dieses Hauses passt: $
+schreibe \u2026
+das Token gilt nicht mehr, oder f\xFCr etwas anderes
+dazu geh\xF6ren zwei verschiedene Ger\xE4te
+speichern
+gesendet
+zeigen`,n=`# asks, so another answers: use the owner's token, and give programs their own
 # must ask itself
 the question is over: &
 the Matter server answered with error *
