@@ -284,7 +284,7 @@ def test_a_plug_of_the_same_name_is_not_the_player() -> None:
     found = read(text, [device("TV", part("", "plug", "on_off"))])
     assert [one.problem for one in found.refused] == [
         "media_player.tv is nothing that homebot knows",
-        "input_boolean.tv is nothing that homebot knows; write `tv` in the table [helpers]",
+        "input_boolean.tv is nothing that homebot knows; a device has the name of this helper: give it another one",
     ]
 
 

@@ -34,7 +34,7 @@ _HOUSEHOLD: Final = {
 _LASTING: Final = re.compile(r" for (?:less than )?[\w.]+\)$")
 _OTHER_SIDE: Final = {"after": "before", "before": "after"}
 _LIMIT: Final = re.compile(r"(?P<value>[^<>]*)(?P<sign>[<>])(?P<number>[-+.e\d]+\))")
-_LIMITS: Final = re.compile(r"[<>][-+.e\d]+ \w+[<>][-+.e\d]+\)$")
+_LIMITS: Final = re.compile(r"[<>][-+.e\d]+\)$")
 
 
 def conditions_of(automation: Automation, nodes: Sequence[Located]) -> list[Condition]:
@@ -102,7 +102,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
 def _joined(joint: str, alternatives: Sequence[list[Condition]]) -> list[Condition]:
     if joint == "or":
         return any_of(alternatives)
-    return [condition for some in alternatives for condition in (denied(some) if joint == "not" else some)]
+    return [condition for some in alternatives for condition in (_not_so(some) if joint == "not" else some)]
 
 
 def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
@@ -167,8 +167,14 @@ def any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
     return [condition for condition in conditions if not any({*other} < {*condition} for other in conditions)]
 
 
+def _not_so(conditions: Sequence[Condition]) -> list[Condition]:
+    """Return the conditions of ``not``, which hold also for unknown numbers."""
+    texts = ((f"not {text}" if _LIMITS.search(text) else _opposite(text) for text in held) for held in conditions)
+    return any_of([[(text,) for text in alternatives] for alternatives in texts])
+
+
 def denied(conditions: Sequence[Condition]) -> list[Condition]:
-    """Return the conditions that hold if at least one of *conditions* does not."""
+    """Return the conditions that hold if at least one of *conditions* is known not to."""
     return any_of([[(_opposite(text),) for text in condition] for condition in conditions])
 
 

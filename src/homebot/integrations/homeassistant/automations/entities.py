@@ -14,6 +14,7 @@ from homebot.devices.part import Capability, Part
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.variables import is_constant, resolved
+from homebot.messages.builtin_interfaces import Time
 from homebot.support.folding import fold
 from homebot.support.located import Located
 from homebot.words.opening_kinds import opening_kind
@@ -24,12 +25,18 @@ _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\)
 _ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re.IGNORECASE)
 """Parts of names that mean something else in texts of routines."""
 
-_HELPERS: Final = frozenset(
-    {
-        *("input_boolean", "input_number", "input_select", "input_button", "input_datetime", "input_text"),
-        *("counter", "timer", "schedule"),
-    }
-)
+_HELPERS: Final = {
+    "input_boolean": ("false", "on_off"),
+    "input_number": ("0", "number"),
+    "input_button": ("{ button = true }", "press push"),
+    "input_datetime": ('{ time = "07:00" }', "text"),
+    "input_text": ('{ text = "" }', "text"),
+    "counter": ("{ counter = 0 }", "number"),
+    "timer": ('{ timer = "10m" }', "on_off press number"),
+}
+"""How a helper is written that the house lacks, and its capabilities."""
+
+_OF_HELPERS: Final = _HELPERS.keys() | {"input_select", "schedule"}
 
 _SENSED: Final = r"(?:attributes|binary_sensor|device_tracker|person|sun|weather|zone)"
 _COMMANDED: Final = re.compile(rf"\bstates(?!\(|\.{_SENSED}\b)|['\"](?!{_SENSED}\.)[a-z_]+\.[a-z]|_entities\(")
@@ -113,6 +120,9 @@ _USUAL: Final[Mapping[str, tuple[float, float]]] = {
     "color_temperature": (1_000.0, 12_000.0),
 }
 """Limits of devices that declare none: a number in another unit is beyond them."""
+
+
+_UNSEEN: Final = Time(sec=0, nanosec=0)
 
 
 class _Meant(NamedTuple):
@@ -241,15 +251,32 @@ class Entities:
             if device is not None and len(meant) != 1:
                 possible = [*_possible(device, entity_id.partition(".")[0])]
                 meant = [entity for entity in possible if slug_of(entity.part.part.name) == entity_id.partition(".")[2]]
-            is_helper = entity_id.partition(".")[0] in _HELPERS
-            if is_helper and device is None:  # no other device has helpers
-                meant = [entity for entity in meant if _is_of_helpers(entity.device)]
+            if device is None and entity_id.partition(".")[0] in _OF_HELPERS:  # no other device has helpers
+                meant = [entity for entity in meant if _is_of_helpers(entity.device)] or self._lacked(entity_id)
             if len(meant) != 1:
                 is_known = device is not None or meant
                 problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
                 raise NotCarriedError(f"{entity_id} {problem}{_advice(entity_id)}")
             self.used[entity_id] = KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
         return self.used[entity_id]
+
+    def knows(self, entity_id: str) -> bool:
+        """Return whether the name of a device leads to *entity_id*."""
+        return entity_id in self._named
+
+    def _lacked(self, entity_id: str) -> list[_Meant]:
+        """Return the helper *entity_id*, which people have yet to write; none if its name means another device."""
+        domain, _, slug = entity_id.partition(".")
+        name, (written, able) = slug.replace("_", " "), _HELPERS.get(domain, ("", ""))
+        if not written or self._names[fold(name)]:
+            return []
+        self.notes.append(f"write `{slug} = {written}` or the like in the table [helpers]")
+        part = Part(id="", service_type="x_setting", capabilities=tuple(map(_settable, able.split())))
+        helper = Device(
+            id=slug, name=name, service_type=part.service_type, parts=(DevicePart(id="", part=part, routes=()),),
+            endpoints=(), metadata=(), first_seen=_UNSEEN, last_seen=_UNSEEN, expires=_UNSEEN, freshness="stale",
+        )  # fmt: skip
+        return [_Meant(helper, helper.parts[0], "")]
 
     def members(self, entity_id: str) -> list[str]:
         """Return the entities of a group that is on if one of them is; none for another entity."""
@@ -324,7 +351,7 @@ class Entities:
 
     def name_of(self, device: Device) -> str:
         """Return the name of *device* if it is plain and no other one has it, else its id."""
-        is_plain = self._names[fold(device.name)] == 1 and not _ODD.search(device.name)
+        is_plain = self._names[fold(device.name)] <= 1 and not _ODD.search(device.name)
         return device.name if is_plain else device.id
 
     @property
@@ -438,6 +465,10 @@ def _fact(device: Device, name: str) -> str:
     return next((fact.value for fact in device.facts if fact.name == name), "")
 
 
+def _settable(name: str) -> Capability:
+    return Capability(name=name, settable=name not in EVENTS)
+
+
 def _is_of_helpers(device: Device) -> bool:
     return any(route.gateway == "helpers" for route in device.endpoints)
 
@@ -451,7 +482,9 @@ def _advice(entity_id: str) -> str:
         return "; write it in the table [people]"
     if domain == "schedule":
         return f"; write `{name} = false` in [helpers], and routines that turn it on and off at its times"
-    return f"; write `{name}` in the table [helpers]" if domain in _HELPERS else ""
+    if domain == "input_select":
+        return f'; write its choices in the table [helpers], like `{name} = ["day", "night"]`'
+    return "; a device has the name of this helper: give it another one" if domain in _HELPERS else ""
 
 
 def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant, bool]]:
@@ -529,7 +562,7 @@ class StartTrigger(NamedTuple):
                 return self.state or None
             case ("trigger", "from_state", "state"):
                 return dict(self.data).get("from")
-            case ("trigger", "for" | "platform" as field):
+            case ("trigger", "for" | "platform" | "event" as field):
                 return dict(self.data).get(field)
             case (
                 ("trigger", "event", "data", field)
@@ -583,15 +616,24 @@ class Automation:
             NotCarriedError: It is not known, or waits: the automation that runs it would not wait for its end.
         """
         name = self.names.routine(entity_id)
-        own = [text for text in self.calling if f"'alias': {name!r}" in text]
-        if any("'delay'" in text or "'wait_" in text for text in own):
+        if self.waits(name):
             raise NotCarriedError(f"automation.trigger: {name} waits; start it by the trigger of this one too")
         self.notes.append(f"`run routine {name}` runs it beside this one, whatever its conditions")
         return name
 
+    def waits(self, name: str) -> bool:
+        """Return whether the automation of the file with this name waits."""
+        own = [text for text in self.calling if f"'alias': {name!r}" in text]
+        return any("'delay'" in text or "'wait_" in text for text in own)
+
     def fires(self, event: str) -> bool:
         """Return whether an action of the file sends an event."""
         return any(f"'event': {event!r}" in text for text in {*self.calling, *self.others})
+
+    def keeps_scene(self, entity_id: str) -> bool:
+        """Return whether an action of the file makes a scene of the values of now."""
+        made = f"'scene_id': {entity_id.removeprefix('scene.')!r}"
+        return any(made in text for text in {*self.calling, *self.others})
 
     def asks_for(self, action: str) -> bool:
         """Return whether an automation of the file asks for a button of messages, beside the message with it."""

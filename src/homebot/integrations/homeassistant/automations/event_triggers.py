@@ -139,29 +139,14 @@ def event_triggers(automation: Automation, fields: UnreadFields) -> list[StartTr
 
 
 def message_button(automation: Automation, action: str) -> KnownEntity:
-    """Return the helper that stands for a button of messages, which people press on the page.
-
-    Raises:
-        NotCarriedError: There is none; the message says how to write it.
-    """
-    return _button_helper(automation, action, f"the button {action!r} of a message", ", and press it on the page")
+    """Return the helper that stands for a button of messages, which people press on the page."""
+    automation.notes.append("buttons of messages are helpers: people press them on the page")
+    return automation.entities.find(f"input_button.{slug_of(action)}")
 
 
 def own_event(automation: Automation, kind: str) -> KnownEntity:
-    """Return the helper that stands for an event which automations of the file send each other.
-
-    Raises:
-        NotCarriedError: There is none; the message says how to write it.
-    """
-    return _button_helper(automation, kind, f"the event {kind!r} of your own", "")
-
-
-def _button_helper(automation: Automation, called: str, what: str, use: str) -> KnownEntity:
-    name = slug_of(called)
-    try:
-        return automation.entities.find(f"input_button.{name}")
-    except NotCarriedError:
-        raise NotCarriedError(f"{what}: write `{name} = {{ button = true }}` in the table [helpers]{use}") from None
+    """Return the helper that stands for an event which automations of the file send each other."""
+    return automation.entities.find(f"input_button.{slug_of(kind)}")
 
 
 def tag_triggers(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:

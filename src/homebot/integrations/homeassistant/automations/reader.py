@@ -351,9 +351,11 @@ class Actions:
                     raise NotCarriedError("scene.create: `snapshot_entities` is missing; write the scene in homebot")
                 self._snapshots[f"scene.{scene}"] = {entity.name for entity in known}
                 return []
-            case "scene.turn_on" | "scene.apply" if self._snapshots:
+            case "scene.turn_on" | "scene.apply":
                 ids = called_service(fields.left).entities
                 if len(ids) != 1 or ids[0] not in self._snapshots:
+                    if kept := next(filter(self._automation.keeps_scene, ids), ""):
+                        raise NotCarriedError(f"{kept} may be of another run, and `undo` is of this one")
                     return None
                 if others := self._commanded - self._snapshots[ids[0]]:
                     raise NotCarriedError(
@@ -810,11 +812,12 @@ def _add_triggers(automation: Automation, node: Located, number: int) -> None:
         if given is not None and not isinstance(given.value, str | int):
             raise NotCarriedError(f"id: {plain(given)} is not a text")
     trigger_id = str(number if given is None else given.value)
-    kinds = [named[key].value for key in ("trigger", "platform") if key in named]
-    automation.triggers += [
-        trigger._replace(id=trigger_id, data=(*trigger.data, *(("platform", str(kind)) for kind in kinds)))
-        for trigger in chain(*known)
-    ]
+    facts = [(_FACTS[key], str(value.value)) for key, value in named.items() if key in _FACTS]
+    automation.triggers += [trigger._replace(id=trigger_id, data=(*trigger.data, *facts)) for trigger in chain(*known)]
+
+
+_FACTS: Final = {"trigger": "platform", "platform": "platform", "event": "event"}
+"""The fields of ``trigger.…`` by those of the trigger, for which they are known before it starts."""
 
 
 def _needs(automation: Automation) -> Iterator[Condition]:

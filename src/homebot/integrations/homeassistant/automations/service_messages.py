@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from homebot.integrations.homeassistant.automations.conditions import templates_of
-from homebot.integrations.homeassistant.automations.entities import Automation
+from homebot.integrations.homeassistant.automations.entities import Automation, slug_of
 from homebot.integrations.homeassistant.automations.event_triggers import message_button
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of
 from homebot.support.located import Located
@@ -57,7 +57,9 @@ def _message(automation: Automation, name: str, data: UnreadFields) -> str:
     title, message = (_message_text(automation, data, key) for key in ("title", "message"))
     if not message:
         raise NotCarriedError(f"{name}: `message` is missing")
-    data.take("notification_id")
+    if name == "persistent_notification.create":
+        data.take("notification_id")
+        automation.notes.append(f"{name} becomes a message to people")
     buttons = [f"[{name}]" for name in _buttons(automation, data.left.get("data"))]
     for key in ("data", "target", *_FORMS):
         if data.take(key) is not None:
@@ -76,13 +78,8 @@ def _buttons(automation: Automation, node: Located | None) -> Iterator[str]:
         fields = UnreadFields(row, "actions")
         if (action := fields.text("action")) == "URI":
             continue
-        try:
+        if automation.asks_for(action) or automation.entities.knows(f"input_button.{slug_of(action)}"):
             yield message_button(automation, action).device.name
-        except NotCarriedError:
-            if automation.asks_for(action):
-                raise
-        else:
-            automation.notes.append("buttons of messages are helpers: people press them on the page")
 
 
 def _message_text(automation: Automation, data: UnreadFields, key: str) -> str:

@@ -81,6 +81,7 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
 
 def _of_routines(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[str]:
     """Yield the steps that switch, or run, the routines of other automations."""
+    stops = name == "automation.turn_off" and data.flag("stop_actions", default=True)
     data.take("stop_actions")
     if not data.flag("skip_condition", default=True):
         raise NotCarriedError("automation.trigger: `run routine` asks for no conditions; write them here as well")
@@ -89,7 +90,10 @@ def _of_routines(automation: Automation, name: str, data: UnreadFields, target: 
         if name == "automation.trigger":
             yield f"run routine {automation.routine_without_waits(entity)}"
         else:
-            yield f"routine {automation.names.routine(entity)} {name.rpartition('_')[2]}"
+            routine = automation.names.routine(entity)
+            if stops and automation.waits(routine):
+                automation.notes.append(f"a run of {routine} that waits goes on to its end")
+            yield f"routine {routine} {name.rpartition('_')[2]}"
 
 
 def _of_media(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[str]:

@@ -253,6 +253,8 @@ def _change(automation: Automation, entity: KnownEntity, asked: _AskedState) -> 
     if not capability:
         advice = _OF_CHANGES.get(entity.domain, "name the state with `to`")
         raise NotCarriedError(f"any change of {entity.id}; {advice}")
+    if entity.domain == "sensor" and not asked.attribute and not asked.has_states:
+        automation.notes.append(f"a change of only the attributes of {entity.id} starts nothing")
     text = f"{entity.query} {capability.replace('_', ' ')} changes"
     trigger = read_trigger(text)
     if not isinstance(trigger, Changes) or trigger.capability != capability:

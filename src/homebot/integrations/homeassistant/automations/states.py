@@ -129,6 +129,8 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
         entities.notes.append(f"{entity_id} is taken as all of [people]")
         return [_HOUSEHOLD[state] for state in states]
     entity = entities.find(entity_id)
+    if "not_home" in states and entity.part.part.service_type == "x_person":
+        entities.notes.append("`not_home` is anywhere but at home, also in another zone")
     is_either = entity.domain == "media_player" and {"off", "standby"} <= {*states}  # one state of homebot is both
     return [state_text(entity, "off" if is_either and state == "standby" else state, key) for state in states]
 

@@ -97,6 +97,35 @@ def moment_entity(node: nodes.Node) -> str:
     return state_entity(moment) if moment is not None and not others else ""
 
 
+def clock_helper(node: nodes.Node) -> tuple[str, float]:
+    """Return the helper of whose time of day *node* is the text, and the seconds after it; else an empty id."""
+    match node:
+        case nodes.Getitem(node=inner, arg=nodes.Slice(start=None | nodes.Const(value=0), stop=nodes.Const(value=5))):
+            return helper_of(inner), 0.0
+        case nodes.Filter(
+            name="timestamp_custom",
+            node=nodes.Node() as inner,
+            args=[nodes.Const(value="%H:%M" | "%H:%M:%S"), nodes.Const(value=False)],
+        ):
+            terms = _terms(inner, 1.0)
+            moments = [(factor, term) for factor, term in terms if term is not None]
+            if len(moments) == 1 and moments[0][0] == 1.0:
+                return helper_of(moments[0][1]), sum(factor for factor, term in terms if term is None)
+    return helper_of(node) if state_entity(node) else "", 0.0
+
+
+def helper_of(node: nodes.Node) -> str:
+    """Return the helper of the moment *node*; empty for another expression."""
+    match node:
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value="timestamp")]
+        ):
+            pass
+        case _:
+            entity = state_entity(node)
+    return entity if entity.startswith("input_datetime.") else ""
+
+
 def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
     """Return whether *node* is the time of the last run of *automation*."""
     while isinstance(node, nodes.Filter | nodes.Or):

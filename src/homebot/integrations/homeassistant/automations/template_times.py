@@ -30,6 +30,18 @@ def is_now(node: nodes.Node) -> bool:
     return isinstance(node, nodes.Call) and node.node == nodes.Name("now", "load") and not node.args
 
 
+def _is_timestamp(node: nodes.Node | None) -> bool:
+    match node:
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="timestamp"), args=[]):
+            return is_now(inner)
+        case (
+            nodes.Call(node=nodes.Name(name="as_timestamp"), args=[inner])
+            | nodes.Filter(name="as_timestamp", node=inner)
+        ):
+            return inner is not None and is_now(inner)
+    return False
+
+
 def clock_of_today(node: nodes.Node) -> str:
     """Return the time of day of ``today_at('07:00')``; empty for another expression."""
     match node:
@@ -42,6 +54,10 @@ def unit_of_now(node: nodes.Node) -> str:
     """Return the unit of the time that *node* is, such as ``hour``; empty for another expression."""
     match node:
         case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value="sensor.time")]):
+            return "clock"
+        case nodes.Filter(name="timestamp_custom", node=inner, args=[nodes.Const(value="%H:%M" | "%H:%M:%S")]) if (
+            _is_timestamp(inner)
+        ):
             return "clock"
         case nodes.Getattr(node=inner, attr="hour" | "month" as unit) if is_now(inner):
             return unit

@@ -53,6 +53,7 @@ from homebot.integrations.homeassistant.automations.states import (
     UNKNOWN,
     attribute_of,
     each_state,
+    helper_time,
     known_texts,
     limits_text,
     number_of,
@@ -62,7 +63,9 @@ from homebot.integrations.homeassistant.automations.states import (
 from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, is_calculated
 from homebot.integrations.homeassistant.automations.template_elapsed import (
     Elapsed,
+    clock_helper,
     elapsed_limit,
+    helper_of,
     is_last_run,
     moment_entity,
 )
@@ -105,6 +108,7 @@ _SWAPPED: Final = {"gt": "lt", "lt": "gt", "gteq": "lteq", "lteq": "gteq", "eq":
 _DENIED: Final[Mapping[str, Operator]] = {">": "<=", "<": ">=", ">=": "<", "<=": ">"}
 _TURNED: Final[Mapping[str, Operator]] = {">": "<", "<": ">", ">=": "<=", "<=": ">="}
 _LIMITS: Final = (("trigger", "above"), ("trigger", "below"))
+_PLATFORM: Final = ("trigger", "platform")
 _Ways: TypeAlias = list[tuple[list[Condition], list[nodes.Node]]]
 _NodeT = TypeVar("_NodeT", bound=nodes.Node)
 
@@ -151,7 +155,8 @@ class Templates:
         """Return *node* with the state of the only entity that starts the automation."""
         triggers = self._automation.triggers
         entities = {trigger.entity for trigger in triggers}
-        if len(entities) != 1 or "" in entities or any(trigger.state for trigger in triggers):
+        is_press = any(entity.startswith("input_button.") for entity in entities)  # its state is a time
+        if len(entities) != 1 or "" in entities or is_press or any(trigger.state for trigger in triggers):
             return node
         return cast("nodes.Expr", with_trigger(node, triggers, is_state=not self._automation.has_waited))
 
@@ -217,6 +222,10 @@ class Templates:
                     elapsed := elapsed_limit(left, sign, right)
                 ) is not None and (entity := moment_entity(elapsed.last)):
                     (begins if elapsed.sign[0] == ">" else ends).append((entity, elapsed.seconds))
+                case nodes.Compare(expr=left, ops=[nodes.Operand(op="eq", expr=right)]) if (
+                    unit_of_now(left) == "clock" and (helper := clock_helper(right))[0]
+                ) or (unit_of_now(right) == "clock" and (helper := clock_helper(left))[0]):
+                    begins.append(helper)
                 case nodes.Not(node=nodes.Test(name="none", node=inner)) if entity := moment_entity(inner):
                     ends.append((entity, math.inf))
                 case _:
@@ -373,7 +382,7 @@ class Templates:
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
-        for read in (self._of_entity, days_of, weeks_of, self._known, self._tested, self._counted):
+        for read in (self._known, self._of_entity, days_of, weeks_of, self._tested, self._counted):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -594,10 +603,8 @@ class Templates:
             return self._any_of([[*yes, *also], [*no, *neither]])
         if (several := extreme_of(left)) is not None and sign in SIGNS:
             return self._compared_all(*several, sign, right)
-        if is_now(right) and clock_of_today(left) and sign in _SWAPPED:
-            left, right, sign = right, left, _SWAPPED[sign]
-        if is_now(left) and (clock := clock_of_today(right)) and sign in SIGNS:
-            return of_time("clock", SIGNS[sign], clock)
+        if (of_clock := self._of_clock(left, sign, right)) is not None:
+            return of_clock
         if (elapsed := elapsed_limit(left, sign, right)) is not None:
             return self._since(elapsed)
         if not isinstance(right, nodes.Const | nodes.Neg) and sign == "ne":
@@ -610,6 +617,20 @@ class Templates:
         if sign == "ne" and path_of(left)[:1] != ("wait",):  # without a trigger it is an error
             return self._denied(self._equal(left, value))
         return self._limited(left, SIGNS[sign], value)
+
+    def _of_clock(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that a time of day, perhaps that of a helper, is past; None for another comparison."""
+        if sign not in SIGNS:
+            return None
+        if clock_of_today(left) or clock_helper(left)[0]:
+            left, right, sign = right, left, _SWAPPED[sign]
+        if is_now(left) and (clock := clock_of_today(right)):
+            return of_time("clock", SIGNS[sign], clock)
+        helper, seconds = clock_helper(right) if unit_of_now(left) == "clock" else ("", 0.0)
+        if not helper or seconds:
+            return None
+        side = "after" if SIGNS[sign][0] == ">" else "before"
+        return [(f"{side} {helper_time(self._automation.entities, helper)}",)]
 
     def _compared_all(self, kind: str, values: Sequence[nodes.Expr], sign: str, right: nodes.Expr) -> list[Condition]:
         """Return the condition that the least, or the greatest, of *values* is above or below a limit."""
@@ -625,7 +646,7 @@ class Templates:
                 waited = self._automation.waited
                 return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], left)
             case (
-                ("trigger", "id" | "payload" | "platform")
+                ("trigger", "id" | "payload" | "platform" | "event")
                 | ("trigger", "event", "data", _)
                 | ("trigger", "to_state", "attributes", "event_type")
             ):
@@ -663,6 +684,8 @@ class Templates:
         """Return the condition that the event, or the trigger, has *value* at *path*."""
         triggers = self._automation.triggers
         if not (open_ones := [trigger for trigger in triggers if trigger.asks == path[-1]]):
+            if any(trigger.value(path) is None for trigger in triggers if trigger.value(_PLATFORM) == "event"):
+                raise refused_template(shown_tree(asked), "homebot does not read this of the event")
             return self.started_by([trigger for trigger in triggers if trigger.value(path) == str(value)])
         if path[-1] == "payload":
             return [tuple(asked_message(trigger, (), str(value)) for trigger in self._messages(asked))]
@@ -684,7 +707,7 @@ class Templates:
             if seconds <= 0:
                 return [] if is_over else [NEVER]
             return [(f"last run {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
-        if seconds > 0 and (moment := _helper_of(elapsed.last)):
+        if seconds > 0 and (moment := helper_of(elapsed.last)):
             told = f"text of {self._automation.entities.find(moment).query}"
             return [(f"{told} {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
         entity = states_path(elapsed.last.node) if isinstance(elapsed.last, nodes.Getattr) else ""
@@ -743,18 +766,6 @@ class Templates:
         if number.default is not None and holds(number.default * factor, sign, limit):
             return [(f"not ({limits_text(entity, capability, [(_DENIED[sign], limit)])})",)]
         return [(f"({limits_text(entity, capability, [(sign, limit)])})",)]
-
-
-def _helper_of(node: nodes.Node) -> str:
-    """Return the helper of the moment *node*; empty for another expression."""
-    match node:
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value="timestamp")]
-        ):
-            pass
-        case _:
-            entity = state_entity(node)
-    return entity if entity.startswith("input_datetime.") else ""
 
 
 def _is_truth(node: nodes.Expr) -> bool:

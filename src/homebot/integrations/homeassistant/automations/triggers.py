@@ -56,6 +56,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
         case "homeassistant":
             if (event := fields.text("event")) not in {"start", "started"}:
                 raise NotCarriedError(f"trigger homeassistant: {event!r}; a routine knows only its start")
+            automation.notes.append("the start is that of homebot")
             return [StartTrigger("homebot starts")]
         case "sun":
             return [StartTrigger(sun_moment(fields, fields.text("event"), "offset"))]
