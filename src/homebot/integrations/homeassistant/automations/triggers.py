@@ -200,19 +200,15 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     texts = [_positive(text) for condition in conditions for text in condition]
     if (household := _household(automation, texts, is_any=len(conditions) == 1)) != "":
         texts, conditions = [household], [(household,)]
-    if len(conditions) == 1 and len(texts) > 1 and not lasting:  # one begins while none of the others is so
-        return [
-            trigger._replace(needs=tuple(denied([tuple(other for other in conditions[0] if text not in other)])))
-            for text in texts
-            for trigger in _one_state(text)
-        ]
+    if len(conditions) == 1 and len(texts) > 1:
+        return [*_any_state(automation, texts, lasting)]
     if any(len(condition) != 1 for condition in conditions) or not texts:
         raise NotCarriedError("trigger template: `or` of several, or with `for`; write each as a trigger")
     if len(texts) == 1 and not lasting:
         return _one_state(texts[0])
     begins = [_one_state(text)[0].text for text in texts]
-    if lasting and any(" for " in text or text in _SUN_BEGINS or _SPAN.match(text) for text in texts):
-        raise NotCarriedError("trigger template: `for` of the sun, or of what lasts already; write it without")
+    if lasting:
+        _check_lasting(texts)
     raw = [text for condition in conditions for text in condition]  # an unknown place is none
     held = [bracketed(f"{text}{lasting}") for text in texts] if lasting else raw
     needs = [(text,) for text in held] if len(texts) > 1 else []
@@ -223,6 +219,27 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
         )
         for begin, text in zip(begins, texts, strict=True)
     ]
+
+
+def _any_state(automation: Automation, texts: Sequence[str], lasting: str) -> Iterator[StartTrigger]:
+    """Yield the triggers of states of which one begins, or has lasted, while none of the others does."""
+    if lasting:
+        _check_lasting(texts)
+        automation.notes.append("each of its states lasts for itself")
+    shorter = f" for less than{lasting.removeprefix(' for')}"
+    for text in texts:
+        needs = tuple(
+            (*not_so, *([bracketed(f"{other}{shorter}")] if lasting else []))
+            for other in texts
+            if other != text
+            for not_so in denied([(bracketed(other),)])
+        )
+        yield from (trigger._replace(text=f"{trigger.text}{lasting}", needs=needs) for trigger in _one_state(text))
+
+
+def _check_lasting(texts: Sequence[str]) -> None:
+    if any(" for " in text or text in _SUN_BEGINS or _SPAN.match(text) for text in texts):
+        raise NotCarriedError("trigger template: `for` of the sun, or of what lasts already; write it without")
 
 
 def _positive(text: str) -> str:
