@@ -64,7 +64,7 @@ async def _rows(times: int) -> list[tuple[str, ...]]:
         robot.create_service(WhereIsRobot, WHERE_IS_ROBOT, _where)
         navigate = find_action("nav2_msgs/action/NavigateToPose")
         ActionServer(robot, navigate, "/robi/navigate_to_pose", _drive)
-        AchieveServer(goals, lambda: None, {}, checkpoint).serve(ACHIEVE_WORDS.name)
+        AchieveServer(goals, "", lambda: None, {}, checkpoint).serve(ACHIEVE_WORDS.name)
         client = robot.create_client(AchieveWords, ACHIEVE_WORDS.name)
         rows: list[tuple[str, ...]] = []
         for goal, has_plan in GOALS.items():

@@ -100,7 +100,7 @@ class HomeSettings(BaseModel):
     Attributes:
         name: Name of the home in logs and on the web page.
         id: The id by which its data are found, written by the first start.
-        language: The language of alerts, and in which routines are shown.
+        language: The language of alerts and answers, and in which routines are shown.
         zone: The time zone, by its IANA name; empty for the computer's.
         latitude: Degrees north of the equator; this and *longitude* are for the times of the sun.
         longitude: Degrees east of Greenwich.

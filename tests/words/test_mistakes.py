@@ -37,12 +37,18 @@ READERS: Mapping[TextKind, Callable[[str], object]] = {
 }
 WORDS = (
     *("calculations", "commands", "comparisons", "conditions", "days", "exact_queries", "message_values", "people"),
-    *("queries", "steps", "times", "tokens", "triggers"),
+    *("queries", "steps", "times", "tokens", "triggers", "wishes"),
 )
 ROUTINES = ("checks", "effects", "program", "settings", "tables", "text")
 HOUSE = ("command_words/targets", "discovery/search/unknown_words", "robots/drive", "units")
-MODULES = (*(f"words/{one}" for one in WORDS), *(f"features/routines/{one}" for one in ROUTINES), *HOUSE)
-SENTENCES = ("trigger", "condition", "step", "steps")
+GOALS = ("achieve_server", "achievement", "house_snapshot", "meanings", "problem_builder")
+MODULES = (
+    *(f"words/{one}" for one in WORDS),
+    *(f"features/routines/{one}" for one in ROUTINES),
+    *(f"features/goals/{one}" for one in GOALS),
+    *HOUSE,
+)
+SENTENCES = ("trigger", "condition", "step", "steps", "wish")
 QUOTED = re.compile(r"(?<!\w)'([^{}]+? .+?)'(?!\w)")
 
 

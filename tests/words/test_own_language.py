@@ -71,6 +71,8 @@ _DEVICES = (
     "number of Grenze below 3 for 10m",
     "temperature of Flur above temperature of Bad",
     "temperature of Flur below number of Grenze",
+    "soil moisture of Flur below 20 %",
+    "soil moisture of Flur below 20 % for 1h",
     "Modus option night",
 )
 FORMS: Mapping[TextKind, tuple[str, ...]] = {
@@ -196,6 +198,10 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "it on",
         "Modus option night",
         "Flur floor 2",
+        "rosie go to Bad",
+        "rosie go to dock",
+        "Flur cleaning",
+        "wait 5m to 40m",
         "Flur {level of Bad + 10} %",
         "Flur on, {min(sun elevation * 2, 100)} %, over 5s",
         "Flur on, over 5s",

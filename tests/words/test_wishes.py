@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 from tests.call_counts import calls
 
 from homebot.errors import UsageError
+from homebot.words.mistakes import COLUMNS, mistake_in
+from homebot.words.own_language import to_english
 from homebot.words.wishes import (
     DOCK,
+    GoalCondition,
     KnownNames,
     RobotCondition,
     RoomCondition,
@@ -180,3 +185,139 @@ def test_twice_as_long_a_goal_takes_no_four_times_the_work_to_read(text: str) ->
         return calls(work)
 
     assert read(50) < 3.2 * read(25)
+
+
+OWN_ROOMS = {
+    "de": ("Küche", "Flur"),
+    "fr": ("cuisine", "salon"),
+    "es": ("cocina", "salón"),
+    "nl": ("keuken", "gang"),
+    "it": ("cucina", "salotto"),
+}
+OWN_WISHES = {
+    "lit": (
+        {
+            "de": "Küche hell",
+            "fr": "cuisine allumée",
+            "es": "cocina encendida",
+            "nl": "keuken aan",
+            "it": "cucina accesa",
+        },
+        {
+            "de": "die Küche ist beleuchtet",
+            "fr": "la cuisine est éclairée",
+            "es": "la cocina está iluminada",
+            "nl": "licht in de keuken",
+            "it": "luce in cucina",
+        },
+        {
+            "de": "die Küche soll hell sein",
+            "fr": "lumière dans la cuisine",
+            "es": "luz en la cocina",
+            "nl": "de keuken is verlicht",
+            "it": "la cucina deve essere illuminata",
+        },
+    ),
+    "dark": (
+        {
+            "de": "kein Licht in der Küche",
+            "fr": "cuisine éteinte",
+            "es": "cocina a oscuras",
+            "nl": "keuken donker",
+            "it": "cucina al buio",
+        },
+    ),
+    "at 21 °C": (
+        {
+            "de": "Küche auf 21 Grad",
+            "fr": "cuisine à 21 degrés",
+            "es": "cocina a 21 grados",
+            "nl": "keuken op 21 graden",
+            "it": "cucina a 21 gradi",
+        },
+    ),
+}
+
+
+def own_house(language: str) -> KnownNames:
+    rooms = OWN_ROOMS[language]
+    return KnownNames(rooms, rooms, ("rosie",), ("Film",))
+
+
+def without_text(text: str, house: KnownNames) -> list[GoalCondition]:
+    wishes = read_wishes(text, house)
+    return [wish if isinstance(wish, SceneCondition) else replace(wish, text="") for wish in wishes]
+
+
+@pytest.mark.parametrize("language", OWN_ROOMS)
+def test_a_wish_for_a_room_is_read_in_each_language(language: str) -> None:
+    house = own_house(language)
+    for state, rows in OWN_WISHES.items():
+        meant = without_text(f"{OWN_ROOMS[language][0]} {state}", house)
+        assert [without_text(one[language], house) for one in rows] == [meant] * len(rows)
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "english"),
+    [
+        ("de", "Küchenlampe an", "Küchenlampe on"),
+        ("de", "die Haustür ist zu und abgeschlossen", "Haustür closed and locked"),
+        ("de", "Küche und Flur hell", "Küche and Flur lit"),
+        ("de", "alle Lampen aus", "all lights off"),
+        ("de", "das ganze Haus dunkel", "house dark"),
+        ("de", "rosie ist in der Küche, Flur dunkel", "rosie in Küche and Flur dark"),
+        ("de", "rosie nicht im Flur", "rosie not in Flur"),
+        ("de", "schicke rosie zur Ladestation", "rosie at the charging station"),
+        ("de", "schalte die Flurlampe ein", "Flurlampe on"),
+        ("de", "Szene Film", "scene Film"),
+        ("fr", "lampe du salon allumée", "lampe du salon on"),
+        ("fr", "porte du garage fermée et verrouillée", "porte du garage closed and locked"),
+        ("fr", "toutes les lampes éteintes", "all lights off"),
+        ("fr", "rosie dans la cuisine et salon éclairé", "rosie in cuisine and salon lit"),
+        ("fr", "rosie n'est pas dans le salon", "rosie not in salon"),
+        ("fr", "rosie à sa base", "rosie docked"),
+        ("fr", "maison dans le noir", "house dark"),
+        ("es", "lámpara de noche encendida", "lámpara de noche on"),
+        ("es", "puerta principal cerrada con llave", "puerta principal locked"),
+        ("es", "rosie está en la cocina y salón iluminado", "rosie in cocina and salón lit"),
+        ("es", "todas las luces apagadas", "all lights off"),
+        ("es", "envía a rosie a su base", "rosie docked"),
+        ("nl", "keukenlamp aan", "keukenlamp on"),
+        ("nl", "voordeur dicht en op slot", "voordeur closed and locked"),
+        ("nl", "rosie op het laadstation en gang donker", "rosie docked and gang dark"),
+        ("nl", "stuur rosie naar keuken", "rosie in keuken"),
+        ("it", "lampada del salotto accesa", "lampada del salotto on"),
+        ("it", "porta del garage chiusa a chiave", "porta del garage locked"),
+        ("it", "rosie in cucina e salotto illuminato", "rosie in cucina and salotto lit"),
+        ("it", "tutte le luci spente", "all lights off"),
+    ],
+)
+def test_a_goal_means_the_same_in_each_language(language: str, text: str, english: str) -> None:
+    assert without_text(text, own_house(language)) == without_text(english, own_house(language))
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "answer"),
+    [
+        ("de", "Kücke hell", "es gibt keinen Raum 'Kücke'; meintest du Küche?"),
+        (
+            "de",
+            "die Küche macht im Flur einen Lärm",
+            "'die Küche macht im Flur einen Lärm' nennt keinen Zustand",
+        ),
+        ("fr", "rosie dans la cusine", "il n'y a pas de pièce 'cusine' ; vouliez-vous dire cuisine ?"),
+        ("es", "cocima a oscuras", "no hay ninguna habitación 'cocima'"),
+        ("it", "schiaccia il pulsante nella cucina", "'schiaccia il pulsante nella cucina' non nomina nessuno stato"),
+    ],
+)
+def test_a_goal_that_is_not_understood_is_answered_in_its_language(language: str, text: str, answer: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        read_wishes(text, own_house(language))
+    assert str(caught.value).startswith(answer)
+
+
+@pytest.mark.parametrize("at", range(len(COLUMNS)))
+def test_the_examples_in_other_languages_are_wishes(at: int) -> None:
+    advice = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
+    texts = re.findall(r"'(.+?)'", mistake_in(COLUMNS[at], advice))
+    assert [text for text in texts if not (to_english(text, "wish") or " in " in text)] == []

@@ -107,8 +107,8 @@ class Confirmed(Outcome):
         if self.evidence is Evidence.SENT:
             return "not sent, and assumed to be done"
         by = f" by {self.witness}" if self.witness else ""
-        verb = "accepted by the network" if self.evidence is Evidence.ACKNOWLEDGED else "confirmed"
-        return f"{verb} after {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
+        verb = "accepted by the network after" if self.evidence is Evidence.ACKNOWLEDGED else "confirmed after"
+        return f"{verb} {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
-"""Mistakes in the texts of routines, as other languages say them. Pure.
+"""Mistakes in the texts of routines and goals, and answers to goals, as other languages say them. Pure.
 
 A row of ``languages/mistakes.json`` is the form of an English message, and those of German, French, Spanish, Dutch and
-Italian. Values of the fields ``reason`` and ``advice`` are messages themselves, ``names`` are joined by
-"and" or "or", ``trigger``, ``condition`` and ``step`` are texts of routines, ``steps`` several in quotation marks, and
+Italian. Values of the fields ``reason`` and ``advice`` are messages themselves, ``names`` are joined by "and" or "or",
+``trigger``, ``condition``, ``step`` and ``wish`` are texts of people, ``steps`` several in quotation marks, and
 ``text`` is a whole text in quotation marks; each language has its own ``example``. Others stay as they are.
 """
 
@@ -100,7 +100,7 @@ class MistakeTable:
         match field.rstrip("123456789"):
             case "reason" | "advice":
                 return self.said(value, language, clauses)
-            case "trigger" | "condition" | "step" as kind:
+            case "trigger" | "condition" | "step" | "wish" as kind:
                 return in_language(value, kind, language)
             case "steps":
                 value = _QUOTED.sub(lambda step: f"'{in_language(step[0][1:-1], 'step', language)}'", value)

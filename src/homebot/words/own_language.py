@@ -20,7 +20,7 @@ from typing import Final, Literal, TypeAlias, final, get_args
 from homebot.words.message_values import with_values
 from homebot.words.tokens import Phrase, split_at
 
-TextKind: TypeAlias = Literal["trigger", "condition", "step"]
+TextKind: TypeAlias = Literal["trigger", "condition", "step", "wish"]
 BlockKind: TypeAlias = Literal["if", "if else", "times", "while", "until", "for each"]
 OWN_LANGUAGES: Final = ("de", "fr", "it", "es", "nl")
 
@@ -136,6 +136,15 @@ def read_block(text: str) -> tuple[BlockKind, str, str, list[str], list[str]] | 
     return None
 
 
+def split_wishes(text: str) -> list[str]:
+    """Return the wishes of a goal *text*, which commas and the "and" of its language join."""
+    for table in _likely_tables(_words(text)):
+        parts = split_at(text, *table.joints, ",")
+        if any(table.read(part, "wish") for part in parts):
+            return parts
+    return split_at(text, "and", ",")
+
+
 def devices_to_english(text: str) -> str:
     """Return the query *text* with the words for types in English, such as ``lights in Flur``."""
     return next(filter(None, (table.devices_in(text) for table in _likely_tables(_words(text)))), text)
@@ -174,6 +183,7 @@ class _Table:
         marks: Its words; a text without one of them is in another language.
         sure_marks: Those that are no English words.
         blocks: The sentences of choices and loops.
+        joints: Its words for "and".
     """
 
     def __init__(self, code: str, table: Mapping[str, Mapping[str, str]], date: str) -> None:
@@ -185,6 +195,7 @@ class _Table:
             for kind, rows in self._lists.items()
         }
         self.blocks = table["block"]
+        self.joints = self._lists["words"]["and"]
         self._date = date
         self._awaited = table["awaited"]
         self._hints = table["hints"]
@@ -203,7 +214,7 @@ class _Table:
         return _around_values(text, lambda plain: self._read_parts(plain, kind), self.read)
 
     def _read_parts(self, text: str, kind: str) -> str | None:
-        parts = [text] if kind in {"step", "value"} else split_at(text, *self._lists["words"]["or"])
+        parts = [text] if kind in {"step", "value", "wish"} else split_at(text, *self._lists["words"]["or"])
         read = [self._read(part, kind) for part in parts]
         return self._read(text, kind) if None in read else " or ".join(filter(None, read))
 
@@ -262,8 +273,7 @@ class _Table:
         return None
 
     def _compiled(self, kind: str, *, is_english: bool) -> Iterator[tuple[str, "_WordForm"]]:
-        sections = {"trigger": ("moment", "trigger", "state"), "condition": ("state", "condition")}.get(kind, (kind,))
-        for section in sections:
+        for section in _SECTIONS_OF.get(kind, (kind,)):
             for english, own in self._forms[section].items():
                 if is_english:
                     yield _spoken(own[0]), _WordForm(english)
@@ -464,7 +474,12 @@ class _WordForm:
         return self._phrase.match(text)
 
 
-_SECTIONS: Final = ("state", "moment", "trigger", "condition", "step", "value")
+_SECTIONS: Final = ("state", "moment", "trigger", "condition", "step", "value", "wish", "place")
+_SECTIONS_OF: Final[Mapping[str, Sequence[str]]] = {
+    "trigger": ("moment", "trigger", "state"),
+    "condition": ("state", "condition"),
+    "wish": ("wish", "state", "step", "place"),
+}
 _LISTS: Final = (
     "words",
     "units",

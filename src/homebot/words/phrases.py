@@ -110,7 +110,7 @@ MEANT_STEPS: Final = (
 """How steps that are no command are written instead: a form, the advice, and the steps."""
 
 # Wishes.
-LIT: Final = Phrase("{room} [should] [is|are|be] [no~not] word~lit|bright|dark")
+LIT: Final = Phrase("{room} [should] [is|are|be] [no~not] word~lit|bright|dark|alight|unlit")
 IN_ROOM: Final = Phrase(
     "{robot:word} [should] [is|be] [no~not] in [the] {room}", "[send|bring] [the] {robot:word} to|into [the] {room}"
 )

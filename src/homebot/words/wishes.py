@@ -1,7 +1,8 @@
 """The wishes of a goal in words. Pure."""
 
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, TypeAlias
 
 from homebot.devices.query.terms import StateIs
@@ -9,6 +10,8 @@ from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.names import did_you_mean, find_name, resolve_name
 from homebot.words.commands import is_relative
+from homebot.words.mistakes import read_in_any_language
+from homebot.words.own_language import split_wishes, to_english
 from homebot.words.people import AT_HOME
 from homebot.words.phrases import (
     AT_VALUE,
@@ -25,7 +28,7 @@ from homebot.words.phrases import (
     VERB_FIRST,
 )
 from homebot.words.steps import Do, SendRobot, read_step
-from homebot.words.tokens import has_code, split_at
+from homebot.words.tokens import has_code
 from homebot.words.vocabulary import ADJECTIVES
 
 DOCK: Final = "dock"
@@ -36,8 +39,11 @@ _OPPOSITES: Final = {"on": "off", "open": "closed", "locked": "unlocked", "lit":
 _OPPOSITE: Final = _OPPOSITES | {other: one for one, other in _OPPOSITES.items()}
 _EVERYWHERE: Final = frozenset({"house", "home", "whole house", "everything"})
 _COMMANDS: Final = {"closed": "close", "docked": "dock"}
+_LIGHTS: Final = {"alight": "on", "unlit": "off"}
+"""What is so of a room as of a lamp."""
+
 _DONE: Final = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
-_STATES: Final = frozenset({*ADJECTIVES, "lit", "dark"})
+_STATES: Final = frozenset({*ADJECTIVES, *_LIGHTS, "lit", "dark"})
 _ONCE: Final = frozenset({"toggle", "apply", "push", "press"})
 _TYPO: Final = 0.7
 _EXAMPLES: Final = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
@@ -128,22 +134,31 @@ def _wishes(text: str, known: KnownNames) -> Iterator[GoalCondition]:
     Raises:
         UsageError: A wish is not understood.
     """
-    parts = [part for text_part in split_at(text, "and", ",") if (part := text_part.removesuffix("."))]
-    subject = before = ""
+    parts = [part for text_part in split_wishes(text) if (part := text_part.removesuffix("."))]
+    phrase = ""
     for number, part in enumerate(parts):
-        phrase = part
-        if fold(phrase) in ADJECTIVES and subject:
-            phrase = f"{subject} {phrase}"
-        elif _known_area(_without_the(part), known.areas) and (place := LAST_ROOM.match(before)) is not None:
-            phrase = f"{place['what']} in {part}"
-        try:
-            yield _wish(phrase, known)
-        except UsageError:
-            states = (last for later in parts[number + 1 :] if fold(last := later.rpartition(" ")[2]) in _STATES)
-            if not (state := next(states, "")):
-                raise
-            yield _wish(f"{part} {state}", known)
-        subject, before = phrase.rpartition(" ")[0], phrase
+        later = [to_english(one, "wish") or one for one in parts[number + 1 :]]
+        wish, phrase = read_in_any_language(part, "wish", partial(_wish_among, before=phrase, later=later, known=known))
+        own = to_english(part, "wish")
+        if own and isinstance(wish, StateCondition | RobotCondition):
+            wish = replace(wish, text=phrase.replace(own, part))
+        yield wish
+
+
+def _wish_among(text: str, before: str, later: Sequence[str], known: KnownNames) -> tuple[GoalCondition, str]:
+    """Return the wish *text*, and it with what it leaves out, between the one *before* and the *later* ones."""
+    phrase, subject = text, before.rpartition(" ")[0]
+    if fold(phrase) in ADJECTIVES and subject:
+        phrase = f"{subject} {phrase}"
+    elif _known_area(_without_the(text), known.areas) and (place := LAST_ROOM.match(before)) is not None:
+        phrase = f"{place['what']} in {text}"
+    try:
+        return _wish(phrase, known), phrase
+    except UsageError:
+        states = (last for one in later if fold(last := one.rpartition(" ")[2]) in _STATES)
+        if not (state := next(states, "")):
+            raise
+        return _wish(f"{text} {state}", known), phrase
 
 
 def _wish(text: str, known: KnownNames) -> GoalCondition:
@@ -155,8 +170,12 @@ def _wish(text: str, known: KnownNames) -> GoalCondition:
     first, _, rest = plain.partition(" ")
     is_not = fold(first) in {"no", "not"} and bool(rest)
     plain = _without_the(rest) if is_not else plain
-    if (lit := LIT.match(plain)) is not None:
-        is_lit = (fold(lit["word"]) != "dark") ^ is_not ^ bool(lit["no"])
+    if (lit := LIT.match(plain)) is not None and (state := _LIGHTS.get(fold(lit["word"]), "")):
+        place = _without_the(lit["room"])
+        if not _known_area(place, known.areas) and fold(place) not in _EVERYWHERE:
+            plain, lit = f"{lit['room']} {state}", None
+    if lit is not None:
+        is_lit = (fold(lit["word"]) not in {"dark", "unlit"}) ^ is_not ^ bool(lit["no"])
         area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
         return RoomCondition(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
     return _of_robot(text, plain, known, is_not=is_not) or _state(text, plain, known, is_not=is_not)
@@ -190,13 +209,13 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> GoalCon
         step = read_step(words)
     except UsageError:
         first, _, last = words.rpartition(" ")
-        missing = "state" if first else "device or no state"
+        missing = "names no state" if first else "names no device or no state"
         states = [*_OPPOSITE, *(one for one, (state, *_) in ADJECTIVES.items() if state.capability != AT_HOME)]
         hint = did_you_mean(last, states, _EXAMPLES, _TYPO) if first else _EXAMPLES
-        raise UsageError(f"{text!r} names no {missing}; {hint}") from None
+        raise UsageError(f"{text!r} {missing}; {hint}") from None
     match step:
         case SendRobot(robot=robot, room=room):
-            return RobotCondition(text, robot, _area(room, known.rooms))
+            return RobotCondition(text, robot, room if room == DOCK else _area(room, known.rooms))
         case Do(target=target, command=command, values=()) if not (fold(command) in _ONCE or is_relative(command)):
             return _of_parts(text, target, command, known)
     raise UsageError(f"{text!r} names no state that lasts; {_EXAMPLES}")
@@ -208,7 +227,8 @@ def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateC
     if area and (named := NUMBERED.match(command)) is not None:  # living heat 19
         area, target, command = "", f"{target} {named['rest']}", named["number"]
     if area and command in {"on", "off"}:
-        raise UsageError(f"{text!r} would mean everything in it; say '{area} lit', or 'lights in {area} {command}'")
+        lamps = f"lights in {area} {command}"
+        raise UsageError(f"{text!r} would mean everything in it; say {f'{area} lit'!r}, or {lamps!r}")
     states = ADJECTIVES.get(_DONE.get(fold(command), fold(command)), ())
     return StateCondition(text, area or target, _COMMANDS.get(command, command), bool(area), states)
 

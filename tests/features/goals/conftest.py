@@ -151,5 +151,5 @@ async def family(home: Home) -> AsyncIterator[Family]:
 @asynccontextmanager
 async def goals_of(home: Home) -> AsyncIterator[None]:
     async with Node(home.graph, "goals") as node:
-        AchieveServer(node, lambda: home.control, {}, checkpoint).serve(ACHIEVE.name)
+        AchieveServer(node, "", lambda: home.control, {}, checkpoint).serve(ACHIEVE.name)
         yield

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping, Sequence
+from functools import partial
 from itertools import count
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, final
 
 import anyio
 
@@ -24,8 +25,10 @@ from homebot.features.goals.messages import (
     AchieveResponse,
     AchieveResult,
     AchieveWords,
+    PlannedStep,
 )
 from homebot.graph.actions import ActionServer, ServerGoal
+from homebot.words.mistakes import mistake_in
 
 if TYPE_CHECKING:
     from homebot.control import Control
@@ -41,6 +44,7 @@ CUT_OFF = "goals.cut_off"
 _MAX_DEVICES: Final = 200
 _MAX_CHARACTERS: Final = 500
 
+ToldT = TypeVar("ToldT", AchieveFeedback, AchieveResponse)
 _Goal: TypeAlias = ServerGoal[AchieveGoal, AchieveResult, AchieveFeedback]
 
 
@@ -49,6 +53,7 @@ class AchieveServer:
     """Achieves goals; one that is against another under way is refused.
 
     Args:
+        language: That of its answers.
         control: Returns the control layer, whose rights and policies limit the plans.
         kept: Goals under way, by their runs; kept across restarts.
         flush: Writes them now.
@@ -57,11 +62,13 @@ class AchieveServer:
     def __init__(
         self,
         node: Node,
+        language: str,
         control: Callable[[], Control | None],
         kept: MutableMapping[str, Any],
         flush: Callable[[], Awaitable[object]],
     ) -> None:
         self._node, self._control = node, control
+        self._said = partial(mistake_in, language)
         self._kept, self._flush = kept, flush
         self._reader = HouseReader(node)
         self._commands = node.create_client(PerformCommand, PERFORM_COMMAND)
@@ -112,10 +119,11 @@ class AchieveServer:
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
                 self._kept.pop(run, None)
-                message = (
-                    f"cancelled; {sum(bool(step.outcome) for step in shown.steps)} of {len(shown.steps)} steps are done"
+                done = sum(bool(step.outcome) for step in shown.steps)
+                message = f"cancelled; {done} of {len(shown.steps)} steps are done"
+                goal.canceled(
+                    AchieveResult(success=False, message=self._said(message), steps=shown.steps, tried=shown.tried)
                 )
-                goal.canceled(AchieveResult(success=False, message=message, steps=shown.steps, tried=shown.tried))
             raise
         (goal.succeed if response.success else goal.abort)()
         return AchieveResult(**dict(response))
@@ -136,7 +144,7 @@ class AchieveServer:
             return ""
 
         async def show(feedback: AchieveFeedback) -> None:
-            on_plan(feedback)
+            on_plan(self._told(feedback))
             if achievement in self._under_way:
                 before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
                 done = [
@@ -159,11 +167,19 @@ class AchieveServer:
             self._under_way.pop(achievement, None)
         if self._kept.pop(run, None) is not None:
             await self._flush()
-        return answer
+        return self._told(answer).model_copy(update={"message": self._said(answer.message)})
+
+    def _told(self, told: ToldT) -> ToldT:
+        """Return the plan *told* in the language."""
+        said = self._said
+        steps = tuple(
+            PlannedStep(text=said(step.text), asks=said(step.asks), outcome=said(step.outcome)) for step in told.steps
+        )
+        return told.model_copy(update={"steps": steps, "tried": tuple(map(said, told.tried))})
 
 
 def start(node: Node, house: FeatureContext) -> AchieveServer:
     """Return the server; goals that the end of homebot cut off are recorded first."""
-    server = AchieveServer(node, house.control, house.store(CUT_OFF_GOALS), house.write_stores)
+    server = AchieveServer(node, house.home.language, house.control, house.store(CUT_OFF_GOALS), house.write_stores)
     server.record_cut_off()
     return server

@@ -125,7 +125,7 @@ class _FactBuilder:
             self.wished.setdefault((part.device, part.part), []).append(part)
             self.problem.contrary[fact] = f"{part.name} is not in the house any more"
             if device is not None:
-                self._track(device, fact, part.is_so, f"{part.name} is {_told(device, part)}")
+                self._track(device, fact, part.is_so, f"{part.name} {_told(device, part)}")
             if is_any:
                 self.follows[fact] = wish.text
                 self.problem.operators.append(Operator(frozenset((fact,)), frozenset((wish.text,))))
@@ -354,7 +354,8 @@ def _value(device: Device, capability: str) -> PlainValue:
 
 def _told(device: Device, meant: GoalPart) -> str:
     known = [state for state in device.states if state.part == meant.part and state.capability in meant.capabilities]
-    return ", ".join(value_text(state.capability, state.value.plain()) for state in known) or "in an unknown state"
+    values = ", ".join(value_text(state.capability, state.value.plain()) for state in known)
+    return f"is {values}" if values else "is in an unknown state"
 
 
 def _at(robot: str, room: str) -> str:
