@@ -72,8 +72,8 @@ def from_blueprint(node: Located, blueprint: Located | None, load: Load | None) 
             blueprint = load(f"blueprints/automation/{path}")
         except UsageError:
             blueprint = None
-    if blueprint is None and path == _MOTION_LIGHT:
-        blueprint = _located(_LIGHT_BY_MOTION)
+    if blueprint is None and path in _SHIPPED:
+        blueprint = _located(_SHIPPED[path])
     if blueprint is None:
         raise NotCarriedError(f"the blueprint {path!r}: give its file, `homebot routine import … --blueprint FILE`")
     if not isinstance(blueprint.value, dict) or "blueprint" not in blueprint.value:
@@ -92,7 +92,6 @@ def from_blueprint(node: Located, blueprint: Located | None, load: Load | None) 
     return _at_line(Located({**whole.value, **kept}, node.line), node.line) if isinstance(whole.value, dict) else whole
 
 
-_MOTION_LIGHT: Final = "homeassistant/motion_light.yaml"
 _MOTION: Final = {"trigger": "state", "entity_id": Located("motion_entity", 0, "!input")}
 _LIGHT: Final = {"target": Located("light_target", 0, "!input")}
 _LIGHT_BY_MOTION: Final = {
@@ -106,7 +105,25 @@ _LIGHT_BY_MOTION: Final = {
         {"action": "light.turn_off", **_LIGHT},
     ],
 }
-"""The blueprint that each Home Assistant has from the start."""
+_LEFT_ZONE: Final = {
+    "blueprint": {"input": {"person_entity": {}, "zone_entity": {}, "notify_device": {}}},
+    "variables": {"left": Located("zone_entity", 0, "!input")},
+    "triggers": {
+        "trigger": "zone",
+        "event": "leave",
+        "entity_id": Located("person_entity", 0, "!input"),
+        "zone": Located("zone_entity", 0, "!input"),
+    },
+    "actions": {
+        "action": "notify.notify",
+        "data": {"message": "{{ trigger.to_state.name }} has left {{ left[5:] }}"},
+    },
+}
+_SHIPPED: Final = {
+    "homeassistant/motion_light.yaml": _LIGHT_BY_MOTION,
+    "homeassistant/notify_leaving_zone.yaml": _LEFT_ZONE,
+}
+"""The blueprints that each Home Assistant has from the start."""
 
 
 def _located(value: object) -> Located:

@@ -190,7 +190,7 @@ class Templates:
             return text.strip()
         pieces: list[str] = []
         unit = ""
-        for node in self._parts_of(text):
+        for node in map(folded, self._parts_of(text)):
             if isinstance(node, nodes.If):
                 raise refused_template(text, "it has statements")
             if isinstance(node, nodes.For):
@@ -556,6 +556,8 @@ class Templates:
 
     def _compared(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
         """Return the condition that *left* is, or is not, so compared with *right*; calculations come last."""
+        if sign in _SWAPPED:
+            left, right = (cast("nodes.Expr", folded(side)) for side in (left, right))
         noted = len(self._automation.notes)
         try:
             return self._compared_by_words(left, sign, right)
