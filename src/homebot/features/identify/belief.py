@@ -11,7 +11,7 @@ are followed beside each other, each by a Gaussian-sum filter: a few alternative
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import erf, exp, inf, log, pi, sqrt
 from operator import mul
@@ -48,6 +48,7 @@ _CERTAINTY: Final = 3.0
 """Standard deviations by which effects are smaller than what is excluded, and larger than the least in view."""
 
 _TINY: Final = 1e-9
+_LEAST: Final = 1e-300
 _ROOT_2: Final = sqrt(2)
 _ALTERNATIVES: Final = 5
 _MAX_FAMILIES: Final = 8
@@ -229,14 +230,45 @@ class _Track:
     Attributes:
         weight: The logarithm of its likelihood if no candidate is in view.
         mean: The effects, and then the base.
+        hypotheses: The logarithms of the likelihood of none and of each candidate.
         jumps: The looks before which the base has jumped.
     """
 
     weight: float
     mean: list[float]
     covariance: list[list[float]]
-    hypotheses: list[float]
+    hypotheses: list[float] = field(default_factory=list)
     jumps: tuple[int, ...] = ()
+
+
+@dataclass(slots=True)
+class _FilterStep:
+    """A track after a look, with the covariance of before: most steps are not taken.
+
+    Attributes:
+        gains: The covariances of what was seen with the effects and the base.
+        variance: That of what was seen.
+        moved: The variance by which the base moved before.
+    """
+
+    track: _Track
+    gains: list[float]
+    variance: float
+    moved: float
+
+    def variances(self) -> list[float]:
+        """Return the variances of the effects after it."""
+        rows = zip(self.track.covariance, self.gains[:-1], strict=False)
+        return [row[place] - gain * gain / self.variance for place, (row, gain) in enumerate(rows)]
+
+    def taken(self) -> _Track:
+        """Return the track with the covariance after it."""
+        self.track.covariance = [
+            [covariance - gain * other / self.variance for covariance, other in zip(row, self.gains, strict=True)]
+            for row, gain in zip(self.track.covariance, self.gains, strict=True)
+        ]
+        self.track.covariance[-1][-1] += self.moved
+        return self.track
 
 
 class _Family:
@@ -250,8 +282,7 @@ class _Family:
         self._limits = [
             (limit, _log_below((limit - self._mean) / sqrt(self._variance))) for limit in (least, _IN_VIEW[0] * effect)
         ]
-        self._in_view = _IN_VIEW[0] * effect, _IN_VIEW[1] * effect
-        self._supposed = 1 / self._variance, self._mean / self._variance
+        self._most = _IN_VIEW[1] * effect
         self.usual, self._last = first.variance, first.value
         self._looks, count = 0, len(first.levels)
         covariance = [[0.0] * count + [-level * self._variance] for level in first.levels]
@@ -260,8 +291,9 @@ class _Family:
         base = first.value - self._mean * sum(first.levels)
         spread = self._variance * sum(level * level for level in first.levels) + first.variance
         covariance.append([row[-1] for row in covariance] + [spread])
-        track = _Track(log(_FADES[fade]), [self._mean] * count + [base], covariance, [])
-        self.tracks = [self._weighed(track)]
+        track = _Track(log(_FADES[fade]), [self._mean] * count + [base], covariance)
+        self._weigh(track, [self._variance] * count)
+        self.tracks = [track]
 
     def add(self, seen: Seen) -> None:
         self._looks += 1
@@ -270,13 +302,11 @@ class _Family:
         jump = drift + max(_JUMP * self._effect, abs(seen.value - self._last)) ** 2
         self._last = seen.value
         alternatives = ((drift, log(1 - _JUMPS), ()), (jump, log(_JUMPS), (self._looks,)))
-        tracks = [
-            self._weighed(followed)
-            for track in self.tracks
-            for followed in _follow(track, seen, self.usual, alternatives)
-        ]
-        tracks.sort(key=lambda one: _log_sum(one.hypotheses), reverse=True)
-        self.tracks = tracks[:_ALTERNATIVES]
+        steps = [step for track in self.tracks for step in _follow(track, seen, self.usual, alternatives)]
+        for step in steps:
+            self._weigh(step.track, step.variances())
+        steps.sort(key=lambda step: _log_sum(step.track.hypotheses), reverse=True)
+        self.tracks = [step.taken() for step in steps[:_ALTERNATIVES]]
 
     def effect(self, candidate: int) -> tuple[float, float]:
         """Return an effect and its deviation in the likeliest alternative."""
@@ -310,35 +340,34 @@ class _Family:
         yield _log_sum(none)
         yield from map(_log_sum, columns)
 
-    def _weighed(self, track: _Track) -> _Track:
-        means, variances = track.mean[:-1], [row[place] for place, row in enumerate(track.covariance[:-1])]
-        spreads = [sqrt(variance) for variance in variances]
-        none, others = (
-            [_log_below((limit - mean) / spread) - supposed for mean, spread in zip(means, spreads, strict=True)]
-            for limit, supposed in self._limits
-        )
-        reflected = track.weight + sum(others)
-        weights = [
-            reflected - other + ratio for other, ratio in zip(others, map(self._ratio, means, variances), strict=True)
-        ]
-        track.hypotheses = [track.weight + sum(none), *weights]
-        return track
+    def _weigh(self, track: _Track, variances: Iterable[float]) -> None:
+        """Compute the hypotheses of a track from the *variances* of its effects.
 
-    def _ratio(self, mean: float, variance: float) -> float:
-        """Return the logarithm of how much likelier the candidate is in view than a reflection.
-
-        Args:
-            mean: Of its effect, if it is a reflection.
+        An identification spends its time here: it calls nothing that can be written out.
         """
-        (least, most), (precision, weighted) = self._in_view, self._supposed
-        learnt = 1 / max(variance, 1e-12 * self._variance) - precision
-        if learnt * self._variance < 1e-6:
-            return 0.0
-        seen = (mean / variance - weighted) / learnt  # without what was assumed before
-        spread = sqrt(1 / learnt)
-        in_view = (_below((most - seen) / spread) - _below((least - seen) / spread)) / (most - least)
-        reflected = _density(seen, self._mean, self._variance + spread**2)
-        return log(max(in_view, 1e-300)) - log(max(reflected, 1e-300))
+        (least, supposed), (limit, supposed_below) = self._limits
+        usual, whole_mean, most = self._variance, self._mean, self._most
+        precision, weighted = 1 / usual, whole_mean / usual
+        none, below, ratios = list[float](), list[float](), list[float]()
+        for mean, variance in zip(track.mean, variances, strict=False):
+            spread = sqrt(variance)
+            none.append(log(0.5 * (1 + erf((least - mean) / spread / _ROOT_2)) or _LEAST) - supposed)
+            below.append(log(0.5 * (1 + erf((limit - mean) / spread / _ROOT_2)) or _LEAST) - supposed_below)
+            learnt = 1 / max(variance, 1e-12 * usual) - precision
+            if learnt * usual < 1e-6:
+                ratios.append(0.0)
+                continue
+            seen = (mean / variance - weighted) / learnt  # without what was assumed before
+            spread = sqrt(1 / learnt)
+            in_view = (
+                0.5 * (1 + erf((most - seen) / spread / _ROOT_2)) - 0.5 * (1 + erf((limit - seen) / spread / _ROOT_2))
+            ) / (most - limit)
+            whole = usual + spread**2
+            reflected = exp(-((seen - whole_mean) ** 2) / (2 * whole)) / sqrt(2 * pi * whole)
+            ratios.append(log(max(in_view, _LEAST)) - log(max(reflected, _LEAST)))
+        all_reflected = track.weight + sum(below)
+        weights = [all_reflected - one + ratio for one, ratio in zip(below, ratios, strict=True)]
+        track.hypotheses = [track.weight + sum(none), *weights]
 
 
 def _nearer(level: float, wanted: float, step: float) -> float:
@@ -347,8 +376,8 @@ def _nearer(level: float, wanted: float, step: float) -> float:
 
 def _follow(
     track: _Track, seen: Seen, noise: float, alternatives: Iterable[tuple[float, float, tuple[int, ...]]]
-) -> Iterator[_Track]:
-    """Yield the track after *seen*, by a step of a Kalman filter, for each alternative of the base since.
+) -> Iterator[_FilterStep]:
+    """Yield the step of a Kalman filter by *seen* for each alternative of the base since.
 
     Args:
         alternatives: The variance of the base, the logarithm of its likelihood, and the looks before which it jumped.
@@ -360,27 +389,17 @@ def _follow(
         gains = [*lamps, base + moved]
         variance = sum(map(mul, weights, gains)) + noise
         mean = [estimate + gain * error / variance for estimate, gain in zip(track.mean, gains, strict=True)]
-        covariance = [
-            [covariance - gain * other / variance for covariance, other in zip(row, gains, strict=True)]
-            for row, gain in zip(track.covariance, gains, strict=True)
-        ]
-        covariance[-1][-1] += moved
-        weight = track.weight + chance + log(max(_density(error, 0.0, variance), 1e-300))
-        yield _Track(weight, mean, covariance, [], (*track.jumps, *jumps))
+        weight = track.weight + chance + log(max(_density(error, 0.0, variance), _LEAST))
+        yield _FilterStep(_Track(weight, mean, track.covariance, jumps=(*track.jumps, *jumps)), gains, variance, moved)
 
 
 def _times(matrix: list[list[float]], weights: Sequence[float]) -> list[float]:
-    places = [place for place, weight in enumerate(weights) if weight]
-    return [sum(row[place] * weights[place] for place in places) for row in matrix]
-
-
-def _below(deviations: float) -> float:
-    """Return the share of a normal distribution below so many deviations."""
-    return 0.5 * (1 + erf(deviations / _ROOT_2))
+    return [sum(map(mul, row, weights)) for row in matrix]
 
 
 def _log_below(deviations: float) -> float:
-    return log(max(_below(deviations), 1e-300))
+    """Return the logarithm of the share of a normal distribution below so many deviations."""
+    return log(0.5 * (1 + erf(deviations / _ROOT_2)) or _LEAST)
 
 
 def _density(value: float, mean: float, variance: float) -> float:
@@ -389,4 +408,4 @@ def _density(value: float, mean: float, variance: float) -> float:
 
 def _log_sum(values: Sequence[float]) -> float:
     most = max(values)
-    return most + log(sum(exp(value - most) for value in values))
+    return most + log(sum([exp(value - most) for value in values]))
