@@ -209,7 +209,7 @@ async def test_an_agent_over_http_may_do_what_its_token_may_and_its_session_outl
 
     async with running_api(tmp_path, **HISTORY) as api:
         questions: list[str] = []
-        url, found = f"http://127.0.0.1:{api.port}/mcp", dict[str, list[str]]()
+        url, found, trials = f"http://127.0.0.1:{api.port}/mcp", dict[str, list[str]](), dict[str, str]()
         for name in ("reader", "agent", "manager"):
             client = httpx2.AsyncClient(headers={"Authorization": bearer(name)}, timeout=PATIENCE, trust_env=False)
             over = http.streamable_http_client(url, http_client=client)
@@ -218,12 +218,16 @@ async def test_an_agent_over_http_may_do_what_its_token_may_and_its_session_outl
             async with client, session_of as session, api.answering(*in_house) as asked_there:
                 assert {one.name for one in (await session.list_tools()).tools} == TOOLS
                 found[name] = await outcomes(session, name)
+                of_sun = {"text": routine.format("sun").replace("lamp1 on", "sunset")}
+                trials[name] = (await session.call_tool("try_routine", of_sun)).content[0].text
             questions += asked_there
         none, proposed = "refused", "proposed Of {0}; the owner enables it: homebot routine enable 'Of {0}'"
         assert found["reader"] == ["done", none, none, none, "not_found", "done", none]
         assert [one.partition(" ")[0] for one in found["agent"]] == [
             *("done", "confirmed", none, "proposed", "done", "done", "done"),
         ]
+        assert "the right act is missing" in trials["reader"], "it may not know the place"
+        assert "set latitude" in trials["agent"], "the home has none"
         assert found["manager"][2:4] == ["confirmed", proposed.format("manager")]
         assert (len(asked), len(questions)) == ((3, 0) if mode == "auto" else (0, 1))
 

@@ -109,7 +109,7 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
         key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival | MessageComes)]
         for key, one in read.items()
     }
-    return trial_lines(title, recording, _in_home(door, given), unseen)
+    return trial_lines(title, recording, _in_home(door, given, read.values()), unseen)
 
 
 def given_of(text: str, source: str) -> Config:
@@ -122,12 +122,19 @@ def given_of(text: str, source: str) -> Config:
     return parse_config({"routines": routines}, source)
 
 
-def _in_home(door: DoorClient, given: Config) -> Config:
-    """Return *given* with the zone, and as far as this client may know it the place, of the home behind *door*."""
+def _in_home(door: DoorClient, given: Config, routines: Iterable[RoutineSettings]) -> Config:
+    """Return *given* with the zone, and the place if this client may know it, of the home behind *door*.
+
+    Raises:
+        PeerError: It may not, and some of *routines* ask the sun.
+    """
     home: dict[str, object] = {"zone": cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {}))).zone}
-    with suppress(PeerError):
+    try:
         place = cast("HomePlaceResponse", JsonMessage(door.call(HOME_PLACE, {}))).place
         home |= zip(("latitude", "longitude"), place, strict=False)
+    except PeerError:
+        if given.home.latitude is None and any(one.asking_the_sun() for one in routines):
+            raise
     return given.model_copy(
         update={"home": HomeSettings.model_validate(home | given.home.model_dump(exclude_unset=True))}
     )
