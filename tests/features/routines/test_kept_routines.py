@@ -107,6 +107,7 @@ async def test_a_change_is_on_the_disk_when_it_is_answered(tmp_path: Path) -> No
         assert [*await owner.routines()] == ["Noon", "Evening", "Morning"]
     async with homebot(tmp_path / "removed") as owner:
         assert {name: one.enabled for name, one in (await owner.routines()).items()} == {"Noon": True, "Evening": False}
+        assert not (await owner.routines())["Evening"].next.sec, "no time starts it"
 
 
 async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:

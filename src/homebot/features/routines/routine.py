@@ -65,7 +65,7 @@ class Routine(RoutineBase[RoutineSettings]):
 
     def info(self) -> RoutineInfo:
         """Return the facts for clients about it."""
-        due = [at.timestamp() for job in self.jobs if (at := job.next) is not None]
+        due = [at.timestamp() for job in self.jobs if self.is_enabled and (at := job.next) is not None]
         notes = (RoutineNote(at=Time.from_seconds(at), text=text) for at, text in self.store.get("runs", ()))
         return RoutineInfo(
             name=self.settings.name,
