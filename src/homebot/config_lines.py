@@ -1,14 +1,17 @@
 """The lines of mistakes in a configuration."""
 
+import re
 import tomllib
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from homebot.errors import ConfigError
 from homebot.feature import feature_tables, load
 from homebot.support.toml_lines import line_of
+
+_LANGUAGE: Final = re.compile(r"""^[ \t]*language[ \t]*=[ \t]*["'](\w\w)["']""", re.MULTILINE)
 
 
 def located(error: ConfigError, text: str = "") -> ConfigError:
@@ -31,10 +34,11 @@ def _tables(text: str) -> dict[str, Any]:
 
 
 def language_in(text: str) -> str:
-    """Return the language of the house in *text*; empty if it says none."""
+    """Return the language of the house in *text*, which may be no TOML; empty if it says none."""
     with suppress(LookupError, TypeError, ValueError, RecursionError):
         return str(_tables(text)["home"]["language"])
-    return ""
+    found = _LANGUAGE.search(text)
+    return found[1] if found else ""
 
 
 @lru_cache(maxsize=1)  # as above

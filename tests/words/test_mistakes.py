@@ -1,6 +1,8 @@
 """Mistakes in the texts of routines are told in the language of the text, or of the house."""
 
+import errno
 import json
+import os
 import re
 from collections.abc import Callable, Mapping
 from functools import cache, partial
@@ -12,7 +14,8 @@ from tests.call_counts import calls
 from tests.web.test_languages import PYTHON
 from tests.web.told_messages import mistakes_told_in
 
-from homebot.errors import UsageError
+from homebot.errors import ConfigError, UsageError
+from homebot.support.toml_file import parse_toml
 from homebot.words import mistakes
 from homebot.words.conditions import read_condition
 from homebot.words.mistakes import COLUMNS, FIELD, MistakeTable, mistake_in
@@ -48,6 +51,42 @@ MODULES = (
     *(f"features/goals/{one}" for one in GOALS),
     *HOUSE,
 )
+NO_TOML = (
+    *(
+        "when",
+        "when = A",
+        'when = "A',
+        'when = "A\n"',
+        "when = ['A'",
+        "when = ['A'] x",
+        "a = { b = 1",
+        "? = 1",
+        "a.? = 1",
+        "a = ",
+        "\a",
+    ),
+    *(
+        "a = 1\na = 2",
+        "[a]\n[a]",
+        "[a\n",
+        "[[a\n",
+        "[a]\nb.c = 1\n[a.b]",
+        "a = { b = 1, b = 2 }",
+        "a = { b = 1 }\n[a.c]",
+    ),
+    *(
+        "a = [1]\n[[a]]",
+        "[a.b]\n[a]\nb.c = 1",
+        r'a = "\d"',
+        r'a = "\u00x"',
+        r'a = "\ud800"',
+        "a = 2026-02-31",
+        "# \a\n",
+    ),
+    *("a = 'A", "a = '''A", 'a = """A', "a.b = 1\n[a]\nc = 1", "a = 'A\n'"),
+)
+"""Texts with each mistake that tomllib knows."""
+
 SENTENCES = ("trigger", "condition", "step", "steps", "wish")
 QUOTED = re.compile(r"(?<!\w)'([^{}]+? .+?)'(?!\w)")
 
@@ -64,6 +103,16 @@ def english_in(message: str) -> str:
     """Return what of *message* stays English, but values in braces and the keys of routines."""
     said = BLANK.said(message, "de")
     return " ".join(re.findall(r"[a-z]{2,}", re.sub(r"\{[^{}]*\}|\b(?:do|if|when|name)[:=]", "", said)))
+
+
+@cache
+def mistakes_of_toml() -> list[str]:
+    def mistake_of(text: str) -> str:
+        with pytest.raises(ConfigError) as caught:
+            parse_toml(text, "the text")
+        return str(caught.value)
+
+    return [mistake_of(text) for text in NO_TOML]
 
 
 @cache
@@ -97,11 +146,16 @@ def test_each_message_of_the_source_has_a_row(module: str) -> None:
 
 def test_a_row_is_of_a_message_that_homebot_gives() -> None:
     """Those of pydantic are provoked in ``tests/features/routines/test_mistakes.py``."""
-    told = "\n".join((*chain.from_iterable(map(told_in, MODULES)), PYTHON))
+    of_others = (*mistakes_of_toml(), *map(os.strerror, (errno.ENOENT, errno.EACCES)))
+    told = "\n".join((*chain.from_iterable(map(told_in, MODULES)), *of_others, PYTHON))
     of_pydantic = [english for english in TABLE if english.startswith("input should") or " should have " in english]
     rows = TABLE.keys() - REASONS.keys() - {*of_pydantic}
     pieces = {one.strip(" ,;:()'%") for english in rows for one in re.split(r"\{\w+\}|; |, got|\bno (?=r|s)", english)}
     assert {one for one in pieces if one not in told} == set()
+
+
+def test_each_mistake_of_toml_has_a_row() -> None:
+    assert [message for message in mistakes_of_toml() if english_in(message)] == []
 
 
 def test_the_advice_for_known_mistakes_has_rows() -> None:

@@ -188,8 +188,10 @@ def _run(argv: Sequence[str]) -> int:
         code = command(options)
         sys.stdout.flush()
     except HomebotError as exc:
+        from homebot.cli.owner_language import said  # noqa: PLC0415 - loads the table
+
         others = exc.others if isinstance(exc, ConfigError) else ()
-        print(*(f"homebot: {problem}" for problem in (exc, *others)), sep="\n", file=sys.stderr)
+        print(*(f"homebot: {said(str(problem))}" for problem in (exc, *others)), sep="\n", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -6,6 +6,7 @@ import pytest
 from tests.features.routines.test_kept_routines import Owner, homebot
 
 from homebot.cli.commands.run import config_errors
+from homebot.cli.main import main
 from homebot.config import load_tables, parse_settings
 from homebot.errors import ConfigError
 from homebot.features.routines.settings import RoutineSettings
@@ -83,12 +84,12 @@ def test_too_many_lines_and_characters_are_told_too() -> None:
 
 
 @pytest.mark.virtual_time
-async def test_the_line_of_a_mistake_in_its_form_stays_for_the_page(tmp_path: Path) -> None:
+async def test_a_mistake_in_the_form_of_a_text_is_told_with_its_line(tmp_path: Path) -> None:
     async with homebot(tmp_path, home={"language": "it"}) as owner:
         answer = await owner.change("new", text="[[routines]]\nname = Sera\n")
     assert answer.message == (
-        "il testo non è TOML valido: Invalid value (at line 2, column 8); un testo sta tra virgolette, true e false in "
-        "minuscolo"
+        "il testo non è TOML valido: questo valore non è valido (riga 2, colonna 8); un testo sta tra virgolette, "
+        "true e false in minuscolo"
     )
 
 
@@ -98,3 +99,18 @@ def test_a_file_is_checked_in_the_language_of_its_house(tmp_path: Path) -> None:
     file.chmod(0o600)
     errors = config_errors(load_tables(file), file)
     assert [error.reason for error in errors] == [ANSWERS["nl"]]
+
+
+def test_the_command_line_answers_in_the_language_of_the_house(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Even of a configuration that is no TOML."""
+    monkeypatch.chdir(tmp_path)
+    Path("homebot.toml").write_text('[home]\nlanguage = "de"\n[door\n')
+    assert main(["config", "check"]) == 1
+    assert capsys.readouterr().err == (
+        "homebot: homebot.toml ist kein gültiges TOML: am Ende des Namens einer Tabelle fehlt ] (Zeile 3, Spalte 6)\n"
+    )
+    Path("homebot.toml").write_text('[home]\nlanguage = "fr"\n')
+    assert main(["routine", "try", "soir.toml"]) == 1
+    assert capsys.readouterr().err == "homebot: soir.toml n'existe pas\n"

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_client_command, set_command
+from homebot.cli.arguments import add_verb, add_verbs, set_client_command, set_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.local_time import next_text, zone_of
+from homebot.cli.owner_language import owner_language
 from homebot.cli.terminal import print_line, print_table
 from homebot.cli.text_editor import edited, read_text
-from homebot.config_lines import language_in
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import ago
@@ -220,9 +219,7 @@ def _print_hints(routine: RoutineInfo) -> None:
 def _gallery(options: argparse.Namespace) -> int:
     from homebot.features.routines.gallery import listed, ready_made  # noqa: PLC0415 - reads its files
 
-    language = ""
-    with suppress(OSError, ValueError):
-        language = language_in(DEFAULT_CONFIG.read_text("utf-8-sig"))
+    language = owner_language()
     known = {one.name: one for one in listed(language)}
     if not options.name:
         print_table(("ROUTINE", "ABOUT"), [(name, one.about) for name, one in known.items()])
