@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, partial
 from pathlib import Path
-from typing import Final, NamedTuple, get_args
+from typing import Final, NamedTuple, TypeAlias, get_args
 
 from homebot.config import Language, Urgency
 from homebot.devices.device import Device, DevicePart, State, target_of
@@ -105,6 +105,8 @@ ALERTS: Final = (
 )
 """Every kind of alert about devices."""
 
+_KINDS: Final = {kind.key: kind for kind in (*ALERTS, GATEWAY)}
+
 _DOOR_TAGS = frozenset({"door", "garage", "garage_door", "gate"})
 
 
@@ -179,29 +181,38 @@ def _parse(text: str) -> Query:
 
 
 @cache
-def _terms(kind: AlertKind) -> tuple[StateIs, ...]:
-    """Return the values that *kind* is about; none if it is about a whole device."""
-    return tuple(term for term in leaves(_parse(kind.text)) if isinstance(term, StateIs))
+def _terms(text: str) -> tuple[StateIs, ...]:
+    """Return the values that the query *text* is about; none if it is about a whole device."""
+    return tuple(term for term in leaves(_parse(text)) if isinstance(term, StateIs))
 
 
-WATCHED: Final = frozenset(term.capability for kind in ALERTS for term in _terms(kind))
+WATCHED: Final = frozenset(term.capability for kind in ALERTS for term in _terms(kind.text))
 """The capabilities of which a new value may begin or end an alert."""
 
+_HELD: Final = tuple((kind, kind.query()) for kind in (one._replace(text=one.held) for one in ALERTS if one.held))
 
-def alerts_of(kinds: Iterable[AlertKind], device: Device, now: float, lost: Iterable[str] = ()) -> Iterator[Alert]:
-    """Yield the alerts of some kinds about *device*: one for each part with a value that fits, else one."""
+Asked: TypeAlias = tuple[tuple[AlertKind, Query], ...]
+"""Kinds, each with its query."""
+
+
+def fitting(asked: Asked, device: Device) -> Asked:
+    """Return those that *device* fits."""
     facets = facets_of(device)
-    for kind in kinds:
-        if fits(query := kind.query(lost), facets):
-            if _terms(kind):
-                yield from _alerts_of_parts(kind, query, device, now)
-            else:
-                yield _alert_of_device(kind, device, now)
+    return tuple((kind, query) for kind, query in asked if fits(query, facets))
+
+
+def alerts_of(fitting: Asked, device: Device, now: float) -> Iterator[Alert]:
+    """Yield the alerts of kinds that *device* fits: one for each part with a value that fits, else one."""
+    for kind, query in fitting:
+        if _terms(kind.text):
+            yield from _alerts_of_parts(kind, query, device, now)
+        else:
+            yield _alert_of_device(kind, device, now)
 
 
 def held_alerts_of(device: Device, now: float) -> Iterator[Alert]:
     """Yield the alerts that *device* would have if they had begun before."""
-    yield from alerts_of([kind._replace(text=kind.held) for kind in ALERTS if kind.held], device, now)
+    yield from alerts_of(fitting(_HELD, device), device, now)
 
 
 def _alerts_of_parts(kind: AlertKind, query: Query, device: Device, now: float) -> Iterator[Alert]:
@@ -236,10 +247,15 @@ def _alert_of_part(kind: AlertKind, device: Device, part_id: str, name: str, now
     return Alert(kind, target_of(device.id, part_id), name, since, (*_details(device, states, since, now),))
 
 
+def kind_of(key: str) -> AlertKind:
+    """Return the kind of the cause *key*."""
+    return _KINDS[key.partition(" ")[0]]
+
+
 def is_over(key: str, device: Device) -> bool:
     """Return whether the cause *key* is known to be over, as *device* has no such alert: silence does not prove it."""
-    kind = next(alert for alert in ALERTS if alert.key == key.partition(" ")[0])
-    if _terms(kind):
+    kind = kind_of(key)
+    if _terms(kind.text):
         return bool(_values(kind, device, key.partition("#")[2]))
     return device.freshness == "fresh" and device.reachable.state != "no"
 
@@ -247,15 +263,17 @@ def is_over(key: str, device: Device) -> bool:
 def doctor_checks(lost: Iterable[str]) -> Iterator[DeviceCheck]:
     """Yield the check of each kind but gateways; that devices of *lost* ones are unreachable is no finding."""
     for kind in ALERTS:
-        yield DeviceCheck(kind.finding, kind.text, partial(_show, kind, lost), asked=kind.query(lost))
+        query = kind.query(lost)
+        yield DeviceCheck(kind.finding, kind.text, partial(_show, kind, query), asked=query)
 
 
-def _show(kind: AlertKind, lost: Iterable[str], device: Device, now: float) -> Iterable[str]:
-    return (_why(alert) for alert in alerts_of((kind,), device, now, lost) if alert.is_shown(now))
+def _show(kind: AlertKind, query: Query, device: Device, now: float) -> Iterable[str]:
+    alerts = alerts_of(fitting(((kind, query),), device), device, now)
+    return (_why(alert) for alert in alerts if alert.is_shown(now))
 
 
 def _why(alert: Alert) -> str:
-    return f"{alert.kind.words}{alert.detail}" if _terms(alert.kind) else alert.detail.lstrip(",: ")
+    return f"{alert.kind.words}{alert.detail}" if _terms(alert.kind.text) else alert.detail.lstrip(",: ")
 
 
 def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
@@ -277,7 +295,7 @@ def findings_of(alerts: Iterable[Alert]) -> tuple[Finding, ...]:
 def _values(kind: AlertKind, device: Device, part_id: str) -> list[tuple[StateIs, State]]:
     """Return the known values of a part that decide on *kind*, each with its term."""
     known = [state for state in device.states if state.part == part_id and state.value.plain() is not None]
-    return [(term, state) for term in _terms(kind) for state in known if state.capability == term.capability]
+    return [(term, state) for term in _terms(kind.text) for state in known if state.capability == term.capability]
 
 
 def _is_door(device: Device, part: DevicePart) -> bool:

@@ -36,11 +36,13 @@ from homebot.features.alerts.alert_table import (
     GATEWAY,
     WATCHED,
     Alert,
-    AlertKind,
+    Asked,
     alerts_of,
     findings_of,
+    fitting,
     held_alerts_of,
     is_over,
+    kind_of,
     say,
 )
 from homebot.graph import qos_profile_latched
@@ -192,6 +194,7 @@ class Alerts(App[AlertsSettings]):
         self._findings = node.create_publisher(Findings, ALERT_FINDINGS, qos_profile_latched)
         self._incidents = {key: Incident(*fields) for key, fields in self.store.get("incidents", {}).items()}
         self._gateways: dict[str, Alert | None] = {}
+        self._fitting: dict[str, tuple[Device, Asked, Asked]] = {}
         self._is_empty = False
         self._shown: tuple[Finding, ...] = ()
         self._published: Findings | None = None
@@ -234,7 +237,7 @@ class Alerts(App[AlertsSettings]):
         return SuccessResponse(success=not problem, message=problem)
 
     def _publish(self) -> None:
-        repeats = (incident.repeats_at(_kind_of(key).urgency) < math.inf for key, incident in self._incidents.items())
+        repeats = (incident.repeats_at(kind_of(key).urgency) < math.inf for key, incident in self._incidents.items())
         message = Findings(findings=self._shown, repeats=self.context.notifies() and any(repeats))
         if message != self._published:
             self._published = message
@@ -283,24 +286,28 @@ class Alerts(App[AlertsSettings]):
             ("Alert", [key for key in due if not self._incidents[key].over_at]),
             ("Over", [key for key in due if self._incidents[key].over_at]),
         ):
-            alone = [key for key in keys if _kind_of(key).urgency == "high"]
+            alone = [key for key in keys if kind_of(key).urgency == "high"]
             groups = [[key] for key in alone[: _MAX_ALONE - 1]] + [alone[_MAX_ALONE - 1 :]]
             rest = [key for key in keys if key not in alone]
-            kinds = dict.fromkeys(map(_kind_of, rest))
-            groups += [[key for key in rest if _kind_of(key) is kind] for kind in kinds]
+            kinds = dict.fromkeys(map(kind_of, rest))
+            groups += [[key for key in rest if kind_of(key) is kind] for kind in kinds]
             sent += [await self._send_news(title, group, now) for group in groups if group]
         return all(sent)
 
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
         lost = tuple(name for name, alert in self._gateways.items() if alert is not None)
-        devices = await self._devices(_query(lost), ())
+        asked, query = _asked(lost)
+        devices = await self._devices(query, ())
         self._is_empty = _is_nobody_home(devices)
         alerts = [alert for alert in self._gateways.values() if alert is not None]
-        alerts += [alert for device in devices for alert in alerts_of(ALERTS, device, now, lost)]
-        return {
-            alert.key: alert for alert in sorted(alerts, key=lambda alert: [*FindingKind].index(alert.kind.finding))
-        }
+        known, self._fitting = self._fitting, {}
+        for device in devices:  # most are as they were a minute ago
+            if (kept := known.get(device.id)) is None or kept[0] is not device or kept[1] is not asked:
+                kept = device, asked, fitting(asked, device)
+            self._fitting[device.id] = kept
+        alerts += [alert for device, _, kinds in self._fitting.values() for alert in alerts_of(kinds, device, now)]
+        return {alert.key: alert for alert in sorted(alerts, key=lambda alert: _ORDER[alert.kind.finding])}
 
     async def _sort_ended(self, keys: Iterable[str], now: float) -> tuple[set[str], dict[str, Alert]]:
         """Return those of *keys* that are known to be over, and those that are not, though they would not begin now."""
@@ -317,7 +324,7 @@ class Alerts(App[AlertsSettings]):
 
     async def _send_news(self, title: str, keys: list[str], now: float) -> bool:
         """Tell people the news about *keys*; return False if that failed, to be tried again."""
-        language, kind = self.settings.language, _kind_of(keys[0])
+        language, kind = self.settings.language, kind_of(keys[0])
         texts = [
             incident.end_text if incident.over_at else incident.text
             for incident in map(self._incidents.__getitem__, keys)
@@ -339,7 +346,7 @@ class Alerts(App[AlertsSettings]):
         return True
 
     def _due(self, key: str) -> float:
-        kind, incident = _kind_of(key), self._incidents[key]
+        kind, incident = kind_of(key), self._incidents[key]
         told_after = self.settings.told_after.get(kind.key, kind.told_after)
         if kind.key == "door" and self._is_empty and told_after < math.inf:
             told_after = min(told_after, _WHILE_AWAY)
@@ -353,16 +360,14 @@ class Alerts(App[AlertsSettings]):
         return (day if day.timestamp() >= time else day + timedelta(days=1)).timestamp()
 
 
-def _kind_of(key: str) -> AlertKind:
-    """Return the kind of the cause *key*."""
-    name = key.partition(" ")[0]
-    return next(kind for kind in (*ALERTS, GATEWAY) if kind.key == name)
+_ORDER: Final = {kind: place for place, kind in enumerate(FindingKind)}
 
 
 @lru_cache(maxsize=8)
-def _query(lost: tuple[str, ...]) -> tuple[QueryTerm, ...]:
-    """Return the query for what may have alerts while the gateways *lost* are away, and for people."""
-    return query_terms(Or((*(kind.query(lost) for kind in ALERTS), HOUSEHOLD)))
+def _asked(lost: tuple[str, ...]) -> tuple[Asked, tuple[QueryTerm, ...]]:
+    """Return the query of each kind while the gateways *lost* are away, and that for all of them and for people."""
+    asked = tuple((kind, kind.query(lost)) for kind in ALERTS)
+    return asked, query_terms(Or((*(query for _, query in asked), HOUSEHOLD)))
 
 
 def _is_nobody_home(devices: Iterable[Device]) -> bool:
