@@ -27,10 +27,11 @@ OWN_LANGUAGES: Final = ("de", "fr", "it", "es", "nl")
 _ENGLISH_BLOCKS: Final[Mapping[str, str]] = {
     "if": "if {if}: {do}",
     "if else": "if {if}: {do}, else: {else}",
-    "times": "{n} times: {do}",
+    "times": "{n} times: {do} / repeat {n} times: {do}",
     "while": "repeat while {if}: {do}",
     "until": "repeat until {if}: {do}",
     "for each": "for each {x}: {do}",
+    "numbers": "two / three / four / five / six / seven / eight / nine / ten / eleven / twelve",
     "and": " and ",
 }
 _BLOCK_KINDS: Final[Sequence[BlockKind]] = ("until", "while", "for each", "times", "if")
@@ -128,12 +129,18 @@ def read_block(text: str) -> tuple[BlockKind, str, str, list[str], list[str]] | 
             for form in blocks[kind].replace(" : ", ": ").split(" / "):
                 before, after = _SLOT_OF_BLOCK.split(form.removesuffix("{do}"))
                 value, colon, do = text[len(before) :].partition(after)
-                is_form = text.casefold().startswith(before.casefold()) and colon and value and do
-                if not is_form or (kind == "times" and not value.isdecimal()):
+                value = _number(value, blocks["numbers"].split(" / ")) if kind == "times" else value
+                if not (text.casefold().startswith(before.casefold()) and colon and value and do):
                     continue
                 do, _, otherwise = do.partition(joint) if kind == "if" else (do, "", "")
                 return kind, value, blocks["and"].strip(), do.split("; "), otherwise.split("; ") if otherwise else []
     return None
+
+
+def _number(text: str, words: Sequence[str]) -> str:
+    """Return the digits of *text*, which may be one of the *words* for two, three and so on; empty for no number."""
+    word = text.casefold()
+    return str(words.index(word) + 2) if word in words else text if text.isdecimal() else ""
 
 
 def split_wishes(text: str) -> list[str]:
@@ -198,6 +205,7 @@ class _Table:
         self.joints = self._lists["words"]["and"]
         self._date = date
         self._awaited = table["awaited"]
+        self._moved = table["moved"]
         self._hints = table["hints"]
         rows = chain.from_iterable(one.values() for one in (*self._forms.values(), *self._lists.values()))
         words = {word for text in chain.from_iterable(rows) for word in _WORD_END.split(text.casefold())}
@@ -220,6 +228,8 @@ class _Table:
 
     def _read(self, text: str, kind: str) -> str | None:
         plain = _ELIDED.sub(self._split_elided, text)
+        for form, moved in self._moved.items():
+            plain = re.sub(form, moved, plain)
         plain = plain if kind == "step" else _COLONS.sub("h", plain)  # one token
         for word in self._lists["words"]["when"]:
             plain = plain[len(word) + 1 :] if plain.casefold().startswith(f"{word} ") else plain

@@ -80,6 +80,29 @@ def test_a_choice_or_loop_is_read_as_it_is_shown(block: dict[str, object], langu
     assert meanings(again) == meanings(routine)
 
 
+@pytest.mark.parametrize(
+    ("loop", "english"),
+    [
+        ("three times: Flur toggle; wait 1m", "3 times: Flur toggle; wait 1m"),
+        ("dreimal: schalte Flur um; warte 1 Minute", "3 times: Flur toggle; wait 1m"),
+        ("3 Mal: schalte Flur um; warte 1 Minute", "3 times: Flur toggle; wait 1m"),
+        ("trois fois : bascule Flur; attends 1 minute", "3 times: Flur toggle; wait 1m"),
+        ("repite doce veces: alterna Flur", "12 times: Flur toggle"),
+        ("drie keer: wissel Flur; wacht 1 minuut", "3 times: Flur toggle; wait 1m"),
+        ("tweemaal: wissel Flur", "2 times: Flur toggle"),
+        ("ripeti tre volte: commuta Flur; aspetta 1 minuto", "3 times: Flur toggle; wait 1m"),
+        ("finché non Flur è accesa: aspetta 1 minuto", "repeat until Flur on: wait 1m"),
+        ("finché Flur non è accesa: aspetta 1 minuto", "repeat while not Flur on: wait 1m"),
+        ("bis Flur an ist: warte 1 Minute", "repeat until Flur on: wait 1m"),
+    ],
+)
+def test_a_loop_is_read_as_people_write_it(loop: str, english: str) -> None:
+    routines = [
+        RoutineSettings.model_validate({"name": "A", "when": ["7:00"], "do": [one, "undo"]}) for one in (loop, english)
+    ]
+    assert meanings(routines[0]) == meanings(routines[1])
+
+
 def meanings(routine: RoutineSettings) -> list[object]:
     """Return the program of *routine* without the texts of its conditions."""
     steps = (line.step for line in program_of(routine.do))
