@@ -116,14 +116,22 @@ def _slowest(pattern: Pattern, limit: float, *, is_searched: bool) -> tuple[floa
     return worst
 
 
+def _fault(pattern: Pattern, *, is_searched: bool) -> str:
+    """Return what is too slow at each of three tries; empty if one is quick enough."""
+    fault = ""
+    for run in range(3):
+        # How slow the machine is takes longer to measure than most expressions.
+        limit = MAX_S * (slowness() if run else 1.0)
+        seconds, text = _slowest(pattern, limit, is_searched=is_searched)
+        if seconds <= limit:
+            return ""
+        fault = f"{seconds * 1000:.0f} ms for {text[:60]!r}… of {len(text)} characters"
+    return fault
+
+
 @pytest.mark.slow
 def test_no_expression_is_slow_whatever_it_is_tried_on() -> None:
-    slow = {}
     patterns = {(one.pattern, one.flags): (place, one, searched) for place, one, searched in _patterns()}
-    for place, pattern, is_searched in patterns.values():
-        limit = MAX_S * slowness()
-        seconds, text = min(_slowest(pattern, limit, is_searched=is_searched) for _ in range(2))
-        if seconds > limit:
-            slow[place] = f"{seconds * 1000:.0f} ms for {text[:60]!r}… of {len(text)} characters"
+    faults = {place: _fault(one, is_searched=is_searched) for place, one, is_searched in patterns.values()}
     assert len(patterns) > 200
-    assert not slow
+    assert not {place: fault for place, fault in faults.items() if fault}
