@@ -5,9 +5,12 @@ import pytest
 from tests.control.conftest import Home, OpenHome
 from tests.control.kept_store import KeptStore
 
+from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import GetCauses, GetCausesRequest
 from homebot.devices.names import GET_CAUSES
+from homebot.devices.trigger import Trigger
+from homebot.devices.value import Value
 
 pytestmark = pytest.mark.virtual_time
 
@@ -37,6 +40,27 @@ async def test_causes_are_known_after_a_restart(open_home: OpenHome) -> None:
         home.put("lamp", "light", "on_off", "level")
         await home.report("lamp", "on_off", True)
         assert await causes(home) == known
+
+
+@pytest.mark.parametrize("trigger", [Trigger(), Trigger(scene="Film"), Trigger(kind="program", text="a script")])
+async def test_what_a_client_commands_is_a_persons_doing_if_no_scene_or_program_led_to_it(
+    open_home: OpenHome, trigger: Trigger
+) -> None:
+    """A lamp that somebody turned off on the page was turned on again by the app of the guide to manual override."""
+    is_of_person, store = trigger == Trigger(), KeptStore()
+    async with open_home(store=store) as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(60)
+        switched = Setting(capability="on_off", value=Value.of(True))
+        issued = CommandRequest(device="lamp", settings=(switched,), issuer="client:owner", trigger=trigger)
+        await home.control.perform(issued)
+        await anyio.sleep(60)
+        assert await causes(home) == {"on_off": (True, "client:owner", is_of_person)}
+    async with open_home(store=store) as home:
+        home.put("lamp", "light", "on_off")
+        await home.report("lamp", "on_off", True)
+        assert await causes(home) == {"on_off": (True, "client:owner", is_of_person)}
 
 
 async def test_all_changes_of_one_moment_have_causes_though_no_command_had_begun_a_timeline(

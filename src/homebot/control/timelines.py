@@ -159,14 +159,15 @@ class Timelines:
         """Yield the causes of the newest changes of some devices."""
         for (device, part), entry in self._entries.items():
             for capability, fact in entry.timeline.newest.items() if device in devices else ():
+                order = entry.timeline.order_of(fact.attribution.command)
                 yield KnownCause(
                     device=device,
                     part=part,
                     capability=capability,
                     value=Value.of(fact.value),
                     command=fact.attribution.command,
-                    issuer=entry.timeline.issuer_of(fact.attribution.command),
-                    may_be_person=fact.attribution.may_be_person,
+                    issuer=order.issuer if order else "",
+                    may_be_person=fact.attribution.may_be_person or (order is not None and order.is_from_person),
                     cause=fact.attribution.cause.value,
                 )
 

@@ -5,8 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.control.timeline.facts import NOT_JUDGED, Cause, Reported, ReportRole
+from homebot.devices.client_rights import is_from_person
 from homebot.devices.command_messages import Setting
-from homebot.devices.journal_messages import GetCausesRequest, KnownCause, KnownCauses, ReadJournalRequest
+from homebot.devices.journal_messages import (
+    GetCausesRequest,
+    JournalEntry,
+    KnownCause,
+    KnownCauses,
+    ReadJournalRequest,
+)
 from homebot.devices.outcomes import Contradicted
 
 if TYPE_CHECKING:
@@ -36,14 +43,15 @@ class ReportLog:
         places = {(cause.device, cause.part, cause.capability) for cause in known}
         for device in request.devices if request.from_journal else ():
             entries = (await self._journal.read(ReadJournalRequest(device=device, limit=_MAX_ENTRIES))).entries
-            issuers = {entry.command: entry.issuer for entry in entries if entry.kind == "requested"}
+            requests = {entry.command: entry for entry in entries if entry.kind == "requested"}
             for entry in reversed(entries):
                 place = device, entry.part, entry.settings[0].capability if entry.settings else ""
                 if entry.kind not in {"reported", "changed", "reverted"} or not entry.cause or place in places:
                     continue
                 places.add(place)
-                if entry.command not in issuers:  # to another device, such as a group, or past homebot
-                    issuers |= await self._issuer(entry.command)
+                if entry.command not in requests:  # to another device, such as a group, or past homebot
+                    requests |= await self._request(entry.command)
+                asked = requests.get(entry.command)
                 known.append(
                     KnownCause(
                         device=device,
@@ -51,19 +59,20 @@ class ReportLog:
                         capability=place[2],
                         value=entry.settings[0].value,
                         command=entry.command,
-                        issuer=issuers.get(entry.command, ""),
+                        issuer=asked.issuer if asked else "",
                         cause=entry.cause,
-                        may_be_person=entry.cause in {"person", "unknown"} or entry.command not in {"", *issuers},
+                        may_be_person=entry.cause in {"person", "unknown"}
+                        or (is_from_person(asked.issuer, asked.trigger) if asked else bool(entry.command)),
                     )
                 )
         return KnownCauses(causes=tuple(known))
 
-    async def _issuer(self, command: str) -> dict[str, str]:
-        """Return the issuer of a command by its id; nothing if it was given past homebot."""
+    async def _request(self, command: str) -> dict[str, JournalEntry]:
+        """Return the request of a command by its id; nothing if it was given past homebot."""
         if not command:
             return {}
         entries = (await self._journal.read(ReadJournalRequest(command=command))).entries
-        return {entry.command: entry.issuer for entry in entries if entry.kind == "requested"}
+        return {entry.command: entry for entry in entries if entry.kind == "requested"}
 
     def on_report(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
         """Record a report that answers a command, also after its outcome, when there is no *opened* command."""

@@ -103,6 +103,7 @@ class Order:
         turns_on: Whether it turns on a part that reports "off", without a setting that says so.
         has_ramp: Whether the part has a level that can be set.
         is_foreign: Whether another program gave it past homebot: it counts as a person's action.
+        is_from_person: See :func:`homebot.devices.client_rights.is_from_person`.
     """
 
     id: str
@@ -119,6 +120,7 @@ class Order:
     place: PartRef = ("", "")
     issuer: str = ""
     label: str = ""
+    is_from_person: bool = False
 
     @property
     def is_always_sent(self) -> bool:

@@ -277,9 +277,9 @@ class PartTimeline:
         known = self._latest.get(capability)
         return None if known is None else known[0]
 
-    def issuer_of(self, command: str) -> str:
-        """Return who gave a command; empty if that is not known."""
-        return next((progress.order.issuer for progress in self.commands if progress.order.id == command), "")
+    def order_of(self, command: str) -> Order | None:
+        """Return a command; None if it is not known any more."""
+        return next((progress.order for progress in self.commands if progress.order.id == command), None)
 
     def find(self, capability: str, value: PlainValue, stamp: float) -> Reported | None:
         """Return the report of *value* with that *stamp*; None if it is not among the reports."""
