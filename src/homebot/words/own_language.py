@@ -144,12 +144,14 @@ def _number(text: str, words: Sequence[str]) -> str:
 
 
 def split_wishes(text: str) -> list[str]:
-    """Return the wishes of a goal *text*, which commas and the "and" of its language join."""
-    for table in _likely_tables(_words(text)):
-        parts = split_at(text, *table.joints, ",")
-        if any(table.read(part, "wish") for part in parts):
-            return parts
-    return split_at(text, "and", ",")
+    """Return the wishes of a goal *text*, which commas and the "and" of its language join.
+
+    Raises:
+        UsageError: It is too long.
+    """
+    english = split_at(text, "and", ",")  # or it is too long for the others, too
+    splits = ((table, split_at(text, *table.joints, ",")) for table in _likely_tables(_words(text)))
+    return next((parts for table, parts in splits if any(table.read(part, "wish") for part in parts)), english)
 
 
 def devices_to_english(text: str) -> str:
