@@ -158,14 +158,14 @@ def with_newer(
 def _newest_fitting(notes: Sequence[JournalNote], request: ReadJournalRequest) -> Iterator[JournalNote]:
     """Yield the *notes* that fit *request*, newest first; *notes* are oldest first."""
     since, until = request.since.to_seconds(), request.until.to_seconds()
-    for note in reversed(notes):
-        at = note.stamp.to_seconds()  # rounded as in the entries, which a request may quote
-        if at < since:
-            continue  # not the end: the clock may have been set
+    device, devices, command = request.device, request.devices, request.command
+    for note in reversed(notes):  # one that is too old is not the end: the clock may have been set
         if (
-            (not until or at <= until)
-            and request.device in {"", note.device}
-            and (not request.devices or note.device in request.devices)
-            and request.command in {"", note.command}
+            (not device or device == note.device)
+            and (not devices or note.device in devices)
+            and (not command or command == note.command)
+            # rounded as in the entries, which a request may quote
+            and since <= (at := note.stamp.to_seconds())
+            and (not until or at <= until)
         ):
             yield note

@@ -134,7 +134,7 @@ class SimulatedHouse:
         self.until, self.hand_every = hours * 3600.0, hand_every
         self._wanted: dict[tuple[str, str], tuple[float, PlainValue]] = {}
         self.changes: list[TrueChange] = []
-        self.entries: list[JournalEntry] = []
+        self.entries = defaultdict[tuple[str, str], list[JournalEntry]](list)
         self.values: dict[tuple[str, str, str], PlainValue] = {}
         self.kinds: dict[str, str] = {}
         self._number: Counter[str] = Counter()  # of the newest event of a part: it ends what had begun
@@ -158,7 +158,7 @@ class SimulatedHouse:
     def enter(self, home: Home) -> None:
         """Live with a homebot from now on: the first, or that after a restart, which finds the devices as they are."""
         self.home = home
-        home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, self.entries.append, 100_000)
+        home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, self._on_entry, 100_000)
         home.behaviours.update(self._behaviours)
         for device in self._devices.values():
             home.gateway.devices.put(device, "the test says so")
@@ -486,11 +486,13 @@ class SimulatedHouse:
             self.tables.seen["two answers"] += 1
             self.tables.notes.append(f"two answers about {change}: {answers}")
 
+    def _on_entry(self, entry: JournalEntry) -> None:
+        self.entries[entry.device, entry.part].append(entry)
+
     def told_of(self, change: TrueChange) -> str:
         """Return the cause that the journal tells of a change; ``nothing`` for none."""
         key, part = change.place
-        entries = [one for one in self.entries if (one.device, one.part) == (self.ids[key], part)]
-        return _best(entries, change)
+        return _best(self.entries[self.ids[key], part], change)
 
     def _count(self, changes: list[TrueChange]) -> None:
         for one in changes:
