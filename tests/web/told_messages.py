@@ -6,15 +6,13 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 from typing import TypeAlias
 
-import homebot
+from tests.source_trees import SOURCE, source_trees
 
 FIELD = "0"
 """Stands for a value in a message; it has no letters."""
 
-_PACKAGE = Path(homebot.__file__).parent
 _PLACES = {
     **dict.fromkeys(("RefusedError", "WrongCodeError"), 1),
     **dict.fromkeys(("UnableError", "NoTargetError", "LinkError", "BusyError", "UnansweredError"), 0),
@@ -61,8 +59,7 @@ def told_messages() -> set[str]:
 
     A message may stand in a constant, a variable, an attribute of a class or what a function returns.
     """
-    names = (module.relative_to(_PACKAGE).as_posix() for module in _PACKAGE.rglob("*.py"))
-    found = {text for name in names if not _OF_OTHERS.match(name) for text in _of(name)}
+    found = {text for name in source_trees() if not _OF_OTHERS.match(name) for text in _of(name)}
     return {text for text in found if re.search("[a-z]{2}", text) and not re.search(" ,| $", text)}  # lacks a value
 
 
@@ -73,7 +70,7 @@ def mistakes_told_in(name: str) -> set[str]:
     parts of other texts, and words alone, are left out.
     """
     told, more = {*_of(name, _MISTAKES)}, set[str]()
-    for node in ast.walk(_tree(name)):
+    for node in ast.walk(source_trees()[name]):
         if isinstance(node, _Function):
             returned = (one.value for one in ast.walk(node) if isinstance(one, ast.Return | ast.Yield))
             for value in filter(None, returned):
@@ -88,21 +85,16 @@ def mistakes_told_in(name: str) -> set[str]:
 
 
 @cache
-def _tree(name: str) -> ast.Module:
-    return ast.parse((_PACKAGE / name).read_text())
-
-
-@cache
 def _module(name: str) -> _Module:
     module = _Module()
-    for node in ast.walk(_tree(name)):
+    for node in ast.walk(source_trees()[name]):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("homebot."):
             path = node.module.partition(".")[2].replace(".", "/")
-            file = next((one for one in (f"{path}.py", f"{path}/__init__.py") if (_PACKAGE / one).exists()), "")
+            file = next((one for one in (f"{path}.py", f"{path}/__init__.py") if (SOURCE / one).exists()), "")
             module.imported |= {one.asname or one.name: (file, one.name) for one in node.names if file}
         if isinstance(node, ast.ClassDef):
             _bind(node.body, module.attributes)
-    _bind(_tree(name).body, module.names)
+    _bind(source_trees()[name].body, module.names)
     return module
 
 
@@ -135,7 +127,7 @@ def _of(name: str, places: Mapping[str, int] = _PLACES) -> Iterator[str]:
         for child in ast.iter_child_nodes(node):
             yield from visit(child, function)
 
-    return visit(_tree(name), None)
+    return visit(source_trees()[name], None)
 
 
 def _arguments(call: ast.Call, name: str, places: Mapping[str, int]) -> Iterator[ast.expr]:
