@@ -149,7 +149,7 @@ async def family(home: Home) -> AsyncIterator[Family]:
 
 
 @asynccontextmanager
-async def goals_of(home: Home) -> AsyncIterator[None]:
+async def goals_of(home: Home, language: str = "") -> AsyncIterator[None]:
     async with Node(home.graph, "goals") as node:
-        AchieveServer(node, "", lambda: home.control, {}, checkpoint).serve(ACHIEVE.name)
+        AchieveServer(node, language, lambda: home.control, {}, checkpoint).serve(ACHIEVE.name)
         yield

@@ -8,7 +8,7 @@ from typing import Any
 import anyio
 import pytest
 from tests.control.conftest import Home, ignore
-from tests.features.goals.conftest import Family
+from tests.features.goals.conftest import Family, goals_of
 from tests.features.scenes.conftest import Kept, Scenes, served
 from tests.one_task import in_one_task
 
@@ -54,6 +54,24 @@ async def test_one_lamp_is_enough_for_a_lit_room(family: Family) -> None:
     assert answer.message == "'kitchen lit and rosie in kitchen' is reached"
     assert len(answer.steps) == 3
     assert (family.room, family.drives) == ("Kitchen", ["Kitchen"])
+
+
+async def test_a_goal_and_its_steps_are_told_in_the_language_of_the_house(home: Home) -> None:
+    family = Family(home)
+    await family.furnish()
+    async with in_one_task(goals_of(home, "de")):
+        answer = await family.achieve("Kitchen hell und rosie in der Kitchen")
+        assert answer.message == "'Kitchen hell und rosie in der Kitchen' ist erreicht"
+        assert set(family.steps(answer)) == {
+            "Kitchen Motor öffnen",
+            "rosie fährt nach Kitchen",
+            "Kitchen Lamp einschalten",
+        }
+        assert {step.outcome.partition(" nach ")[0] for step in answer.steps} == {"bestätigt", "erledigt"}
+        told = await family.achieve("front door open")
+        assert told.message == (
+            "'front door open' ist nicht erreichbar: Front Contact ist zu, und nichts hier kann das ändern"
+        )
 
 
 async def test_a_dry_run_shows_the_plan_and_changes_nothing(family: Family) -> None:
