@@ -347,3 +347,16 @@ def test_each_language_has_each_form_with_its_slots(language: str) -> None:
 )
 def test_a_renamed_scene_is_renamed_in_each_language(step: str, renamed: str) -> None:
     assert rename_scene(f'do = ["{step}", "wait 5m"]', "Film", "Kino") == f'do = ["{renamed}", "wait 5m"]'
+
+
+@pytest.mark.parametrize(
+    ("language", "shown"),
+    [
+        ("de", "warte bis Flur seit 2 Minuten keine Bewegung erkennt, höchstens 4 Stunden"),
+        ("nl", "wacht tot Flur al 2 minuten geen beweging ziet, hoogstens 4 uur"),
+        ("it", "aspetta che Flur non rilevi movimento da 2 minuti, al massimo 4 ore"),
+        ("es", "espera hasta que Flur no detecte movimiento desde hace 2 minutos, como máximo 4 horas"),
+    ],
+)
+def test_what_is_awaited_has_its_verb_as_the_language_wants_it(language: str, shown: str) -> None:
+    assert in_language("wait until Flur clear for 2m, at most 4h", "step", language) == shown

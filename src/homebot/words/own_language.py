@@ -6,6 +6,7 @@ are ``x`` for a device, ``c`` a commanded one, ``r`` a room, ``p`` a person or a
 number with its unit, ``v`` a measured value, ``w`` a type after "no", ``a`` all of one, ``s`` and ``i`` states, ``g``
 triggers, ``m`` a message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q``,
 ``y`` and ``l`` are a second value, device and length. Values in braces may stand for numbers, and in messages.
+``awaited`` has the words of a state that is awaited; one with none goes to the end, as the verb of German and Dutch.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
@@ -13,7 +14,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
-from itertools import chain
+from itertools import chain, takewhile
 from pathlib import Path
 from typing import Final, Literal, TypeAlias, final, get_args
 
@@ -225,8 +226,8 @@ class _Table:
 
     def _read_parts(self, text: str, kind: str) -> str | None:
         parts = [text] if kind in {"step", "value", "wish"} else split_at(text, *self._lists["words"]["or"])
-        read = [self._read(part, kind) for part in parts]
-        return self._read(text, kind) if None in read else " or ".join(filter(None, read))
+        read = list(takewhile(bool, (self._read(part, kind) for part in parts)))  # one that is none ends it
+        return self._read(text, kind) if len(read) < len(parts) else " or ".join(filter(None, read))
 
     def _read(self, text: str, kind: str) -> str | None:
         plain = _ELIDED.sub(self._split_elided, text)
@@ -358,8 +359,10 @@ class _Table:
                 rows = self._lists[_LISTS_OF_SLOTS.get(slot, "values")]
                 return next(iter(rows.get(text.casefold(), ())), None)
             case "s" | "i":
-                shown = self.shown(text, "state") or ""
-                return " ".join(self._awaited.get(word, word) for word in shown.split(" "))
+                words = (self.shown(text, "state") or "").split(" ")
+                last = next((at for at in reversed(range(len(words))) if self._awaited.get(words[at]) == ""), None)
+                words += [] if last is None else [words.pop(last)]
+                return " ".join(self._awaited.get(word) or word for word in words)
         return f'"{_unquoted(text)}"'
 
     def _plain(self, text: str) -> str:
