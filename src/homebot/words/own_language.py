@@ -7,6 +7,7 @@ number with its unit, ``v`` a measured value, ``w`` a type after "no", ``a`` all
 triggers, ``m`` a message, ``j`` a value in braces, and ``o`` and ``b`` other texts, which stay as names do; ``q``,
 ``y`` and ``l`` are a second value, device and length. Values in braces may stand for numbers, and in messages.
 ``awaited`` has the words of a state that is awaited; one with none goes to the end, as the verb of German and Dutch.
+``moved`` are patterns of texts that are written otherwise before they are read.
 A text tells its language itself, so that it means the same in a house, its export, a trial and on another machine.
 """
 
