@@ -57,6 +57,14 @@ def test_or_joins_conditions_of_all_kinds() -> None:
     assert isinstance(read_condition("window open or no door open"), AnyOf)
 
 
+@pytest.mark.parametrize("first", ["window open for 5m", "hall lamp on for less than 2h"])
+def test_a_state_that_lasts_is_joined_to_another_one(first: str) -> None:
+    """At the end a length is that of all states before it."""
+    rest = "door open or hatch open for 3m"
+    assert read_condition(f"{first} or {rest}") == AnyOf((read_condition(first), read_condition(rest)))
+    assert isinstance(read_condition(rest), Matches)
+
+
 @pytest.mark.parametrize("text", ["not hall button press double", "no hall button press"])
 def test_a_press_is_not_denied(text: str) -> None:
     """It would be one of a button that is not in the hall."""

@@ -182,6 +182,9 @@ def _read_condition(plain: str) -> Condition:
     parts = split_at(plain, "or")
     if any(map(_stands_alone, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
+    if len(parts) > 1 and _is_lasting(parts[0]):  # a length at the end is that of all states before it
+        rest = single_conditions(read_condition(" or ".join(parts[1:])))
+        return AnyOf((read_condition(parts[0]), *rest))
     if (crossing := CROSSES.match(plain)) is not None:
         way, limit = plain[len(crossing["what"]) :].split(maxsplit=1)
         raise UsageError(f"{plain!r}: a value {way} at a moment; write '{crossing['what']} {limit}'")
