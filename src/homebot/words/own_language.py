@@ -385,9 +385,10 @@ class _Table:
             return pronoun
         places = self._lists["words"]["in"]
         for kind in (*kinds, "plurals"):
+            spoken = self._plain(text) if kind == "plurals" else text
             for own, english in self._meanings[kind].items():
-                if f"{text.casefold()} ".startswith(f"{own} "):
-                    rest, of_types = text[len(own) :], [*places, *self._lists["words"]["of"]]
+                if f"{spoken.casefold()} ".startswith(f"{own} "):
+                    rest, of_types = spoken[len(own) :], [*places, *self._lists["words"]["of"]]
                     if kind != "plurals" or not rest or rest.split()[0].casefold() in of_types:  # else a name
                         return f"{every if kind == 'all' else ''}{english}{self._with_place(rest, of_types)}"
         return self._with_place(self._plain(text), places)
