@@ -15,7 +15,7 @@ from homebot.control.timeline.facts import Order
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import EVENTS, LIGHTS_UP, MOMENTARY, is_told_once
-from homebot.devices.client_rights import CLIENT, is_from_person
+from homebot.devices.client_rights import CLIENT
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
 from homebot.devices.part import Part
@@ -194,7 +194,7 @@ def order_of(command: IssuedCommand) -> Order:
         place=command.place,
         issuer=command.issuer,
         label=label_of(command.device, command.part.id),
-        is_from_person=is_from_person(command.issuer, command.trigger),
+        trigger=command.trigger,
     )
 
 

@@ -19,7 +19,7 @@ from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import MOMENTARY, SETTABLE
-from homebot.devices.client_rights import ClientRights
+from homebot.devices.client_rights import ClientRights, is_from_person
 from homebot.devices.device import FIRST_REPORTS, ChangedSetting, target_of
 from homebot.devices.journal_messages import JournalEntry, KnownCause
 from homebot.devices.value import PlainValue, SetBy, Value
@@ -167,7 +167,8 @@ class Timelines:
                     value=Value.of(fact.value),
                     command=fact.attribution.command,
                     issuer=order.issuer if order else "",
-                    may_be_person=fact.attribution.may_be_person or (order is not None and order.is_from_person),
+                    may_be_person=fact.attribution.may_be_person
+                    or (order is not None and is_from_person(order.issuer, order.trigger)),
                     cause=fact.attribution.cause.value,
                 )
 

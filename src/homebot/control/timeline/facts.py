@@ -9,6 +9,7 @@ from typing import Final, NamedTuple, TypeAlias, final
 from homebot.control import durations
 from homebot.devices.capabilities import acts_each_time
 from homebot.devices.outcomes import Outcome
+from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, SetBy
 
 
@@ -103,7 +104,7 @@ class Order:
         turns_on: Whether it turns on a part that reports "off", without a setting that says so.
         has_ramp: Whether the part has a level that can be set.
         is_foreign: Whether another program gave it past homebot: it counts as a person's action.
-        is_from_person: See :func:`homebot.devices.client_rights.is_from_person`.
+        trigger: What led to it.
     """
 
     id: str
@@ -120,7 +121,7 @@ class Order:
     place: PartRef = ("", "")
     issuer: str = ""
     label: str = ""
-    is_from_person: bool = False
+    trigger: Trigger = NO_TRIGGER
 
     @property
     def is_always_sent(self) -> bool:
