@@ -240,25 +240,28 @@ class Entities:
                 raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
             device, unit = self._listed.get(entity_id, (None, ""))
             named = [*(self._named.get(entity_id) or self._also_named.get(entity_id, {})).values()]
-            persons = [entity for entity in named if entity.part.part.service_type == "x_person"]
-            named = persons if persons and device is None else named
-            meant = [entity for entity in named if device is None or entity.device is device]
-            if device is not None and not meant:
-                domain = entity_id.partition(".")[0]
-                siblings = [listed for listed in _listed(device) if listed.startswith(f"{domain}.")]
-                possible = [*_possible(device, domain)]
-                meant = possible if len(siblings) == len(possible) == 1 else []
-            if device is not None and len(meant) != 1:
-                possible = [*_possible(device, entity_id.partition(".")[0])]
-                meant = [entity for entity in possible if slug_of(entity.part.part.name) == entity_id.partition(".")[2]]
-            if device is None and entity_id.partition(".")[0] in _OF_HELPERS:  # no other device has helpers
-                meant = [entity for entity in meant if _is_of_helpers(entity.device)] or self._lacked(entity_id)
+            meant = self._of_listed(entity_id, named, device) if device else self._of_named(entity_id, named)
             if len(meant) != 1:
                 is_known = device is not None or meant
                 problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
                 raise NotCarriedError(f"{entity_id} {problem}{_advice(entity_id)}")
             self.used[entity_id] = KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
         return self.used[entity_id]
+
+    def _of_named(self, entity_id: str, named: Sequence[_Meant]) -> Sequence[_Meant]:
+        """Return those of *named*, to which the name of a device leads, that are meant: no other device has helpers."""
+        if entity_id.partition(".")[0] in _OF_HELPERS:
+            return [entity for entity in named if _is_of_helpers(entity.device)] or self._lacked(entity_id)
+        return [entity for entity in named if entity.part.part.service_type == "x_person"] or named
+
+    def _of_listed(self, entity_id: str, named: Sequence[_Meant], device: Device) -> Sequence[_Meant]:
+        """Return the parts of *device*, which Home Assistant lists with the entity, that are meant."""
+        domain, _, name = entity_id.partition(".")
+        meant, possible = [entity for entity in named if entity.device is device], [*_possible(device, domain)]
+        siblings = [listed for listed in _listed(device) if listed.startswith(f"{domain}.")]
+        if not meant and len(siblings) == len(possible) == 1:
+            return possible
+        return meant if len(meant) == 1 else [entity for entity in possible if slug_of(entity.part.part.name) == name]
 
     def knows(self, entity_id: str) -> bool:
         """Return whether the name of a device leads to *entity_id*."""

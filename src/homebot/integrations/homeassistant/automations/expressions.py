@@ -93,7 +93,7 @@ def _output_of(text: str) -> list[nodes.Output]:
     outputs = [node for node in body if isinstance(node, nodes.Output)]
     if len(outputs) == len(body):
         return outputs
-    body = [node for node in body if not _is_space(node)]
+    body = [node for node in body if not is_space(node)]
     match body:
         case [nodes.If(test=test, body=yes, elif_=[], else_=no)] if (
             words := tuple(_words_of(branch).casefold() for branch in (yes, no))
@@ -104,7 +104,8 @@ def _output_of(text: str) -> list[nodes.Output]:
     raise refused_template(text, f"it has statements; {_WAYS}")
 
 
-def _is_space(node: nodes.Node) -> bool:
+def is_space(node: nodes.Node) -> bool:
+    """Return whether *node* is only white space of a template."""
     return isinstance(node, nodes.Output) and all(
         isinstance(part, nodes.TemplateData) and not part.data.strip() for part in node.nodes
     )
@@ -117,7 +118,7 @@ def _as_expression(choice: nodes.If, text: str) -> nodes.CondExpr:
         rest = [nodes.If(other.test, other.body, choice.elif_[1:], choice.else_)]
     values: list[nodes.Expr] = []
     for body in (choice.body, rest):
-        match [node for node in body if not _is_space(node)]:
+        match [node for node in body if not is_space(node)]:
             case [nodes.If() as inner]:
                 values.append(_as_expression(inner, text))
             case [nodes.Output(nodes=parts)]:
@@ -234,10 +235,10 @@ def without_sets(body: Sequence[nodes.Node]) -> list[nodes.Node]:
 
 def _added_by(node: nodes.For) -> tuple[tuple[str, ...], nodes.Node] | None:
     """Return the field of a namespace to which a loop only adds, and its new value; None for another loop."""
-    body, tests = [part for part in node.body if not _is_space(part)], []
+    body, tests = [part for part in node.body if not is_space(part)], []
     while len(body) == 1 and isinstance(body[0], nodes.If) and not body[0].elif_ and not body[0].else_:
         tests.append(body[0].test)
-        body = [part for part in body[0].body if not _is_space(part)]
+        body = [part for part in body[0].body if not is_space(part)]
     match body:
         case [nodes.Assign(target=nodes.NSRef(name=name, attr=field), node=nodes.Add(left=left, right=right))]:
             pass
@@ -373,6 +374,16 @@ def state_entity(node: nodes.Node) -> str:
     return ""
 
 
+def entity_value(node: nodes.Node) -> tuple[str, str]:
+    """Return the entity, and its attribute or else an empty text, that *node* is; empty for another expression."""
+    match node:
+        case nodes.Call(
+            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
+        ):
+            return entity, str(attribute)
+    return state_entity(node), ""
+
+
 def constants_in(node: nodes.Expr) -> list[object]:
     """Return the constants that *node* is, or lists."""
     if isinstance(node, nodes.List | nodes.Tuple):
@@ -475,23 +486,20 @@ def round_limit(node: Located, *, is_until: bool) -> tuple[int, Located] | None:
 
 def _joined_by(joint: str, node: Located) -> list[Located]:
     """Return the conditions that *node* joins by *joint*; *node* itself if it joins none so."""
-    value = node.value
-    if isinstance(value, list) and (joint == "and" or len(value) == 1):
-        return [part for inner in value for part in _joined_by(joint, inner)]
-    if isinstance(value, dict):
-        kind = value.get("condition")
-        if kind is not None and kind.value == joint and "conditions" in value:
-            listed = value["conditions"]
-            inner_nodes = listed.value if isinstance(listed.value, list) else [listed]
-            return [part for inner in inner_nodes for part in _joined_by(joint, inner)]
-        if kind is not None and kind.value == "template" and "value_template" in value:
-            return _joined_by(joint, value["value_template"])
-    if isinstance(value, str) and "repeat.index" in value:
-        tree = expression_of(value)
-        if isinstance(tree, nodes.Or if joint == "or" else nodes.And):
-            sides = (Located(_Expression(value, side), node.line) for side in (tree.left, tree.right))
-            return [part for side in sides for part in _joined_by(joint, side)]
-    return [node]
+    match node.value:
+        case list() as parts if joint == "and" or len(parts) == 1:
+            pass
+        case {"condition": Located(value=kind), "conditions": Located(value=value) as listed} if kind == joint:
+            parts = value if isinstance(value, list) else [listed]
+        case {"condition": Located(value="template"), "value_template": template}:
+            parts = [template]
+        case str() as text if "repeat.index" in text and isinstance(
+            tree := expression_of(text), nodes.Or if joint == "or" else nodes.And
+        ):
+            parts = [Located(_Expression(text, side), node.line) for side in (tree.left, tree.right)]
+        case _:
+            return [node]
+    return [part for inner in parts for part in _joined_by(joint, inner)]
 
 
 def _most_rounds(node: Located, *, is_until: bool) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from itertools import takewhile
 from typing import Final, NamedTuple
 
-from homebot.integrations.homeassistant.automations.expressions import expression_of, state_entity
+from homebot.integrations.homeassistant.automations.expressions import entity_value, expression_of
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, called_service, service_name, walk
 from homebot.integrations.homeassistant.automations.service_tables import SERVICE_FIELDS
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
@@ -77,13 +77,7 @@ def _kept(text: str) -> tuple[str, str] | None:
         return None
     while isinstance(node, nodes.Filter) and node.name in {"float", "int"} and node.node is not None:
         node = node.node
-    entity, attribute = state_entity(node), ""
-    match node:
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"),
-            args=[nodes.Const(value=str(entity)), nodes.Const(value=str(attribute))],
-        ):
-            pass
+    entity, attribute = entity_value(node)
     field = _KEPT.get((entity.partition(".")[0], attribute), "")
     return (entity, field) if field else None
 

@@ -7,10 +7,10 @@ from typing import Final, cast
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.expressions import (
+    entity_value,
     path_of,
     refused_template,
     shown_tree,
-    states_path,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import value_name
@@ -89,25 +89,21 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
         return named, ""
     if moment := _moment(automation, node):
         return moment, ""
+    entity, attribute = entity_value(node)
+    if entity and attribute == "friendly_name":
+        return automation.entities.find(entity).device.name, ""
+    if entity:
+        return _state_value(automation, entity, attribute)
+    triggers = automation.triggers
     match path:
-        case ("trigger", "from_state", "state") if not any(trigger.value(path) for trigger in automation.triggers):
+        case ("trigger", "from_state", "state") if not any(trigger.value(path) for trigger in triggers):
             return _before(automation)
         case ("trigger", "to_state", "state"):
-            entities = {trigger.entity for trigger in automation.triggers}
+            entities = {trigger.entity for trigger in triggers}
             note_length(automation)
             if len(entities) == 1 and "" not in entities:
                 return _state_value(automation, entities.pop(), "")
     match node:
-        case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value=str(entity))]):
-            return _state_value(automation, entity, "")
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
-        ) if attribute == "friendly_name":
-            return automation.entities.find(entity).device.name, ""
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
-        ):
-            return _state_value(automation, entity, str(attribute))
         case nodes.Call(node=nodes.Name(name="area_name"), args=[inner]) if path_of(inner)[:1] == ("trigger",):
             return "{room}", ""
         case nodes.Call(node=nodes.Name(name="state_attr"), args=[inner, nodes.Const(value="friendly_name")]) if (
@@ -117,11 +113,8 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
         case nodes.Or(left=left, right=right) if (
             path_of(right)[:1] == ("trigger",) and value_text(automation, left)[0] == "{room}"
         ):
-            starting = [automation.entities.find(trigger.entity) for trigger in automation.triggers]
-            if all(entity.device.area for entity in starting):
+            if all(automation.entities.find(trigger.entity).device.area for trigger in triggers):
                 return "{room}", ""
-        case nodes.Getattr(attr="state") if entity := states_path(node.node):
-            return _state_value(automation, entity, "")
     return None
 
 

@@ -46,7 +46,7 @@ from homebot.integrations.homeassistant.automations.fields import (
 from homebot.integrations.homeassistant.automations.files import from_blueprint, groups_of, part_of, with_files
 from homebot.integrations.homeassistant.automations.kept_values import with_snapshot
 from homebot.integrations.homeassistant.automations.run_marks import marked_by, run_marks
-from homebot.integrations.homeassistant.automations.services import steps_of_service
+from homebot.integrations.homeassistant.automations.services import Step, steps_of_service
 from homebot.integrations.homeassistant.automations.template_calculations import step_length
 from homebot.integrations.homeassistant.automations.template_times import random_ends
 from homebot.integrations.homeassistant.automations.templates import keeps_state
@@ -68,9 +68,6 @@ from homebot.words.steps import (
     read_step,
 )
 from homebot.words.triggers import read_state, read_trigger
-
-Step = str | dict[str, object]
-"""A step of a routine, or a choice between some."""
 
 _CONDITIONS: Final = frozenset({"condition", *JOINTS})
 _KINDS: Final = (

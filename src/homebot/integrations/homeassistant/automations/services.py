@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, pairwise
-from typing import Final, NamedTuple, cast
+from typing import Final, NamedTuple, TypeAlias, cast
 
 from homebot.integrations.homeassistant.automations.entities import Automation, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
@@ -24,19 +24,13 @@ from homebot.integrations.homeassistant.automations.service_tables import (
 from homebot.integrations.homeassistant.automations.states import state_text
 from homebot.support.located import Located
 
+Step: TypeAlias = str | dict[str, object]
+"""A step of a routine, or a choice between some."""
 
-def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> list[str | dict[str, object]]:
+
+def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> list[Step]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
-    device_id = fields.texts_of("device_id")[:1] if key == "device_id" else []
-    name = _service_name(fields, key)
-    domain, data = name.partition(".")[0], fields.inner("data", "data_template", "service_data")
-    if key == "device_id":
-        given = {field: fields.take(field) for field in [*fields.left] if field in DEVICE_DATA}
-        name, own = DEVICE_ACTIONS.get(name, (name, {}))
-        data = UnreadFields(Located({**given, **{field: Located(value, 0) for field, value in own.items()}}, 0), "data")
-    target = _target_of(fields, data)
-    for entity in target.entities if key == "device_id" else ():
-        automation.entities.find_of_device(entity, "".join(device_id), domain, "")
+    name, data, target = (_action_of_device if key == "device_id" else _call)(automation, fields, key)
     for field in LEFT_OUT.get(name, ()):
         if data.take(field) is not None:
             automation.notes.append(f"`{field}` of {name} is left out")
@@ -46,37 +40,62 @@ def steps_of_service(automation: Automation, fields: UnreadFields, key: str) -> 
         return []
     if target.is_to_notify and (messages := message_steps(automation, name, data)) is not None:
         return [*messages]
-    if (read := _APART.get(name)) is not None:
-        return [*read(automation, name, data, target)]
-    if name in _NEXT:
-        is_cycle = data.flag("cycle", default=True)
-        data.end()
-        return [
-            step
-            for entity in _entities_of(automation, target, domain)
-            for step in _next(automation, name, entity, is_cycle=is_cycle)
-        ]
+    return [*_APART.get(name, _of_entities)(automation, name, data, target)]
+
+
+def _call(_automation: Automation, fields: UnreadFields, key: str) -> tuple[str, UnreadFields, "_Target"]:
+    """Read the name of a service, its data and its target."""
+    name = "scene.turn_on" if key == "scene" else fields.text(key)
+    data = fields.inner("data", "data_template", "service_data")
+    return name, data, _target_of(fields, data)
+
+
+def _action_of_device(automation: Automation, fields: UnreadFields, key: str) -> tuple[str, UnreadFields, "_Target"]:
+    """Read the action of a device as the call of the service that does the same."""
+    device_id = "".join(fields.texts(key)[:1])
+    domain = fields.text("domain")
+    action = f"{domain}.{fields.text('type')}"
+    fields.inner("data", "data_template", "service_data")
+    name, own = DEVICE_ACTIONS.get(action, (action, {}))
+    given = {field: fields.take(field) for field in [*fields.left] if field in DEVICE_DATA}
+    data = UnreadFields(Located({**given, **{field: Located(value, 0) for field, value in own.items()}}, 0), "data")
+    target = _target_of(fields, data)
+    for entity in target.entities:
+        automation.entities.find_of_device(entity, device_id, domain, "")
+    return name, data, target
+
+
+def _of_entities(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterable[str]:
+    """Return the steps that set the values of the service for each of its entities."""
+    domain = name.partition(".")[0]
     if name not in SERVICES:
         raise NotCarriedError(f"the service {name} has no counterpart in routines{ADVICE.get(domain, '')}")
     target.check(name)
-    if name == "scene.turn_on" and (scenes := automation.names.scenes_of(target.entities)):
-        over = data.duration("transition")
-        data.end()
-        return [f"scene {scene}{f', over {over}' if over else ''}" for scene in scenes]
-    if name == "scene.turn_on" and data.duration("transition"):
-        automation.notes.append("a scene of Home Assistant takes no transition from homebot")
     if domain in {"alarm_control_panel", "lock"} and data.take("code") is not None:
         automation.notes.append(
             "a code is kept by no routine: write it in Home Assistant as the default code of the entity"
         )
     settings, over = [*settings_of(automation, name, data)], data.duration("transition") if domain == "light" else ""
     data.end()
-    if any(word.words[:1] == "-" or str(word.value)[:1] == "-" for word in settings) and domain == "light":
+    if domain == "light" and any("-" in {word.words[:1], str(word.value)[:1]} for word in settings):
         automation.notes.append("a lamp stays on at 1 % where a step would turn it off in Home Assistant")
-    if (target.entities == ["all"] or target.areas) and _is_of_lights(name, settings, over):
-        return [*_of_rooms(automation, target, settings)]
+    is_only_switch = name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
+    if is_only_switch and (target.entities == ["all"] or target.areas):
+        return _of_rooms(automation, target, settings)
     known = _entities_of(automation, target, domain)
     return [text for entity in known for text in steps_of_entity(name, entity, settings, over)]
+
+
+def _of_scenes(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterable[str]:
+    """Return the steps that recall scenes of homebot, or of Home Assistant."""
+    target.check(name)
+    over = data.duration("transition")
+    if scenes := automation.names.scenes_of(target.entities):
+        data.end()
+        return [f"scene {scene}{f', over {over}' if over else ''}" for scene in scenes]
+    if over:
+        automation.notes.append("a scene of Home Assistant takes no transition from homebot")
+    return _of_entities(automation, name, data, target)
 
 
 def _of_routines(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[str]:
@@ -116,44 +135,35 @@ def _of_media(automation: Automation, name: str, data: UnreadFields, target: "_T
         yield from steps_of_entity(name, entity, [setting], "")
 
 
-def _of_message(automation: Automation, _name: str, data: UnreadFields, _target: "_Target") -> Sequence[str]:
-    return steps_of_message(automation, data)
+def _play_or_pause(_automation: Automation, entity: KnownEntity) -> list[Step]:
+    play, pause = (_by_words(entity, f"media_player.media_{way}") for way in ("play", "pause"))
+    return [{"if": [state_text(entity, "playing", "state")], "do": pause, "else": play}]
 
 
-_APART: Final[Mapping[str, Callable[[Automation, str, UnreadFields, "_Target"], Iterable[str]]]] = {
-    **{f"automation.{way}": _of_routines for way in ("turn_on", "turn_off", "trigger")},
-    "media_player.play_media": _of_media,
-    "mqtt.publish": _of_message,
-}
-"""The readers of services that command no entity."""
-
-_NEXT: Final = {
-    f"{domain}.{service}"
-    for domain in ("input_select", "select")
-    for service in ("select_next", "select_previous", "select_first", "select_last")
-} | {"media_player.media_play_pause", "cover.toggle"}
-"""Services with an effect that depends on the state of their entity."""
+def _open_or_close(automation: Automation, entity: KnownEntity) -> list[Step]:
+    automation.notes.append(f"{entity.id} closes if it stands half open")
+    to_open, to_close = (_by_words(entity, f"cover.{way}_cover") for way in ("open", "close"))
+    ends: Step = {"if": [state_text(entity, "closed", "state")], "do": to_open, "else": to_close}
+    if "stopped" not in entity.options("movement") or not entity.takes("movement"):
+        return [ends]
+    moving = " or ".join(f"({state_text(entity, state, 'state')})" for state in ("opening", "closing"))
+    return [{"if": [moving], "do": _by_words(entity, "cover.stop_cover"), "else": [ends]}]
 
 
-def _next(
-    automation: Automation, name: str, entity: KnownEntity, *, is_cycle: bool
-) -> Sequence[str | dict[str, object]]:
-    """Return the steps to the next state of an entity: a choice by the state that it has."""
-    if name == "media_player.media_play_pause":
-        play, pause = (_by_words(entity, f"media_player.media_{way}") for way in ("play", "pause"))
-        return [{"if": [state_text(entity, "playing", "state")], "do": pause, "else": play}]
-    if name == "cover.toggle":
-        automation.notes.append(f"{entity.id} closes if it stands half open")
-        ways = {way: _by_words(entity, f"cover.{way}_cover") for way in ("open", "close")}
-        ends: dict[str, object] = {
-            "if": [state_text(entity, "closed", "state")],
-            "do": ways["open"],
-            "else": ways["close"],
-        }
-        if "stopped" not in entity.options("movement") or not entity.takes("movement"):
-            return [ends]
-        moving = " or ".join(f"({state_text(entity, state, 'state')})" for state in ("opening", "closing"))
-        return [{"if": [moving], "do": _by_words(entity, "cover.stop_cover"), "else": [ends]}]
+_BY_STATE: Final = {"media_player.media_play_pause": _play_or_pause, "cover.toggle": _open_or_close}
+"""The steps of services with an effect that depends on the state of their entity."""
+
+
+def _of_next(automation: Automation, name: str, data: UnreadFields, target: "_Target") -> Iterator[Step]:
+    """Yield the steps to the next state of each entity: a choice by the state that it has."""
+    is_cycle = data.flag("cycle", default=True)
+    data.end()
+    for entity in _entities_of(automation, target, name.partition(".")[0]):
+        read = _BY_STATE.get(name)
+        yield from read(automation, entity) if read else _next_option(name, entity, is_cycle=is_cycle)
+
+
+def _next_option(name: str, entity: KnownEntity, *, is_cycle: bool) -> Sequence[Step]:
     options = [*entity.options("option")]
     steps = {option: steps_of_entity("", entity, [SETTINGS["option"]._replace(value=option)], "") for option in options}
     if not options:
@@ -165,7 +175,22 @@ def _next(
     for option, following in reversed([*pairwise(order)]):
         step = {"if": [state_text(entity, option, "state")], "do": steps[following]}
         choice = [{**step, "else": [*choice]} if choice else step]
-    return cast("list[str | dict[str, object]]", choice)
+    return cast("list[Step]", choice)
+
+
+_APART: Final[Mapping[str, Callable[[Automation, str, UnreadFields, "_Target"], Iterable[Step]]]] = {
+    "scene.turn_on": _of_scenes,
+    **{f"automation.{way}": _of_routines for way in ("turn_on", "turn_off", "trigger")},
+    "media_player.play_media": _of_media,
+    "mqtt.publish": lambda automation, _name, data, _target: steps_of_message(automation, data),
+    **{
+        f"{domain}.select_{way}": _of_next
+        for domain in ("input_select", "select")
+        for way in ("next", "previous", "first", "last")
+    },
+    **dict.fromkeys(_BY_STATE, _of_next),
+}
+"""The readers of services that set no value."""
 
 
 def _by_words(entity: KnownEntity, service: str) -> list[str]:
@@ -190,11 +215,6 @@ def _entities_of(automation: Automation, target: "_Target", domain: str) -> list
     if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
     return known
-
-
-def _is_of_lights(name: str, settings: Sequence[ServiceSetting], over: str) -> bool:
-    """Return whether a service only switches lights on or off, as homebot does with all of a room."""
-    return name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
 
 
 def _of_rooms(automation: Automation, target: "_Target", settings: Sequence[ServiceSetting]) -> Iterator[str]:
@@ -232,13 +252,6 @@ class _Target(NamedTuple):
         """Refuse a target without a name."""
         if not self.entities and not self.places:
             raise NotCarriedError(f"{name}: no target; name an entity")
-
-
-def _service_name(fields: UnreadFields, key: str) -> str:
-    if key == "device_id":
-        fields.take(key)
-        return f"{fields.text('domain')}.{fields.text('type')}"
-    return "scene.turn_on" if key == "scene" else fields.text(key)
 
 
 def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:

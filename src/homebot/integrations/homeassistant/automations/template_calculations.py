@@ -14,6 +14,7 @@ from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
+    entity_value,
     expression_of,
     path_of,
     refused_template,
@@ -144,13 +145,10 @@ class _Calculation:
             case nodes.Add() | nodes.Sub() | nodes.Mul() | nodes.Div():
                 rank = _RANKS[type(node)]
                 return f"({self._side(node.left, rank)} {node.operator} {self._side(node.right, rank + 1)})"
-            case nodes.Filter(name="min" | "max" | "sum" | "average" as name, node=inner, args=[]) if (
-                items := listed_numbers(inner)
-            ):
-                return self._of_several(name, items)
-            case nodes.Call(node=nodes.Name(name="min" | "max" | "average" as name), args=[inner]) if (
-                items := listed_numbers(inner)
-            ):
+            case (
+                nodes.Filter(name="min" | "max" | "sum" | "average" as name, node=inner, args=[])
+                | nodes.Call(node=nodes.Name(name="min" | "max" | "average" as name), args=[inner])
+            ) if items := listed_numbers(inner):
                 return self._of_several(name, items)
             case nodes.Call(node=nodes.Name(name="min" | "max" | "average" as name), args=[_, _, *_] as items):
                 return self._of_several(name, items)
@@ -206,13 +204,8 @@ class _Calculation:
 
     def _measured(self, node: nodes.Expr, *, has_default: bool = False) -> str:
         """Return the state or attribute of an entity, in the unit of Home Assistant; empty for another value."""
-        entity_id, attribute = state_entity(node), ""
+        entity_id, attribute = entity_value(node)
         match node:
-            case nodes.Call(
-                node=nodes.Name(name="state_attr"),
-                args=[nodes.Const(value=str(entity_id)), nodes.Const(value=str(attribute))],
-            ):
-                pass
             case nodes.Getattr() if len(path := path_of(node)) == 5 and path[0] == "states":
                 entity_id, attribute = f"{path[1]}.{path[2]}", path[4]
         if not entity_id:

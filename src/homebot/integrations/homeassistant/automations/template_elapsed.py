@@ -5,7 +5,12 @@ from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import Operator
 from homebot.integrations.homeassistant.automations.entities import Automation
-from homebot.integrations.homeassistant.automations.expressions import constant_number, path_of, state_entity
+from homebot.integrations.homeassistant.automations.expressions import (
+    constant_number,
+    entity_value,
+    path_of,
+    state_entity,
+)
 from homebot.integrations.homeassistant.automations.template_numbers import SIGNS
 from homebot.integrations.homeassistant.automations.template_times import is_now
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
@@ -116,14 +121,8 @@ def clock_helper(node: nodes.Node) -> tuple[str, float]:
 
 def helper_of(node: nodes.Node) -> str:
     """Return the helper of the moment *node*; empty for another expression."""
-    match node:
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value="timestamp")]
-        ):
-            pass
-        case _:
-            entity = state_entity(node)
-    return entity if entity.startswith("input_datetime.") else ""
+    entity, attribute = entity_value(node)
+    return entity if entity.startswith("input_datetime.") and attribute in {"", "timestamp"} else ""
 
 
 def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:

@@ -17,6 +17,7 @@ from homebot.integrations.homeassistant.automations.entities import (
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
     constants_in,
+    is_space,
     path_of,
     refused_template,
     shown_tree,
@@ -67,6 +68,12 @@ class EntityList(NamedTuple):
     told: str = ""
     number: tuple[str, float | None] = ("", None)
     with_states: bool = False
+
+    @property
+    def is_at_home(self) -> bool:
+        """True for persons, or groups of these, at home."""
+        are_groups = self.ids and all(entity.startswith("group.") for entity in self.ids)
+        return self.states == ("home",) and (self.domain == "person" or bool(are_groups))
 
     def texts(self, automation: Automation) -> list[str]:
         """Return for each entity that it is so.
@@ -179,12 +186,14 @@ def _filtered(known: EntityList, node: nodes.Filter) -> EntityList | None:
         return known._replace(told=told) if told or attributes == {"entity_id"} else None
     values = [[*constants_in(arg)] for arg in node.args]
     word, *rest = [str(value[0]) for value in values if value] or [""]
-    if node.name == "map" and word in {"float", "int"} and known.told == "state":
+    if known.told in {"state", "number"} and node.name in {"select", "reject"}:
+        return _of_values(known, node.name == "reject", word, values[-1] if rest else [])
+    if known.told == "state":
+        if node.name != "map" or word not in {"float", "int"}:
+            return None
         default = constant_number(node.args[1]) if len(node.args) > 1 else None
         return known._replace(told="number", number=(word, default))
-    if node.name in {"select", "reject"} and known.told in {"state", "number"}:
-        return _of_values(known, node.name == "reject", word, values[-1] if rest else [])
-    chosen = _FILTERS.get((node.name, word)) if known.told != "state" else None
+    chosen = _FILTERS.get((node.name, word))
     test = word if node.name in {"select", "reject"} else (*rest, "")[0]
     return None if chosen is None else chosen(known, test, [*map(str, values[-1])])
 
@@ -359,16 +368,10 @@ def _told_in(node: nodes.Node, name: str) -> set[tuple[str, ...]]:
 def _tests_of(node: nodes.For) -> tuple[list[nodes.Node], Sequence[nodes.Node]]:
     """Return the conditions of a loop, also of the only `if` in it, and the text that it writes then."""
     tests = [node.test] if node.test is not None else []
-    match [part for part in node.body if not _is_space(part)]:
+    match [part for part in node.body if not is_space(part)]:
         case [nodes.If(else_=[], elif_=[]) as choice]:
             return [*tests, choice.test], choice.body
     return [*tests], node.body
-
-
-def _is_space(node: nodes.Node) -> bool:
-    return isinstance(node, nodes.Output) and all(
-        isinstance(part, nodes.TemplateData) and not part.data.strip() for part in node.nodes
-    )
 
 
 def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None:

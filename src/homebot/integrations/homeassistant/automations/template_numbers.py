@@ -1,18 +1,18 @@
 """Numbers in the templates of automations: those of entities, their limits and differences. Pure."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import Operator
 from homebot.integrations.homeassistant.automations.entities import Automation
 from homebot.integrations.homeassistant.automations.expressions import (
     constant_number,
+    entity_value,
     expression_of,
     path_of,
     refused_template,
     shown_tree,
-    state_entity,
 )
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.states import number_of, values_text
@@ -32,16 +32,22 @@ class EntityNumber(NamedTuple):
     offset: float = 0.0
 
 
+_SCALES: Final[Mapping[type[nodes.Expr], Callable[[float], tuple[float, float]]]] = {
+    nodes.Mul: lambda value: (value, 0.0),
+    nodes.Div: lambda value: (1 / value, 0.0),
+    nodes.Add: lambda value: (1.0, value),
+    nodes.Sub: lambda value: (1.0, -value),
+}
+"""The factor and the offset of a calculation with a constant."""
+
+
 def number_of_tree(node: nodes.Expr) -> EntityNumber:
     """Return the number that *node* is."""
     match node:
         case nodes.Filter(name="float" | "int" as name, node=inner, args=args) if inner is not None:
             number = number_of_tree(inner)
-            given = [
-                constant_number(value)
-                for value in (*args[:1], *(one.value for one in node.kwargs if one.key == "default"))
-            ]
-            default = given[0] if given else None
+            given = [*args[:1], *(one.value for one in node.kwargs if one.key == "default")]
+            default = constant_number(given[0]) if given else None
             if number.factor != 1.0 or number.offset or (number.is_whole and name == "float"):
                 raise refused_template(shown_tree(node))
             return number._replace(default=default, is_whole=name == "int" or number.is_whole)
@@ -50,21 +56,15 @@ def number_of_tree(node: nodes.Expr) -> EntityNumber:
         case nodes.Call(node=nodes.Name(name="float" | "int" as name), args=[inner, *args]):
             number = number_of_tree(inner)
             return number._replace(default=constant_number(args[0]) if args else None, is_whole=name == "int")
-        case nodes.Mul(left=inner, right=nodes.Const(value=int() | float() as value)) if value:
-            number = number_of_tree(inner)
-            return _scaled(number, float(value), 0.0)
-        case nodes.Div(left=inner, right=nodes.Const(value=int() | float() as value)) if value:
-            return _scaled(number_of_tree(inner), 1 / float(value), 0.0)
-        case nodes.Add(left=inner, right=nodes.Const(value=int() | float() as value)):
-            return _scaled(number_of_tree(inner), 1.0, float(value))
-        case nodes.Sub(left=inner, right=nodes.Const(value=int() | float() as value)):
-            return _scaled(number_of_tree(inner), 1.0, -float(value))
-        case nodes.Call(
-            node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
-        ):
-            return EntityNumber(entity, str(attribute))
-    if entity := state_entity(node):
-        return EntityNumber(entity)
+        case nodes.BinExpr(left=inner, right=nodes.Const(value=int() | float() as value)) if type(node) in _SCALES:
+            if value or isinstance(node, nodes.Add | nodes.Sub):
+                number, (factor, offset) = number_of_tree(inner), _SCALES[type(node)](float(value))
+                if number.is_whole:
+                    raise NotCarriedError("template: it calculates with `int`; use `float`")
+                return number._replace(factor=number.factor * factor, offset=number.offset * factor + offset)
+    entity, attribute = entity_value(node)
+    if entity:
+        return EntityNumber(entity, attribute)
     if len(path := path_of(node)) == 5 and path[0] == "states" and path[3] == "attributes":
         return EntityNumber(f"{path[1]}.{path[2]}", path[4])
     raise refused_template(shown_tree(node))
@@ -115,13 +115,6 @@ def summands(node: nodes.Expr, sign: float) -> list[EntityNumber]:
             return summands(inner, sign)
     number = number_of_tree(node)
     return [number._replace(factor=sign * number.factor, offset=sign * number.offset)]
-
-
-def _scaled(number: EntityNumber, factor: float, offset: float) -> EntityNumber:
-    if number.is_whole:
-        raise NotCarriedError("template: it calculates with `int`; use `float`")
-    default = None if number.default is None else number.default
-    return number._replace(factor=number.factor * factor, offset=number.offset * factor + offset, default=default)
 
 
 def whole_limit(sign: Operator, limit: float) -> tuple[Operator, float]:

@@ -50,6 +50,10 @@ def clock_of_today(node: nodes.Node) -> str:
     return ""
 
 
+_UNITS: Final = {**dict.fromkeys(("%H:%M", "%H:%M:%S", "%T"), "clock"), **dict.fromkeys(("%a", "%A"), "day")}
+"""The units of times in a form."""
+
+
 def unit_of_now(node: nodes.Node) -> str:
     """Return the unit of the time that *node* is, such as ``hour``; empty for another expression."""
     match node:
@@ -65,14 +69,10 @@ def unit_of_now(node: nodes.Node) -> str:
             inner
         ):
             return unit
-        case nodes.Call(
-            node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H:%M" | "%H:%M:%S" | "%T")]
-        ) if is_now(inner):
-            return "clock"
-        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%a" | "%A")]) if (
-            is_now(inner)
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value=str(form))]) if is_now(
+            inner
         ):
-            return "day"
+            return _UNITS.get(form, "")
         case nodes.Filter(
             name="int", node=nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%H")])
         ) if is_now(inner):
@@ -172,34 +172,45 @@ def _on_day(node: nodes.Node, day: date) -> object:
     raise refused_template(shown_tree(node))
 
 
+def _of_hours(hours: Sequence[int]) -> list[Condition]:
+    begin, end = hours[0], hours[-1] + 1
+    if begin and end < 24:
+        return [(f"between {begin}:00 and {end}:00",)]
+    return [(f"after {begin}:00" if begin else f"before {end}:00",)]
+
+
+def _of_months(months: Sequence[int]) -> list[Condition]:
+    return [("in " + "-".join(dict.fromkeys(_MONTHS[month - 1] for month in (months[0], months[-1]))),)]
+
+
+_NUMBERED: Final[Mapping[str, tuple[range, Callable[[Sequence[int]], list[Condition]]]]] = {
+    "hour": (range(24), _of_hours),
+    "weekday": (range(7), lambda days: [(f"on {','.join(_DAYS[day] for day in days)}",)]),
+    "isoweekday": (range(1, 8), lambda days: [(f"on {','.join(_DAYS[day - 1] for day in days)}",)]),
+    "month": (range(1, 13), _of_months),
+}
+"""The numbers of a unit, and the conditions that it is now one of some of these."""
+
+
 def of_time(unit: str, sign: str, value: object) -> list[Condition]:
     """Return the conditions that a time of now is so."""
-    match unit, value:
-        case "clock", str(text) if sign == "==" and _CLOCK.fullmatch(text) and text.count(":") == 1:
-            minute = datetime.strptime(text, "%H:%M") + timedelta(minutes=1)  # noqa: DTZ007 - of any day
-            return [(f"between {text} and {minute:%H:%M}",)]
-        case "clock", str(text) if _CLOCK.fullmatch(text) and sign in {">", ">=", "<", "<="}:
-            side = "after" if sign[0] == ">" else "before"
-            span = read_span(f"{side} {text}")
-            return [(f"{side} {text}",)] if span is not None and span.begin != span.end else []
-        case "day", str(name) if sign == "==" and name[:3].lower() in _DAYS:
+    match value:
+        case str(text) if unit == "clock" and _CLOCK.fullmatch(text):
+            if sign != "==":
+                side = "after" if sign[0] == ">" else "before"
+                span = read_span(f"{side} {text}")
+                return [(f"{side} {text}",)] if span is not None and span.begin != span.end else []
+            if text.count(":") == 1:
+                minute = datetime.strptime(text, "%H:%M") + timedelta(minutes=1)  # noqa: DTZ007 - of any day
+                return [(f"between {text} and {minute:%H:%M}",)]
+        case str(name) if unit == "day" and sign == "==" and name[:3].lower() in _DAYS:
             return [(f"on {name[:3].lower()}",)]
-        case "hour", int(hour):
-            held = [number for number in range(24) if _holds_whole(number, sign, hour)]
-            if len(held) in {0, 24}:
+        case int(number) if unit in _NUMBERED:
+            numbers, conditions_of = _NUMBERED[unit]
+            held = [now for now in numbers if (now == number if sign == "==" else holds(now, sign, number))]
+            if len(held) in {0, len(numbers)}:
                 return [] if held else [NEVER]
-            begin, end = held[0], held[-1] + 1
-            texts = ([f"after {begin}:00"] if begin else []) + ([f"before {end}:00"] if end < 24 else [])
-            return [(f"between {begin}:00 and {end}:00",)] if len(texts) > 1 else [(text,) for text in texts]
-        case (("weekday" | "isoweekday"), int(day)):
-            first = int(unit == "isoweekday")
-            days = [name for number, name in enumerate(_DAYS, first) if _holds_whole(number, sign, day)]
-            return [(f"on {','.join(days)}",)] if 0 < len(days) < len(_DAYS) else [] if days else [NEVER]
-        case "month", int(month):
-            months = [name for number, name in enumerate(_MONTHS, 1) if _holds_whole(number, sign, month)]
-            if not 0 < len(months) < len(_MONTHS):
-                return [] if months else [NEVER]
-            return [(f"in {months[0]}" + (f"-{months[-1]}" if len(months) > 1 else ""),)]
+            return conditions_of(held)
     raise NotCarriedError(f"template: now() against {value!r}")
 
 
@@ -209,10 +220,6 @@ def hours_of(hours: Sequence[object]) -> list[Condition]:
     if not isinstance(first, int) or not isinstance(last, int) or [*hours] != [*range(first, last + 1)]:
         return []
     return [*of_time("hour", ">=", first), *of_time("hour", "<=", last)] if len(hours) > 1 else []
-
-
-def _holds_whole(number: int, sign: str, value: int) -> bool:
-    return number == value if sign == "==" else holds(number, sign, value)
 
 
 def random_ends(node: Located) -> tuple[Located, Located] | None:

@@ -22,6 +22,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
     LeftTemplate,
     constant_number,
     constants_in,
+    entity_value,
     expression_of,
     folded,
     joined_pieces,
@@ -62,7 +63,6 @@ from homebot.integrations.homeassistant.automations.states import (
 )
 from homebot.integrations.homeassistant.automations.template_calculations import calculation_text, is_calculated
 from homebot.integrations.homeassistant.automations.template_elapsed import (
-    Elapsed,
     clock_helper,
     elapsed_limit,
     helper_of,
@@ -71,7 +71,6 @@ from homebot.integrations.homeassistant.automations.template_elapsed import (
 )
 from homebot.integrations.homeassistant.automations.template_lists import (
     NEGATED,
-    EntityList,
     count_text,
     counted_list,
     entity_list,
@@ -108,9 +107,12 @@ _SWAPPED: Final = {"gt": "lt", "lt": "gt", "gteq": "lteq", "lteq": "gteq", "eq":
 _DENIED: Final[Mapping[str, Operator]] = {">": "<=", "<": ">=", ">=": "<", "<=": ">"}
 _TURNED: Final[Mapping[str, Operator]] = {">": "<", "<": ">", ">=": "<=", "<=": ">="}
 _LIMITS: Final = (("trigger", "above"), ("trigger", "below"))
+_STATE: Final = ("trigger", "to_state", "state")
+_BEFORE: Final = ("trigger", "from_state", "state")
 _PLATFORM: Final = ("trigger", "platform")
 _Ways: TypeAlias = list[tuple[list[Condition], list[nodes.Node]]]
 _NodeT = TypeVar("_NodeT", bound=nodes.Node)
+_KeyT = TypeVar("_KeyT")
 
 
 class Templates:
@@ -274,7 +276,8 @@ class Templates:
         for read in (self._of_choice, self._of_names, self._of_chance, self._of_table):
             if ways := read(node):
                 return ways
-        return self._of_trigger(node, text, is_message=is_message)
+        ways = self._of_trigger(node, text, is_message=is_message)
+        return ways if ways or is_message else self._by_option(node)
 
     def _of_statement(self, node: nodes.If, text: str) -> _Ways:
         """Return the two ways of ``{% if … %}``, of which the other one may be a choice again."""
@@ -306,11 +309,9 @@ class Templates:
             case nodes.Filter(
                 name="replace", node=named, args=[nodes.Const(value=str(old)), nodes.Const(value=str(new))]
             ) if path_of(named) in NAME_PATHS and all(trigger.entity for trigger in triggers):
-                by_name: dict[str, list[StartTrigger]] = {}
-                for trigger in triggers:
-                    device = self._automation.entities.find(trigger.entity).device
-                    by_name.setdefault((device.name or device.id).replace(old, new), []).append(trigger)
-                return [(self.started_by(group), [nodes.Const(name)]) for name, group in by_name.items()]
+                devices = (self._automation.entities.find(trigger.entity).device for trigger in triggers)
+                groups = _grouped(triggers, [(device.name or device.id).replace(old, new) for device in devices])
+                return [(self.started_by(group), [nodes.Const(name)]) for name, group in groups.items()]
         return []
 
     def _of_chance(self, node: nodes.Node) -> _Ways:
@@ -340,25 +341,18 @@ class Templates:
         return []
 
     def _of_trigger(self, node: nodes.Node, text: str, *, is_message: bool) -> _Ways:
-        """Return the values of *node* by the trigger, or by the option of the only entity in it."""
-        paths = {
-            path for inner in (node, *node.find_all(nodes.Getattr)) if (path := path_of(inner))[:1] == ("trigger",)
-        }
-        triggers, now = self._automation.triggers, ("trigger", "to_state", "state")
-        is_asked = not self._automation.has_waited and all(trigger.value(now) is None for trigger in triggers)
-        is_state = now in paths and (is_message or is_asked)
+        """Return the values of *node* by the trigger; empty for one that names no value of it."""
+        triggers, asked = self._automation.triggers, {path_of(inner) for inner in (node, *node.find_all(nodes.Getattr))}
+        is_asked = not self._automation.has_waited and all(trigger.value(_STATE) is None for trigger in triggers)
+        is_state = _STATE in asked and (is_message or is_asked)
         if is_state:
             note_length(self._automation)
-        paths = {path for path in paths if any(trigger.value(path) is not None for trigger in triggers)}
+        paths = {path for path in asked if any(trigger.value(path) is not None for trigger in triggers)}
         if is_state and all(trigger.entity for trigger in triggers):  # each state is asked anew
-            paths = paths - {("trigger", "to_state", "state")} | {("trigger", "entity_id")}
-        if not paths and not is_message and (by_option := self._by_option(node)):
-            return by_option
+            paths = paths - {_STATE} | {("trigger", "entity_id")}
         if not paths or (is_message and is_value(self._automation, node)):
             return []
-        groups: dict[tuple[str | None, ...], list[StartTrigger]] = {}
-        for trigger in triggers:
-            groups.setdefault(tuple(trigger.value(path) for path in sorted(paths)), []).append(trigger)
+        groups = _grouped(triggers, [tuple(trigger.value(path) for path in sorted(paths)) for trigger in triggers])
         if any(None in key for key in groups):
             raise refused_template(text, "not each trigger has this value; write it as `choose`")
         return [
@@ -382,7 +376,15 @@ class Templates:
 
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
-        for read in (self._known, self._of_entity, days_of, weeks_of, self._tested, self._counted):
+        for read in (
+            self._known,
+            self._of_entity,
+            days_of,
+            weeks_of,
+            self._tested,
+            self._of_listed_numbers,
+            self._counted,
+        ):
             if (special := read(node)) is not None:
                 return special
         match node:
@@ -420,9 +422,8 @@ class Templates:
         is_state = self._is_new_state(node)
         if not (is_asked or is_state) or not isinstance(node, nodes.Call | nodes.Compare):
             return None
-        groups: dict[str, list[StartTrigger]] = {}
-        for trigger in self._automation.triggers:
-            groups.setdefault(trigger.entity, []).append(trigger)
+        triggers = self._automation.triggers
+        groups = _grouped(triggers, [trigger.entity for trigger in triggers])
         if "" in groups:
             raise refused_template(shown_tree(node), "not each trigger has an entity; give each an `id`")
         conditions: list[Condition] = []
@@ -433,10 +434,9 @@ class Templates:
 
     def _is_new_state(self, node: nodes.Expr) -> bool:
         """Return whether *node* asks for the state of which each trigger is any, and which is that of now."""
-        triggers, state = self._automation.triggers, ("trigger", "to_state", "state")
-        is_any = all(trigger.entity and not trigger.state for trigger in triggers)
+        is_any = all(trigger.entity and not trigger.state for trigger in self._automation.triggers)
         paths = map(path_of, node.find_all(nodes.Getattr))
-        return is_any and not self._automation.has_waited and state in paths
+        return is_any and not self._automation.has_waited and _STATE in paths
 
     def _tested(self, node: nodes.Expr) -> list[Condition] | None:
         """Return the conditions of ``is none`` and ``is defined``; None for another expression."""
@@ -467,31 +467,28 @@ class Templates:
         A routine starts by no unknown state.
         """
         match node:
+            case nodes.Compare(
+                expr=left,
+                ops=[nodes.Operand(op="notin" | "ne", expr=(nodes.Const() | nodes.List() | nodes.Tuple()) as listed)],
+            ):
+                states = {str(value) for value in constants_in(listed)}
+                if not states <= UNKNOWN:
+                    return None
+                if (path := path_of(left)) == _BEFORE:
+                    self._automation.notes.append("a state that differs from that before it was unknown starts it")
+                if path in {_STATE, _BEFORE}:
+                    return self._by_a_state()
+                if (entity := state_entity(left)) and states - {""}:
+                    return [known_texts(self._automation.entities, entity)]
             case nodes.Compare(expr=left, ops=[nodes.Operand(op="notin" | "ne", expr=right)]):
-                if isinstance(right, nodes.Const | nodes.List | nodes.Tuple):
-                    states = {str(value) for value in constants_in(right)}
-                    if states <= UNKNOWN and path_of(left) == ("trigger", "to_state", "state"):
-                        return self._by_a_state()
-                    if states <= UNKNOWN and path_of(left) == ("trigger", "from_state", "state"):
-                        self._automation.notes.append("a state that differs from that before it was unknown starts it")
-                        return self._by_a_state()
-                    if entity := state_entity(left) if states <= UNKNOWN and states - {""} else "":
-                        return [known_texts(self._automation.entities, entity)]
-                paths = {path_of(left), path_of(right)}
-                by = {trigger.entity for trigger in self._automation.triggers}
-                if ("trigger", "from_state", "state") in paths and {state_entity(left), state_entity(right)} & by - {
-                    ""
-                }:
+                paths, entities = {path_of(left), path_of(right)}, {state_entity(left), state_entity(right)} - {""}
+                is_after = _STATE in paths or any(trigger.entity in entities for trigger in self._automation.triggers)
+                if _BEFORE in paths and is_after:
                     return self._by_a_state()
-                if paths == {("trigger", "to_state", "state"), ("trigger", "from_state", "state")}:
-                    return self._by_a_state()
-            case nodes.Compare(expr=left, ops=[nodes.Operand(op="in", expr=right)]) if path_of(left) == (
-                "trigger",
-                "from_state",
-                "state",
-            ) and {*constants_in(right)} == {"home", "not_home"}:
-                people = [trigger for trigger in self._automation.triggers if trigger.entity]
-                if all(trigger.entity.startswith("group.") for trigger in people):
+            case nodes.Compare(expr=left, ops=[nodes.Operand(op="in", expr=right)]) if path_of(left) == _BEFORE and {
+                *constants_in(right)
+            } == {"home", "not_home"}:
+                if all(trigger.entity[:6] in {"", "group."} for trigger in self._automation.triggers):
                     return self._by_a_state()
             case nodes.Call(node=nodes.Name(name="has_value"), args=[nodes.Const(value=str(entity))]):
                 return [known_texts(self._automation.entities, entity)]
@@ -499,14 +496,26 @@ class Templates:
                 return [known_texts(self._automation.entities, entity)]
         return None
 
-    def _counted(self, node: nodes.Expr) -> list[Condition] | None:
-        """Return the condition that any, or none, of several entities is in a state; None for another expression."""
-        sign, most = "gt", 0.0
+    def _of_listed_numbers(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the condition of a limit of the least, or the greatest, number of a list; None for another one."""
         match node:
             case nodes.Compare(
                 expr=nodes.Filter(name="min" | "max" as end, node=numbers), ops=[nodes.Operand(op=sign, expr=limit)]
             ) if (known := entity_list(numbers)) is not None and sign in SIGNS:
-                return self._of_extreme(known, end, sign, constant_number(limit))
+                is_any = (end == "min") is (SIGNS[sign][0] == "<")
+                limited = known.limited(sign if is_any else NEGATED[sign], constant_number(limit))
+                if known.told != "number" or limited is None:
+                    raise refused_template(
+                        end, "a number of its list may be unknown; write `select('is_number')` before it"
+                    )
+                held = self._any_of([[(f"({text})",)] for text in limited.texts(self._automation)])
+                return held if is_any else self._denied(held)
+        return None
+
+    def _counted(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that any, or none, of several entities is in a state; None for another expression."""
+        sign, most = "gt", 0
+        match node:
             case nodes.Compare(expr=counted, ops=[nodes.Operand(op=sign, expr=nodes.Const(value=int(most)))]):
                 known = counted_list(counted)
             case nodes.Compare(
@@ -517,11 +526,10 @@ class Templates:
             case nodes.Filter() | nodes.For():
                 known = counted_list(node) or entity_list(node)
             case _:
-                known = None
+                return None
         if known is None:
             return None
-        is_of_people = known.domain == "person" or (known.ids and all(one.startswith("group.") for one in known.ids))
-        if is_of_people and known.states == ("home",) and (sign in SIGNS or not most):
+        if known.is_at_home and (sign in SIGNS or not most):
             number_sign = SIGNS.get(sign, "<=" if sign == "eq" else ">")
             return [(people_text(self._automation, number_sign, float(most)),)]
         any_of_them = self._any_of([[(f"({text})",)] for text in known.texts(self._automation)])
@@ -530,17 +538,7 @@ class Templates:
                 return any_of_them
             case ("eq" | "lteq", 0) | ("lt", 1):
                 return self._denied(any_of_them)
-        count = f"{{{count_text(self._automation, known)}}}"
-        return [tuple(f"{count} {limit}" for limit in limits) for limits in _limits_of_count(sign, int(most))]
-
-    def _of_extreme(self, known: EntityList, end: str, sign: str, limit: float) -> list[Condition]:
-        """Return the condition that the least, or the greatest, number of a list is above or below a limit."""
-        is_any = (end == "min") is (SIGNS[sign][0] == "<")
-        limited = known.limited(sign if is_any else NEGATED[sign], limit)
-        if known.told != "number" or limited is None:
-            raise refused_template(end, "a number of its list may be unknown; write `select('is_number')` before it")
-        held = self._any_of([[(f"({text})",)] for text in limited.texts(self._automation)])
-        return held if is_any else self._denied(held)
+        return _limits_of(f"{{{count_text(self._automation, known)}}}", sign, most, 1)
 
     def _by_a_state(self) -> list[Condition]:
         """Return the condition that a state started it: any other trigger has none, and ends with an error."""
@@ -571,54 +569,54 @@ class Templates:
         """Return the condition that a calculated number is above or below a limit, or near it."""
         limit = constant_number(right) if isinstance(right, nodes.Const | nodes.Neg) else None
         number = left if limit is not None else nodes.Sub(left, right)
-        value, at = f"{{{calculation_text(self._automation, number, may_be_unknown=False)}}}", limit or 0.0
-        over, under = (f"{value} {side} {at + way * EQUAL:.12g}" for side, way in (("above", -1), ("below", 1)))
-        match sign:
-            case "eq":
-                return [(over,), (under,)]
-            case "ne":
-                return [(f"{value} above {at:.12g}", f"{value} below {at:.12g}")]
-            case "gteq" | "lteq":
-                return [(over if sign == "gteq" else under,)]
-        return [(f"{value} {'above' if sign == 'gt' else 'below'} {at:.12g}",)]
+        value = f"{{{calculation_text(self._automation, number, may_be_unknown=False)}}}"
+        return _limits_of(value, sign, limit or 0.0, EQUAL)
 
     def _compared_by_words(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition]:
         if sign in {"in", "notin"}:
             values = constants_in(right)
-            if unit_of_now(left) == "hour" and (hours := hours_of(values)):
-                return hours if sign == "in" else self._denied(hours)
-            states = self._any_of([self._equal(left, value) for value in values])
-            return states if sign == "in" else self._denied(states)
+            hours = hours_of(values) if unit_of_now(left) == "hour" else []
+            held = hours or self._any_of([self._equal(left, value) for value in values])
+            return held if sign == "in" else self._denied(held)
         if isinstance(left, nodes.Const) and not isinstance(right, nodes.Const):
             left, right, sign = right, left, _SWAPPED[sign]
-        if isinstance(right, nodes.CondExpr) and right.expr2 is not None:
-            held = self._read(right.test)
-            ways = (
-                [*held, *self._compared(left, sign, right.expr1)],
-                [*self._denied(held), *self._compared(left, sign, right.expr2)],
-            )
-            return self._any_of(ways)
-        if sign in {"eq", "ne"} and _is_truth(left) and _is_truth(right):
-            (yes, no), (also, neither) = ((held, self._denied(held)) for held in map(self._read, (left, right)))
-            if sign == "ne":
-                also, neither = neither, also
-            return self._any_of([[*yes, *also], [*no, *neither]])
-        if (several := extreme_of(left)) is not None and sign in SIGNS:
-            return self._compared_all(*several, sign, right)
-        if (of_clock := self._of_clock(left, sign, right)) is not None:
-            return of_clock
-        if (elapsed := elapsed_limit(left, sign, right)) is not None:
-            return self._since(elapsed)
-        if not isinstance(right, nodes.Const | nodes.Neg) and sign == "ne":
-            return [tuple(two_values_text(self._automation, left, way, right) for way in ("gt", "lt"))]
-        if not isinstance(right, nodes.Const | nodes.Neg) or is_of_two(left):
-            return [(two_values_text(self._automation, left, sign, right),)]
+        for read in (
+            *(self._with_either, self._of_truths, self._of_extreme),
+            *(self._of_clock, self._since, self._of_two_values),
+        ):
+            if (special := read(left, sign, right)) is not None:
+                return special
         (value,) = constants_in(right)
         if sign == "eq":
             return self._equal(left, value)
         if sign == "ne" and path_of(left)[:1] != ("wait",):  # without a trigger it is an error
             return self._denied(self._equal(left, value))
         return self._limited(left, SIGNS[sign], value)
+
+    def _with_either(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
+        """Return the condition of a comparison with ``a if b else c``; None for another one."""
+        if not isinstance(right, nodes.CondExpr) or right.expr2 is None:
+            return None
+        held = self._read(right.test)
+        yes, no = (self._compared(left, sign, value) for value in (right.expr1, right.expr2))
+        return self._any_of([[*held, *yes], [*self._denied(held), *no]])
+
+    def _of_truths(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that two truth values are the same, or not; None for other values."""
+        if sign not in {"eq", "ne"} or not (_is_truth(left) and _is_truth(right)):
+            return None
+        (yes, no), (also, neither) = ((held, self._denied(held)) for held in map(self._read, (left, right)))
+        if sign == "ne":
+            also, neither = neither, also
+        return self._any_of([[*yes, *also], [*no, *neither]])
+
+    def _of_two_values(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that one value is above or below another; None for a limit of one alone."""
+        is_limit = isinstance(right, nodes.Const | nodes.Neg)
+        if is_limit and not is_of_two(left):
+            return None
+        ways = ("gt", "lt") if sign == "ne" and not is_limit else (sign,)
+        return [tuple(two_values_text(self._automation, left, way, right) for way in ways)]
 
     def _of_clock(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
         """Return the condition that a time of day, perhaps that of a helper, is past; None for another comparison."""
@@ -634,8 +632,11 @@ class Templates:
         side = "after" if SIGNS[sign][0] == ">" else "before"
         return [(f"{side} {helper_time(self._automation.entities, helper)}",)]
 
-    def _compared_all(self, kind: str, values: Sequence[nodes.Expr], sign: str, right: nodes.Expr) -> list[Condition]:
-        """Return the condition that the least, or the greatest, of *values* is above or below a limit."""
+    def _of_extreme(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
+        """Return the condition of a limit of the least, or the greatest, of some values; None for another number."""
+        if (several := extreme_of(left)) is None or sign not in SIGNS:
+            return None
+        kind, values = several
         ways = [self._read(nodes.Compare(value, [nodes.Operand(sign, right)])) for value in values]
         if (kind == "min") is (SIGNS[sign][0] == ">"):
             return [condition for way in ways for condition in way]
@@ -673,13 +674,11 @@ class Templates:
                 return [("wait timed out",)]
         if (unit := unit_of_now(left)) and type(value) is (str if unit in {"clock", "day"} else int):
             return of_time(unit, "==", value)
-        if entity := state_entity(left):
+        entity, attribute = entity_value(left)
+        if attribute:
+            return [(attribute_of(self._automation.entities, entity, attribute, value),)]
+        if entity:
             return self._in_state(entity, str(value))
-        match left:
-            case nodes.Call(
-                node=nodes.Name(name="state_attr"), args=[nodes.Const(value=str(entity)), nodes.Const(value=attribute)]
-            ):
-                return [(attribute_of(self._automation.entities, entity, str(attribute), value),)]
         raise refused_template(shown_tree(left))
 
     def _in_event(self, path: Sequence[str], value: object, asked: nodes.Expr) -> list[Condition]:
@@ -702,8 +701,10 @@ class Templates:
             raise refused_template(shown_tree(asked), "not each trigger has it; write it as `choose`")
         return triggers
 
-    def _since(self, elapsed: Elapsed) -> list[Condition]:
-        """Return the condition that something is so long ago, or not."""
+    def _since(self, left: nodes.Expr, sign: str, right: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that something is so long ago, or not; None for another comparison."""
+        if (elapsed := elapsed_limit(left, sign, right)) is None:
+            return None
         is_over, seconds = elapsed.sign[0] == ">", elapsed.seconds
         if is_last_run(self._automation, elapsed.last):
             if seconds <= 0:
@@ -768,6 +769,14 @@ class Templates:
         if number.default is not None and holds(number.default * factor, sign, limit):
             return [(f"not ({limits_text(entity, capability, [(_DENIED[sign], limit)])})",)]
         return [(f"({limits_text(entity, capability, [(sign, limit)])})",)]
+
+
+def _grouped(triggers: Sequence[StartTrigger], keys: Sequence[_KeyT]) -> dict[_KeyT, list[StartTrigger]]:
+    """Return the triggers with the same of *keys*, of which each has one."""
+    groups: dict[_KeyT, list[StartTrigger]] = {}
+    for trigger, key in zip(triggers, keys, strict=True):
+        groups.setdefault(key, []).append(trigger)
+    return groups
 
 
 def _is_truth(node: nodes.Expr) -> bool:
@@ -844,19 +853,18 @@ def keeps_state(text: str) -> bool:
     return _is_truth(expression) and not isinstance(expression, nodes.Const) and "state" in text
 
 
-def _limits_of_count(sign: str, number: int) -> list[tuple[str, ...]]:
-    """Return the limits of a whole number, of which one of each must hold."""
-    above, below = f"above {number - 1}", f"below {number + 1}"
-    match sign:
-        case "eq":
-            return [(above,), (below,)]
-        case "ne":
-            return [(f"above {number}", f"below {number}")]
-        case "gteq":
-            return [(above,)]
-        case "lteq":
-            return [(below,)]
-    return [(f"{'above' if sign == 'gt' else 'below'} {number}",)]
+def _limits_of(value: str, sign: str, number: float, step: float) -> list[Condition]:
+    """Return the conditions that *value* is so compared with *number*; within a *step* two numbers are the same."""
+    above, below = f"{value} above {number:.12g}", f"{value} below {number:.12g}"
+    from_it, up_to_it = f"{value} above {number - step:.12g}", f"{value} below {number + step:.12g}"
+    limits: Mapping[str, list[Condition]] = {
+        "eq": [(from_it,), (up_to_it,)],
+        "ne": [(above, below)],
+        "gt": [(above,)],
+        "gteq": [(from_it,)],
+        "lteq": [(up_to_it,)],
+    }
+    return limits.get(sign, [(below,)])
 
 
 def bracketed(text: str) -> str:

@@ -6,6 +6,7 @@ Source: Home Assistant core 2026.11, ``components/homeassistant/triggers``, ``co
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Final
 
 from homebot.integrations.homeassistant.automations.conditions import denied, template_text, templates_of
@@ -47,44 +48,39 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[StartTri
         return [*_by_side(automation, fields)]
     kind = fields.text("trigger", "") or fields.text("platform", "")
     fields.take("id")
-    match kind:
-        case "time":
-            days = fields.days()
-            return [StartTrigger(text) for text in _times(automation, fields, days)]
-        case "time_pattern":
-            return [*map(StartTrigger, _pattern(automation, fields))]
-        case "homeassistant":
-            if (event := fields.text("event")) not in {"start", "started"}:
-                raise NotCarriedError(f"trigger homeassistant: {event!r}; a routine knows only its start")
-            automation.notes.append("the start is that of homebot")
-            return [StartTrigger("homebot starts")]
-        case "sun":
-            return [StartTrigger(sun_moment(fields, fields.text("event"), "offset"))]
-        case "device" if "entity_id" not in fields:
-            return [StartTrigger(device_press(automation, fields))]
-        case kind if (read := _READERS.get(kind)) is not None:
-            return read(automation, fields)
-        case kind if kind in STATES:
-            is_leave = kind == "zone" and fields.text("event", "enter") == "leave"
-            lasting = lasting_text(automation, fields)
-            ids = fields.texts_of("entity_id")
-            limits = tuple((side, str(fields.left[side].value)) for side in ("above", "below") if side in fields)
-            if kind == "numeric_state" and (calculated := _calculated(automation, fields)):
-                return [
-                    StartTrigger(f"{text}{lasting}", entity=entity, data=(*limits, *length_facts(lasting)))
-                    for entity, text in zip(ids, calculated, strict=True)
-                ]
-            texts = STATES[kind](automation.entities, fields, "to")
-            return [
-                StartTrigger(
-                    moved(text, lasting, is_leave=is_leave), entity=entity, data=(*limits, *length_facts(lasting))
-                )
-                for entity, entity_texts in zip(ids, texts, strict=True)
-                for text in entity_texts
-            ]
-        case "":
-            fields.end()
+    if kind == "device" and "entity_id" not in fields:
+        return [StartTrigger(device_press(automation, fields))]
+    if (read := _READERS.get(kind)) is not None:
+        return read(automation, fields)
+    if not kind:
+        fields.end()
     raise NotCarriedError(f"trigger: {kind!r} has no counterpart in routines{ADVICE.get(kind, '')}")
+
+
+def _start(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    if (event := fields.text("event")) not in {"start", "started"}:
+        raise NotCarriedError(f"trigger homeassistant: {event!r}; a routine knows only its start")
+    automation.notes.append("the start is that of homebot")
+    return [StartTrigger("homebot starts")]
+
+
+def _states(kind: str, automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    """Return the triggers of the states, or the limits, of entities."""
+    is_leave = kind == "zone" and fields.text("event", "enter") == "leave"
+    lasting = lasting_text(automation, fields)
+    ids = fields.texts_of("entity_id")
+    limits = tuple((side, str(fields.left[side].value)) for side in ("above", "below") if side in fields)
+    data = (*limits, *length_facts(lasting))
+    if kind == "numeric_state" and (calculated := _calculated(automation, fields)):
+        return [
+            StartTrigger(f"{text}{lasting}", entity=entity, data=data)
+            for entity, text in zip(ids, calculated, strict=True)
+        ]
+    return [
+        StartTrigger(moved(text, lasting, is_leave=is_leave), entity=entity, data=data)
+        for entity, texts in zip(ids, STATES[kind](automation.entities, fields, "to"), strict=True)
+        for text in texts
+    ]
 
 
 def _by_length(
@@ -129,8 +125,9 @@ def _calculated(automation: Automation, fields: UnreadFields) -> list[str]:
     ]
 
 
-def _times(automation: Automation, fields: UnreadFields, days: str) -> list[str]:
-    """Return the times of day of ``at``, of which some may be those of helpers."""
+def _times(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    """Return the triggers at the times of day of ``at``, of which some may be those of helpers."""
+    days = fields.days()
     nodes = fields.items("at")
     entities = [node for node in nodes if isinstance(node.value, dict) or "." in str(node.value)]
     given = UnreadFields(Located({"at": Located([node for node in nodes if node not in entities], 0)}, 0), "trigger")
@@ -146,15 +143,15 @@ def _times(automation: Automation, fields: UnreadFields, days: str) -> list[str]
         automation.notes.append(f"{entity_id} starts it at its time: each day, or on its date")
     if not times:
         raise NotCarriedError("trigger time: `at` is missing; write each time as a trigger")
-    return times
+    return [*map(StartTrigger, times)]
 
 
 _MAX_MINUTES: Final = 20
 """Minutes of an hour that are written, each as a trigger."""
 
 
-def _pattern(automation: Automation, fields: UnreadFields) -> list[str]:
-    """Return the times of ``time_pattern``: units below the given one are 0, and those above it any."""
+def _pattern(automation: Automation, fields: UnreadFields) -> list[StartTrigger]:
+    """Return the triggers of ``time_pattern``: units below the given one are 0, and those above it any."""
     given = {unit: fields.text(unit, "") for unit in ("hours", "minutes", "seconds")}
     hours, minutes, seconds = given.values()
     if not any(given.values()):
@@ -162,20 +159,20 @@ def _pattern(automation: Automation, fields: UnreadFields) -> list[str]:
     every = (hours or "*", minutes or ("0" if hours else "*"), seconds or "0")
     if every[:2] == ("*", "*") and every[2].startswith("/"):
         automation.notes.append("its seconds are counted from the start of homebot")
-        return [f"every {int(every[2][1:])}s"]
+        return [StartTrigger(f"every {int(every[2][1:])}s")]
     if every[2] not in {"0", "00"}:
         raise NotCarriedError("trigger time_pattern: seconds beside minutes or hours")
     in_hour, in_day = _numbers(every[1], 60), _numbers(every[0], 24)
     if len(in_day) == 24:
         if len(in_hour) <= _MAX_MINUTES:
-            return [f"at :{minute:02} every hour" for minute in in_hour]
+            return [StartTrigger(f"at :{minute:02} every hour") for minute in in_hour]
         automation.notes.append("its minutes are counted from the start of homebot")
-        return [f"every {60 // len(in_hour)}m"]
+        return [StartTrigger(f"every {60 // len(in_hour)}m")]
     if len(in_day) * len(in_hour) > MAX_LINES:
         raise NotCarriedError(
             f"trigger time_pattern: more than {MAX_LINES} times a day; ask for the hours in a condition"
         )
-    return [f"{hour}:{minute:02}" for hour in in_day for minute in in_hour]
+    return [StartTrigger(f"{hour}:{minute:02}") for hour in in_day for minute in in_hour]
 
 
 def _numbers(text: str, most: int) -> list[int]:
@@ -195,7 +192,7 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
     if entity:
         at = {"entity_id": Located(entity, 0), "offset": Located(seconds, 0)}
         automation.notes.append(f"a moment of {entity} that is over when it is told starts nothing")
-        return [*map(StartTrigger, _times(automation, UnreadFields(Located({"at": Located(at, 0)}, 0), "trigger"), ""))]
+        return _times(automation, UnreadFields(Located({"at": Located(at, 0)}, 0), "trigger"))
     conditions = templates_of(automation).conditions(template_text(node))
     texts = [_positive(text) for condition in conditions for text in condition]
     if (household := _household(automation, texts, is_any=len(conditions) == 1)) != "":
@@ -204,21 +201,19 @@ def _template(automation: Automation, fields: UnreadFields) -> list[StartTrigger
         return [*_any_state(automation, texts, lasting)]
     if any(len(condition) != 1 for condition in conditions) or not texts:
         raise NotCarriedError("trigger template: `or` of several, or with `for`; write each as a trigger")
-    if len(texts) == 1 and not lasting:
-        return _one_state(texts[0])
-    begins = [_one_state(text)[0].text for text in texts]
+    raw = [text for condition in conditions for text in condition]  # an unknown place is none
+    return [*_all_states(texts, raw, lasting)]
+
+
+def _all_states(texts: Sequence[str], raw: Sequence[str], lasting: str) -> Iterator[StartTrigger]:
+    """Yield the triggers of states of which one begins while the others hold, or all have lasted."""
+    begins = [_begin_of(text) for text in texts]
     if lasting:
         _check_lasting(texts)
-    raw = [text for condition in conditions for text in condition]  # an unknown place is none
     held = [bracketed(f"{text}{lasting}") for text in texts] if lasting else raw
-    needs = [(text,) for text in held] if len(texts) > 1 else []
-    return [
-        StartTrigger(
-            f"{begin}{lasting}",
-            needs=tuple(need for need, other in zip(needs, texts, strict=False) if not lasting or other != text),
-        )
-        for begin, text in zip(begins, texts, strict=True)
-    ]
+    for begin, text in zip(begins, texts, strict=True):
+        others = [need for need, other in zip(held, texts, strict=False) if not lasting or other != text]
+        yield StartTrigger(f"{begin}{lasting}", needs=tuple((need,) for need in others if len(texts) > 1))
 
 
 def _any_state(automation: Automation, texts: Sequence[str], lasting: str) -> Iterator[StartTrigger]:
@@ -234,7 +229,7 @@ def _any_state(automation: Automation, texts: Sequence[str], lasting: str) -> It
             if other != text
             for not_so in denied([(bracketed(other),)])
         )
-        yield from (trigger._replace(text=f"{trigger.text}{lasting}", needs=needs) for trigger in _one_state(text))
+        yield StartTrigger(f"{_begin_of(text)}{lasting}", needs=needs)
 
 
 def _check_lasting(texts: Sequence[str]) -> None:
@@ -264,26 +259,26 @@ def _household(automation: Automation, texts: Sequence[str], *, is_any: bool) ->
     }.get((ends.pop(), is_any), "")
 
 
-def _one_state(text: str) -> list[StartTrigger]:
+def _begin_of(text: str) -> str:
     """Return the trigger of a state that begins."""
     if (begin := _SPAN.match(text)) is not None:
-        return [StartTrigger(begin["time"])]
+        return begin["time"]
+    is_of_sun = text in _SUN_BEGINS or text.startswith(("sun elevation ", "sun azimuth "))
     is_state = is_of_device(text) and not text.startswith(("not ", "{"))
-    is_person = text.endswith((" is home", " is away"))
-    if (
-        not is_state
-        and not is_person
-        and not text.startswith(("sun elevation ", "sun azimuth "))
-        and text not in _SUN_BEGINS
-    ):
+    if not (is_of_sun or is_state or text.endswith((" is home", " is away"))):
         raise NotCarriedError("trigger template: only states start a routine; write the times as triggers")
-    return [StartTrigger(_SUN_BEGINS.get(text, text))]
+    return _SUN_BEGINS.get(text, text)
 
 
 _SPAN: Final = re.compile(r"(?:between|after) (?P<time>\d\d?:\d\d)(?: |$)")
 """A span of each day, which begins at a time."""
 
 _READERS: Final[Mapping[str, Callable[[Automation, UnreadFields], list[StartTrigger]]]] = {
+    **{kind: partial(_states, kind) for kind in STATES},
+    "time": _times,
+    "time_pattern": _pattern,
+    "homeassistant": _start,
+    "sun": lambda _, fields: [StartTrigger(sun_moment(fields, fields.text("event"), "offset"))],
     "mqtt": message_triggers,
     "event": event_triggers,
     "tag": tag_triggers,
