@@ -115,12 +115,8 @@ def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Con
     lasting = fields.duration("for")
     length = f" for {lasting}" if lasting else ""
     conditions = [any_of([[(bracketed(f"{state}{length}"),)] for state in states]) for states in states_of_entities]
-    if length and any(
-        text in _OPPOSITES or is_of_two_values(text)
-        for condition in conditions
-        for texts in condition
-        for text in texts
-    ):
+    texts = chain.from_iterable(chain.from_iterable(conditions))
+    if length and any(text in _OPPOSITES or is_of_two_values(text) for text in texts):
         raise NotCarriedError("condition: `for` of the sun, or of two values")
     return any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
 

@@ -121,7 +121,6 @@ _USUAL: Final[Mapping[str, tuple[float, float]]] = {
 }
 """Limits of devices that declare none: a number in another unit is beyond them."""
 
-
 _UNSEEN: Final = Time(sec=0, nanosec=0)
 
 

@@ -182,7 +182,6 @@ def with_trigger(node: nodes.Node, triggers: Sequence[StartTrigger], *, is_state
                 return nodes.Const(sum(60**place * int(part) for place, part in enumerate(reversed(text.split(":")))))
     if len(values := {trigger.value(path) for trigger in triggers}) == 1 and (value := values.pop()) is not None:
         return nodes.Const(value)
-
     return rebuilt(node, lambda inner: with_trigger(inner, triggers, is_state=is_state))
 
 

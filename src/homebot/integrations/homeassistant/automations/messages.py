@@ -85,16 +85,21 @@ def _single_value(automation: Automation, node: nodes.Node) -> tuple[str, str] |
     while isinstance(node, nodes.Filter) and node.name in _FORMS:
         assert node.node is not None  # noqa: S101 - only the filter of a block has none
         node = node.node
-    if (named := _NAMED.get(path := path_of(node), "")) != "":
-        return named, ""
-    if moment := _moment(automation, node):
-        return moment, ""
     entity, attribute = entity_value(node)
     if entity and attribute == "friendly_name":
         return automation.entities.find(entity).device.name, ""
     if entity:
         return _state_value(automation, entity, attribute)
-    triggers = automation.triggers
+    if moment := _moment(automation, node):
+        return moment, ""
+    return _value_of_trigger(automation, node)
+
+
+def _value_of_trigger(automation: Automation, node: nodes.Node) -> tuple[str, str] | None:
+    """Return a value of the trigger, and its unit; None for another value."""
+    path, triggers = path_of(node), automation.triggers
+    if path in _NAMED:
+        return _NAMED[path], ""
     match path:
         case ("trigger", "from_state", "state") if not any(trigger.value(path) for trigger in triggers):
             return _before(automation)

@@ -76,8 +76,6 @@ _KINDS: Final = (
 )
 
 _MAX_DIGITS: Final = 4
-
-
 _FOREVER: Final = "365d"
 _ENDING: Final = {"siren.turn_on": "siren.turn_off"}
 """Services with a length, after which the other one follows by itself."""
@@ -117,7 +115,7 @@ class Actions:
         """
         first, steps = self._read_kept(nodes)
         if self._ends:
-            if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in _single(steps)):
+            if _waits(_single(steps)):
                 raise NotCarriedError("data: `duration` beside a wait; write the steps `wait 2m` and `off` after it")
             steps += self._ends
         if first and self._automation.has_waited and self._mode in {"restart", "queued"}:
@@ -130,7 +128,7 @@ class Actions:
         first: list[Condition] = []
         steps: list[Step] = []
         for number, node in enumerate(nodes):
-            fields = node.value if isinstance(node.value, dict) else {}
+            fields = _fields_of(node)
             if "variables" in fields and not service_name(fields):
                 with self._automation.in_line(node.line):
                     constants = self._automation.define(fields["variables"])
@@ -431,8 +429,7 @@ class Actions:
         steps = self._branch([resolved(node, constants) for node in script.items("sequence")])
         self._in_scripts.pop()
         script.end()
-        waits = any(isinstance(step, Wait | WaitFor | WaitUntil) for step in _single(steps))
-        if waits and mode != "parallel" and self._automation.calls_of(name) > 1:
+        if _waits(_single(steps)) and mode != "parallel" and self._automation.calls_of(name) > 1:
             raise NotCarriedError(
                 f"script.{name}: it waits, and several automations call it in turn; call it by one, or write its steps "
                 "without a wait"
@@ -488,10 +485,7 @@ class Actions:
                 return []
             if any(one.needs for one in waited.triggers):
                 raise NotCarriedError("action wait_for_trigger: a template of several states; use `wait_template`")
-            text = f"wait for {' or '.join(texts)}{end}"
-            step = read_step(text) if texts else None
-            if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, texts)):
-                raise NotCarriedError("action wait_for_trigger: these triggers cannot be written as one step")
+            text = _wait_for(texts, end, "wait_for_trigger: these triggers")
             self._automation.waited = waited.triggers
         else:
             self._automation.waited = []
@@ -508,25 +502,20 @@ class Actions:
     def _parallel(self, fields: UnreadFields) -> list[Step]:
         """Read simultaneous actions, which may be given in a row for different devices: first the one that asks."""
         branches = [self._branch([node], is_sure=True) for node in fields.items("parallel")]
-        reached: list[str] = []
-        asking: list[list[Step]] = []
-        changed = ""
-        waiting: list[list[Step]] = []
+        reached, asking, waiting = list[str](), list[list[Step]](), list[list[Step]]()
+        is_changed = False
         for branch in branches:
             steps = [*_single(branch)]
             targets = {step.target for step in steps if isinstance(step, Do)}
-            if any(isinstance(step, dict) and "repeat" not in step for step in steps):
-                asked = " ".join(
-                    text for step in steps if isinstance(step, dict) for text in step.get("if", ["light "])
-                )
-                changed = changed or next((one for one in ("light ", *reached) if asking and one in asked), "")
+            if asked := _asked_in(steps):
+                is_changed |= any(changed in asked for changed in ("light ", *reached) if asking)
                 asking.append(branch)
-            if any(isinstance(step, Wait | WaitFor | WaitUntil) for step in steps):
+            if _waits(steps):
                 waiting.append(branch)
             if not targets.isdisjoint(reached) or Stop() in steps:
                 raise NotCarriedError("action parallel: a stop, or commands to one device")
             reached += targets
-        if changed or any(branch in waiting for branch in asking):
+        if is_changed or any(branch in waiting for branch in asking):
             raise NotCarriedError("action parallel: a condition about what another one commands, or beside a wait")
         plain_branches = [branch for branch in branches if branch not in asking and branch not in waiting]
         return [*chain(*asking, *plain_branches), *(_at_once(waiting) if len(waiting) > 1 else chain(*waiting))]
@@ -551,7 +540,7 @@ class Actions:
             times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
             if not times:
                 raise NotCarriedError(f"action repeat: `count` {count!r} is no number of rounds")
-            if not any("repeat." in str(node) for node in nodes):
+            if not _tells_round(nodes):
                 fields.end()
                 steps = self._branch(nodes)
                 if times > MAX_ROUNDS:
@@ -572,7 +561,7 @@ class Actions:
         if most > MAX_ROUNDS:
             raise NotCarriedError(f"action repeat: {most} rounds; {MAX_ROUNDS} is the limit")
         goes_on = denied(held) if is_until else [*held]
-        if not any("repeat." in str(node) for node in nodes):
+        if not _tells_round(nodes):
             steps, rounds = self._branch(nodes), most - is_until
             again: list[Step] = [{"repeat": rounds, "do": _choice(goes_on, steps, [])}] if rounds else []
             return [*(steps if is_until else []), *again]  # the rounds after its end take no time
@@ -587,8 +576,8 @@ class Actions:
         return [*rounds_of_steps]
 
 
-def _fields_of(inputs: Located | None) -> Iterable[str]:
-    return inputs.value if inputs is not None and isinstance(inputs.value, dict) else ()
+def _fields_of(node: Located | None) -> Mapping[str, Located]:
+    return node.value if node is not None and isinstance(node.value, dict) else {}
 
 
 def _single(steps: Iterable[Step]) -> Iterator[object]:
@@ -601,6 +590,21 @@ def _single(steps: Iterable[Step]) -> Iterator[object]:
         yield from _single(
             cast("list[Step]", [*cast("list[Step]", step["do"]), *cast("list[Step]", step.get("else", []))])
         )
+
+
+def _waits(steps: Iterable[object]) -> bool:
+    return any(isinstance(step, Wait | WaitFor | WaitUntil) for step in steps)
+
+
+def _asked_in(steps: Iterable[object]) -> str:
+    """Return the conditions of the choices and loops in *steps*; empty without a choice."""
+    asking = [step for step in steps if isinstance(step, dict)]
+    is_choice = any("repeat" not in step for step in asking)
+    return " ".join(text for step in asking for text in step.get("if", ["light "])) if is_choice else ""
+
+
+def _tells_round(nodes: Iterable[Located]) -> bool:
+    return any("repeat." in str(node) for node in nodes)
 
 
 def _at_once(branches: Sequence[Sequence[Step]]) -> list[Step]:
@@ -643,16 +647,16 @@ def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: S
 _IN_BRACKETS: Final = re.compile(r"^(not )?\(((?:name|id)=.*)\)$")
 
 
+def _is_state(text: str) -> bool:
+    is_calculated = text.startswith(("{", "not {"))
+    return not is_calculated and (is_of_device(text) or text.endswith((" is home", " is away")))
+
+
 def _awaited(held: Sequence[Condition], end: str) -> list[Step]:
     """Return the steps that wait until *held*: for states at one time, or for the next change to one of several."""
     texts = [text for condition in held for text in condition]
     states = [_IN_BRACKETS.sub(r"\1\2", text) for text in texts]
-    is_calculated = any(text.startswith(("{", "not {")) for text in texts)
-    if (
-        not texts
-        or is_calculated
-        or not all(is_of_device(text) or text.endswith((" is home", " is away")) for text in texts)
-    ):
+    if not texts or not all(map(_is_state, texts)):
         raise NotCarriedError("action wait_template: a routine waits for states; write a loop with `until`")
     if all(len(condition) == 1 for condition in held):
         positive = [state.replace("not ", "no ", 1) if state.startswith("not ") else state for state in states]
@@ -663,11 +667,16 @@ def _awaited(held: Sequence[Condition], end: str) -> list[Step]:
         return [text]
     if len(held) > 1:
         raise NotCarriedError("action wait_template: `or` beside `and`; wait for one after the other")
-    text = f"wait for {' or '.join(states)}{end}"
-    step = read_step(text)
-    if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, states)):
-        raise NotCarriedError("action wait_template: these states cannot be written as one step")
-    return _choice(denied(held), [text], [])
+    return _choice(denied(held), [_wait_for(states, end, "wait_template: these states")], [])
+
+
+def _wait_for(triggers: Sequence[str], end: str, what: str) -> str:
+    """Return the step that waits for one of *triggers*, which are *what* in a refusal."""
+    text = f"wait for {' or '.join(triggers)}{end}"
+    step = read_step(text) if triggers else None
+    if not isinstance(step, WaitFor) or step.triggers != tuple(map(read_trigger, triggers)):
+        raise NotCarriedError(f"action {what} cannot be written as one step")
+    return text
 
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
@@ -715,7 +724,7 @@ class HomeAssistantAutomations:
             automation = Automation(entities, names, calling=written_nodes, others=others)
             written: list[str] = []
             with automation.in_line(node.line):
-                plain_node = from_blueprint(node, blueprint, load) if _has(node, "use_blueprint") else node
+                plain_node = from_blueprint(node, blueprint, load) if "use_blueprint" in _fields_of(node) else node
                 plain_node = without_run_id(plain_node)
                 table = _table(automation, UnreadFields(plain_node, "automation"), name, scripts)
                 if not automation.problems:
@@ -737,13 +746,9 @@ def _is_named(text: str, routine: str) -> bool:
 
 
 def _name(node: Located) -> str:
-    named = node.value if isinstance(node.value, dict) else {}
+    named = _fields_of(node)
     alias = next((str(named[key].value) for key in ("alias", "id") if key in named), "")
     return " ".join(alias.split())[:80] or f"automation in line {node.line}"
-
-
-def _has(node: Located, key: str) -> bool:
-    return isinstance(node.value, dict) and key in node.value
 
 
 def _automations(document: Located) -> Iterator[Located]:
@@ -802,7 +807,7 @@ def _table(
 
 def _add_triggers(automation: Automation, node: Located, number: int) -> None:
     """Add the triggers of *node*, each with its id, else its number in the automation."""
-    named = node.value if isinstance(node.value, dict) else {}
+    named = _fields_of(node)
     given = named.get("id")
     known = automation.each([node], "trigger", partial(read_triggers, automation))
     with automation.in_line(node.line):

@@ -61,10 +61,8 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
             yield row._replace(value=str(data.flag(key, default=True)).lower())
         case "number" if isinstance(node.value, str) and "{{" in node.value and not is_step:
             data.take(key)
-            if (change := _change(automation, row, node.value)) is not None:
-                yield change
-                return
-            yield row._replace(value=_calculated(automation, key, row.factor, node.value))
+            change = _change(automation, row, node.value)
+            yield change or row._replace(value=_calculated(automation, key, row.factor, node.value))
         case "number":
             for number in data.numbers(key):
                 value = number * row.factor
@@ -194,11 +192,8 @@ def steps_of_entity(name: str, entity: KnownEntity, settings: Sequence[ServiceSe
         settings = settings[1:]
     if others := [setting.of for setting in settings if setting.of not in {"", entity.id}]:
         raise NotCarriedError(f"data: {entity.id} takes a value of {others[0]} and a number; write the value")
-    if name == "light.turn_on" and any(setting.capabilities == "effect" for setting in settings):
-        settings = [setting for setting in settings if setting.words != "on"]  # an effect turns it on
-    if name == "light.turn_on":  # what a lamp cannot do, Home Assistant leaves out
-        settings = [_as_color(entity, setting) for setting in settings]
-        settings = [one for one in settings if one.capabilities not in _OF_LAMPS or entity.takes(one.capabilities)]
+    if name == "light.turn_on":
+        settings = _of_lamp(entity, settings)
     if any(_is_change(setting) for setting in settings) and settings[0].words == "on":
         settings = settings[1:]  # a step of brightness turns it on
     return [_step_of(entity, settings, over)]
@@ -213,6 +208,13 @@ def _of_mode(entity: KnownEntity, setting: ServiceSetting, mode: str) -> Service
     wanted = {"heat": "heating_setpoint", "cool": "cooling_setpoint"}.get(mode, "")
     is_of_mode = wanted in setting.capabilities.split() and entity.takes(wanted)
     return setting._replace(capabilities=wanted) if is_of_mode else setting
+
+
+def _of_lamp(entity: KnownEntity, settings: Sequence[ServiceSetting]) -> list[ServiceSetting]:
+    """Return *settings* without what a lamp cannot do, which Home Assistant leaves out; an effect turns it on."""
+    has_effect = any(setting.capabilities == "effect" for setting in settings)
+    lit = [_as_color(entity, setting) for setting in settings if not has_effect or setting.words != "on"]
+    return [setting for setting in lit if setting.capabilities not in _OF_LAMPS or entity.takes(setting.capabilities)]
 
 
 def _as_color(entity: KnownEntity, setting: ServiceSetting) -> ServiceSetting:

@@ -8,7 +8,6 @@ SWITCHED: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifi
 
 _ON_OFF: Final = (*SWITCHED[:-1], "homeassistant")
 
-
 SERVICE_WORDS: Final = {
     **{f"{domain}.turn_on": "on_off on" for domain in _ON_OFF},
     **{f"{domain}.turn_off": "on_off off" for domain in _ON_OFF},
@@ -58,7 +57,6 @@ SERVICE_WORDS: Final = {
 }
 """The capability of services without data, of which a device takes the first that it has, and the words."""
 
-
 SERVICE_FIELDS: Final = {
     "light.turn_on": (
         *("brightness_pct", "brightness", "brightness_step_pct", "brightness_step"),
@@ -94,7 +92,6 @@ SERVICE_FIELDS: Final = {
     "input_select.select_option": ("option",),
 }
 """The fields of the data of services; without words one of them is needed."""
-
 
 SERVICES: Final = SERVICE_WORDS.keys() | SERVICE_FIELDS.keys()
 
@@ -150,28 +147,17 @@ SETTINGS: Final = {
     "swing_mode": ServiceSetting("swing_mode"),
 }
 
-
 DROPPED: Final = {
-    *(
-        "camera.snapshot",
-        "camera.record",
-        "logbook.log",
-        "persistent_notification.dismiss",
-        "system_log.write",
-        "logger.set_level",
-    ),
-    *("homeassistant.update_entity", "frontend.set_theme", "browser_mod.popup"),
+    *("camera.snapshot", "camera.record", "logbook.log", "persistent_notification.dismiss", "system_log.write"),
+    *("logger.set_level", "homeassistant.update_entity", "frontend.set_theme", "browser_mod.popup"),
 }
 """Services without an effect in the house."""
-
 
 LEFT_OUT: Final = {"siren.turn_on": ("tone", "volume_level")}
 """Fields of services without which they do nearly the same."""
 
-
 DEVICE_DATA: Final = frozenset({"brightness_pct", "position", "hvac_mode", "preset_mode", "option", "value"})
 """The fields of actions of devices that are data."""
-
 
 DEVICE_ACTIONS: Final[Mapping[str, tuple[str, Mapping[str, object]]]] = {
     "light.brightness_increase": ("light.turn_on", {"brightness_step_pct": 10}),
@@ -185,7 +171,6 @@ DEVICE_ACTIONS: Final[Mapping[str, tuple[str, Mapping[str, object]]]] = {
     "vacuum.dock": ("vacuum.return_to_base", {}),
 }
 """The services of actions of devices that are called otherwise, with their fields."""
-
 
 ADVICE: Final = {
     "camera": "; homebot sends no pictures: leave it out",

@@ -37,19 +37,9 @@ _OPPOSITES: Final = {
 }
 """States with one other state, beside unknown ones."""
 
-
-_OF_TWO_STATES: Final = {
-    "binary_sensor",
-    "fan",
-    "group",
-    "humidifier",
-    "input_boolean",
-    "light",
-    "schedule",
-    "siren",
-    "sun",
-    "switch",
-}
+_OF_TWO_STATES: Final = frozenset(
+    {"binary_sensor", "fan", "group", "humidifier", "input_boolean", "light", "schedule", "siren", "sun", "switch"}
+)
 
 
 def moved(text: str, lasting: str, *, is_leave: bool) -> str:
@@ -138,13 +128,7 @@ def _state_of(automation: Automation, entity_id: str, asked: _AskedState) -> lis
         home = state_texts(automation.entities, entity_id, ["home"], "to")[0]
         return [StartTrigger(moved(home, asked.lasting, is_leave=True), entity=entity_id)]
     if entity.has("press") and not asked.lasting and not asked.before:
-        presses = _presses(entity, asked.states, asked.attribute)
-        return [
-            StartTrigger(text, entity=entity_id, state=state, data=(("event_type", state),))
-            if state
-            else StartTrigger(text, entity=entity_id, asks="event_type")
-            for text, state in presses
-        ]
+        return [press._replace(entity=entity_id) for press in _presses(entity, asked.states, asked.attribute)]
     if not asked.states and not asked.before:
         if asked.lasting:
             raise NotCarriedError(f"any change of {entity_id} with `for`; name the state with `to`")
@@ -271,7 +255,6 @@ _OF_CHANGES: Final = {
 
 _SENSOR_DOMAINS: Final = frozenset({"sensor", "binary_sensor"})
 
-
 _TOLD_WHOLE: Final = frozenset({"alarm_control_panel", "climate", "device_tracker", "lock", "person", "weather"})
 """Domains of which homebot has each state in the same words."""
 
@@ -281,16 +264,16 @@ _PLAIN_DOMAINS: Final = frozenset(
 """Domains of entities without an attribute that changes by itself."""
 
 
-def _presses(entity: KnownEntity, states: list[str], attribute: str) -> list[tuple[str, str]]:
-    """Return the presses of an entity, with its states: that of an event is a time, that of a sensor the event."""
+def _presses(entity: KnownEntity, states: list[str], attribute: str) -> list[StartTrigger]:
+    """Return the presses of an entity: the state of an event is a time, that of a sensor the event."""
     is_event_itself = entity.domain == "sensor" and not attribute
     buttons = [part for part in entity.device.parts if any(can.name in EVENTS for can in part.part.capabilities)]
     own = dict(zip([part.id for part in buttons], button_names(buttons), strict=True))
     name = f"{entity.name}#{own[entity.part.id]}" if len(buttons) > 1 and entity.part.id in own else entity.name
     if states and (is_event_itself or attribute == "event_type"):
-        return [(press_text(name, state), state) for state in states]
+        return [StartTrigger(press_text(name, state), state=state, data=(("event_type", state),)) for state in states]
     if entity.domain in {"event", "input_button"} and not states and not attribute:
-        return [(press_text(name, ""), "")]
+        return [StartTrigger(press_text(name, ""), asks="event_type")]
     raise NotCarriedError(f"trigger state: {entity.id} has only the attribute event_type")
 
 

@@ -181,9 +181,7 @@ def _filtered(known: EntityList, node: nodes.Filter) -> EntityList | None:
     if node.name in _SAME:
         return None if node.name == "unique" and known.told == "state" else known
     if node.name == "map" and not node.args:
-        attributes = {str(one.value.value) for one in node.kwargs if isinstance(one.value, nodes.Const)}
-        told = "state" if attributes == {"state"} else "name" if attributes <= _NAME else ""
-        return known._replace(told=told) if told or attributes == {"entity_id"} else None
+        return _with_attribute(known, node)
     values = [[*constants_in(arg)] for arg in node.args]
     word, *rest = [str(value[0]) for value in values if value] or [""]
     if known.told in {"state", "number"} and node.name in {"select", "reject"}:
@@ -196,6 +194,13 @@ def _filtered(known: EntityList, node: nodes.Filter) -> EntityList | None:
     chosen = _FILTERS.get((node.name, word))
     test = word if node.name in {"select", "reject"} else (*rest, "")[0]
     return None if chosen is None else chosen(known, test, [*map(str, values[-1])])
+
+
+def _with_attribute(known: EntityList, node: nodes.Filter) -> EntityList | None:
+    """Return the names, states or ids of *known*; None for another attribute."""
+    attributes = {str(one.value.value) for one in node.kwargs if isinstance(one.value, nodes.Const)}
+    told = "state" if attributes == {"state"} else "name" if attributes <= _NAME else ""
+    return known._replace(told=told) if told or attributes == {"entity_id"} else None
 
 
 def _of_values(known: EntityList, is_denied: bool, test: str, values: Sequence[object]) -> EntityList | None:  # noqa: FBT001
@@ -223,7 +228,7 @@ def _but_by_state(known: EntityList, test: str, states: Sequence[str]) -> Entity
     if {*states} <= UNKNOWN:
         return known._replace(is_known=True)
     others = {"on": "off", "off": "on"}
-    return _by_state(known, "eq", [others[states[0]]]) if _is_flag(states) else None
+    return _by_state(known, "eq", [others[states[0]]]) if len(states) == 1 and states[0] in others else None
 
 
 def _by_class(known: EntityList, test: str, classes: Sequence[str]) -> EntityList | None:
@@ -251,10 +256,6 @@ def _by_pattern(known: EntityList, test: str, patterns: Sequence[str]) -> Entity
     """Return those of the domain that a pattern of ids means."""
     found = _OF_DOMAIN.fullmatch(patterns[0]) if test == "match" or patterns[0].startswith("^") else None
     return None if found is None else _by_domain(known, "eq", [found[1]])
-
-
-def _is_flag(states: Sequence[str]) -> bool:
-    return [*states] in (["on"], ["off"])
 
 
 _IN: Final = frozenset({"eq", "==", "equalto", "in"})

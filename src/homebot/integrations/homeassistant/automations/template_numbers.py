@@ -131,8 +131,9 @@ def whole_limit(sign: Operator, limit: float) -> tuple[Operator, float]:
 
 
 def holds(number: float, sign: str, limit: float) -> bool:
-    """Return whether *number* is on the side *sign* of *limit*."""
-    return {">": number > limit, "<": number < limit, ">=": number >= limit, "<=": number <= limit}[sign]
+    """Return whether *number* is on the side *sign* of *limit*, or at it."""
+    sides = {">": number > limit, "<": number < limit, ">=": number >= limit, "<=": number <= limit}
+    return number == limit if sign == "==" else sides[sign]
 
 
 def people_text(automation: Automation, sign: str, limit: float) -> str:

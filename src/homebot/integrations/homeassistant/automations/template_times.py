@@ -207,7 +207,7 @@ def of_time(unit: str, sign: str, value: object) -> list[Condition]:
             return [(f"on {name[:3].lower()}",)]
         case int(number) if unit in _NUMBERED:
             numbers, conditions_of = _NUMBERED[unit]
-            held = [now for now in numbers if (now == number if sign == "==" else holds(now, sign, number))]
+            held = [now for now in numbers if holds(now, sign, number)]
             if len(held) in {0, len(numbers)}:
                 return [] if held else [NEVER]
             return conditions_of(held)

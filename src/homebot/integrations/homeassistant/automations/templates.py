@@ -377,13 +377,8 @@ class Templates:
     def _read(self, node: nodes.Expr) -> list[Condition]:
         node = cast("nodes.Expr", folded(node))
         for read in (
-            self._known,
-            self._of_entity,
-            days_of,
-            weeks_of,
-            self._tested,
-            self._of_listed_numbers,
-            self._counted,
+            *(self._known, self._of_change, self._of_entity, days_of, weeks_of),
+            *(self._tested, self._of_listed_numbers, self._counted),
         ):
             if (special := read(node)) is not None:
                 return special
@@ -480,6 +475,15 @@ class Templates:
                     return self._by_a_state()
                 if (entity := state_entity(left)) and states - {""}:
                     return [known_texts(self._automation.entities, entity)]
+            case nodes.Call(node=nodes.Name(name="has_value"), args=[nodes.Const(value=str(entity))]):
+                return [known_texts(self._automation.entities, entity)]
+            case nodes.Call(node=nodes.Name(name="is_number"), args=[inner]) if entity := state_entity(inner):
+                return [known_texts(self._automation.entities, entity)]
+        return None
+
+    def _of_change(self, node: nodes.Expr) -> list[Condition] | None:
+        """Return the conditions that the state is another one than before; None for another expression."""
+        match node:
             case nodes.Compare(expr=left, ops=[nodes.Operand(op="notin" | "ne", expr=right)]):
                 paths, entities = {path_of(left), path_of(right)}, {state_entity(left), state_entity(right)} - {""}
                 is_after = _STATE in paths or any(trigger.entity in entities for trigger in self._automation.triggers)
@@ -490,10 +494,6 @@ class Templates:
             } == {"home", "not_home"}:
                 if all(trigger.entity[:6] in {"", "group."} for trigger in self._automation.triggers):
                     return self._by_a_state()
-            case nodes.Call(node=nodes.Name(name="has_value"), args=[nodes.Const(value=str(entity))]):
-                return [known_texts(self._automation.entities, entity)]
-            case nodes.Call(node=nodes.Name(name="is_number"), args=[inner]) if entity := state_entity(inner):
-                return [known_texts(self._automation.entities, entity)]
         return None
 
     def _of_listed_numbers(self, node: nodes.Expr) -> list[Condition] | None:
@@ -643,35 +643,8 @@ class Templates:
         return self._any_of(ways)
 
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
-        path = path_of(left)
-        match path:
-            case ("wait", "trigger", "id" | "entity_id") | ("wait", "trigger", "event", "data", _):
-                waited = self._automation.waited
-                return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], left)
-            case (
-                ("trigger", "id" | "payload" | "platform" | "event")
-                | ("trigger", "event", "data", _)
-                | ("trigger", "to_state", "attributes", "event_type")
-            ):
-                return self._in_event(path, value, left)
-            case ("trigger", "payload_json", *places):
-                return [tuple(asked_message(trigger, places, str(value)) for trigger in self._messages(left))]
-            case ("trigger", "entity_id") | ("trigger", "to_state", "entity_id"):
-                return self._started_where(lambda trigger: trigger.value(path) == value)
-            case ("trigger", "from_state", "state"):
-                if any(trigger.value(path) is None for trigger in self._automation.triggers):
-                    raise refused_template(
-                        shown_tree(left), "not each trigger has one state before; write it as `from`"
-                    )
-                return self._started_where(lambda trigger: trigger.value(path) == value)
-            case ("trigger", "to_state", "state"):
-                if any(trigger.entity and not trigger.state for trigger in self._automation.triggers):
-                    raise refused_template(
-                        shown_tree(left), "not each trigger names its state; ask for the state of the entity"
-                    )
-                return self._started_where(lambda trigger: trigger.state == value)
-            case ("wait", "trigger") if value is None:
-                return [("wait timed out",)]
+        if (told := self._told_by_trigger(path_of(left), value, left)) is not None:
+            return told
         if (unit := unit_of_now(left)) and type(value) is (str if unit in {"clock", "day"} else int):
             return of_time(unit, "==", value)
         entity, attribute = entity_value(left)
@@ -680,6 +653,44 @@ class Templates:
         if entity:
             return self._in_state(entity, str(value))
         raise refused_template(shown_tree(left))
+
+    def _told_by_trigger(self, path: tuple[str, ...], value: object, asked: nodes.Expr) -> list[Condition] | None:
+        """Return the condition that the trigger, or that of the last wait, has *value* at *path*; None for others."""
+        match path:
+            case ("wait", "trigger", "id" | "entity_id") | ("wait", "trigger", "event", "data", _):
+                waited = self._automation.waited
+                return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], asked)
+            case (
+                ("trigger", "id" | "payload" | "platform" | "event")
+                | ("trigger", "event", "data", _)
+                | ("trigger", "to_state", "attributes", "event_type")
+            ):
+                return self._in_event(path, value, asked)
+            case ("trigger", "payload_json", *places):
+                return [tuple(asked_message(trigger, places, str(value)) for trigger in self._messages(asked))]
+            case ("trigger", "from_state", "state") if any(
+                trigger.value(path) is None for trigger in self._automation.triggers
+            ):
+                raise refused_template(shown_tree(asked), "not each trigger has one state before; write it as `from`")
+            case ("trigger", "to_state", "state") if any(
+                trigger.entity and not trigger.state for trigger in self._automation.triggers
+            ):
+                raise refused_template(
+                    shown_tree(asked), "not each trigger names its state; ask for the state of the entity"
+                )
+            case (
+                ("trigger", "entity_id")
+                | ("trigger", "to_state", "entity_id")
+                | ("trigger", "from_state" | "to_state", "state")
+            ):
+                if any(not trigger.entity for trigger in self._automation.triggers):
+                    raise NotCarriedError(
+                        "template: not each trigger is about a state; give the triggers an `id`, and ask for it"
+                    )
+                return self.started_by([one for one in self._automation.triggers if one.value(path) == value])
+            case ("wait", "trigger") if value is None:
+                return [("wait timed out",)]
+        return None
 
     def _in_event(self, path: Sequence[str], value: object, asked: nodes.Expr) -> list[Condition]:
         """Return the condition that the event, or the trigger, has *value* at *path*."""
@@ -706,13 +717,14 @@ class Templates:
         if (elapsed := elapsed_limit(left, sign, right)) is None:
             return None
         is_over, seconds = elapsed.sign[0] == ">", elapsed.seconds
+        side = "over" if is_over else "under"
         if is_last_run(self._automation, elapsed.last):
             if seconds <= 0:
                 return [] if is_over else [NEVER]
-            return [(f"last run {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
+            return [(f"last run {side} {seconds:.12g}s ago",)]
         if seconds > 0 and (moment := helper_of(elapsed.last)):
             told = f"text of {self._automation.entities.find(moment).query}"
-            return [(f"{told} {'over' if is_over else 'under'} {seconds:.12g}s ago",)]
+            return [(f"{told} {side} {seconds:.12g}s ago",)]
         entity = states_path(elapsed.last.node) if isinstance(elapsed.last, nodes.Getattr) else ""
         if not entity or path_of(elapsed.last)[-1] != "last_changed":
             raise refused_template(
@@ -722,13 +734,6 @@ class Templates:
             return [] if is_over else [NEVER]
         lasting = f"{'' if is_over else 'less than '}{seconds:.12g}s"
         return [tuple(f"({text} for {lasting})" for text in each_state(self._automation.entities, entity))]
-
-    def _started_where(self, holds: Callable[[StartTrigger], bool]) -> list[Condition]:
-        if any(not trigger.entity for trigger in self._automation.triggers):
-            raise NotCarriedError(
-                "template: not each trigger is about a state; give the triggers an `id`, and ask for it"
-            )
-        return self.started_by([trigger for trigger in self._automation.triggers if holds(trigger)])
 
     def started_by(self, triggers: Sequence[StartTrigger]) -> list[Condition]:
         """Return the condition that one of *triggers*, which are some of its own, started the automation."""

@@ -3,6 +3,7 @@
 import re
 from ast import literal_eval
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Final, Self
 
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
@@ -24,22 +25,17 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
     value = node.value
     if node.tag or not constants:
         return node
-    if isinstance(value, dict):
-        return node._replace(value={key: resolved(inner, constants) for key, inner in value.items()})
-    if isinstance(value, list):
-        return node._replace(value=[resolved(inner, constants) for inner in value])
     if not isinstance(value, str) or "{" not in value:
-        return node
+        return _with_parts(node, lambda inner: resolved(inner, constants))
     name = value.strip().removeprefix("{{").removesuffix("}}").strip()
     if (known := _known(name, constants)) is not None and not isinstance(plain(known), Undefined):
         return known._replace(line=node.line) if isinstance(known, Located) else Located(known, node.line)
     given = value.values if isinstance(value, BoundTemplate) else {}
     plain_values = {**{name: plain(value) for name, value in constants.items()}, **given}
-    try:
+    program = None
+    with suppress(TemplateError):
         program = parse(value.strip())
-    except TemplateError:
-        return node._replace(value=BoundTemplate.of(value, plain_values))
-    if program.names - plain_values.keys():
+    if program is None or program.names - plain_values.keys():
         return node._replace(value=BoundTemplate.of(value, plain_values))
     try:
         return _rendered(node, program.render(plain_values).strip()) if program.names else node
@@ -47,16 +43,21 @@ def resolved(node: Located, constants: Mapping[str, object]) -> Located:
         return node
 
 
+def _with_parts(node: Located, change: Callable[[Located], Located]) -> Located:
+    """Return *node* with its changed fields, or elements."""
+    if isinstance(node.value, dict):
+        return node._replace(value={key: change(inner) for key, inner in node.value.items()})
+    return node._replace(value=[*map(change, node.value)]) if isinstance(node.value, list) else node
+
+
 _ID_OF_RUN: Final = re.compile(r"\{\{ ?(?:['\"](\w*)['\"] ?~ ?)?context\.id ?\}\}")
 
 
 def without_run_id(node: Located) -> Located:
     """Return *node* without the id of the run at the end of texts: those of all runs are one button in homebot."""
-    if isinstance(node.value, dict):
-        return node._replace(value={key: without_run_id(inner) for key, inner in node.value.items()})
-    if isinstance(node.value, list):
-        return node._replace(value=[*map(without_run_id, node.value)])
-    return node._replace(value=_ID_OF_RUN.sub(r"\1", node.value)) if isinstance(node.value, str) else node
+    if isinstance(node.value, str):
+        return node._replace(value=_ID_OF_RUN.sub(r"\1", node.value))
+    return _with_parts(node, without_run_id)
 
 
 def _known(name: str, constants: Mapping[str, object]) -> object:
@@ -122,9 +123,4 @@ def replaced(node: Located, tag: str, value_of: Callable[[Located], Located], de
         raise NotCarriedError(f"{tag} too deep in others", node.line)
     if node.tag == tag:
         return replaced(value_of(node), tag, value_of, depth + 1)
-    if isinstance(node.value, dict):
-        fields = {key: replaced(inner, tag, value_of, depth) for key, inner in node.value.items()}
-        return node._replace(value=fields)
-    if isinstance(node.value, list):
-        return node._replace(value=[replaced(inner, tag, value_of, depth) for inner in node.value])
-    return node
+    return _with_parts(node, lambda inner: replaced(inner, tag, value_of, depth))
