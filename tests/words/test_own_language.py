@@ -151,6 +151,8 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "from 20 december to 6 january",
         "in july",
         "last run over 1h ago",
+        "not run today",
+        "run today",
         "text of Wecker over 3d ago",
         "text of Wecker under 3d ago",
         "message on home/bell with ring",

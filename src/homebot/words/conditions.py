@@ -25,6 +25,7 @@ from homebot.words.phrases import (
     NOBODY,
     NOT,
     RECENT,
+    RUN_TODAY,
     SINCE_MOMENT,
     STARTED_BY,
     TIMED_OUT,
@@ -106,9 +107,13 @@ class Chance:
 
 @dataclass(frozen=True, slots=True)
 class LastRun:
-    """The run of this routine before this one began more than *seconds* ago, or less; one that never ran holds more."""
+    """The run of this routine before this one began more than *seconds* ago, or less; one that never ran holds more.
 
-    seconds: float
+    Attributes:
+        seconds: None for the time since midnight in the home's zone.
+    """
+
+    seconds: float | None
     is_over: bool
 
 
@@ -322,6 +327,8 @@ def _of_time(written: str) -> Condition | None:
         return OnDays(days)
     if (elevation := SunAngle.read(written, ELEVATION)) is not None:
         return elevation
+    if RUN_TODAY.match(text) is not None:
+        return LastRun(None, is_over=False)
     if (run := LAST_RUN.match(text)) is not None:
         return LastRun(read_duration(run["length"], text), run["sign"] in {"over", "above", "before", "more"})
     if text.removeprefix("the ").startswith("last run"):

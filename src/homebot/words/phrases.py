@@ -51,6 +51,7 @@ NAMES: Final = Phrase("names with {capability} of", "names of")
 LAST_RUN: Final = Phrase(
     "[the] last run [was] sign~over|above|under|below|before|within|less|more [than] {length:length} [ago]"
 )
+RUN_TODAY: Final = Phrase("[already] run|ran [already] today", "[the] last run [was] today")
 SINCE_MOMENT: Final = Phrase("text of {what} [was|is] sign~over|more|under|less [than] {length:length} ago")
 
 # People and robots.

@@ -321,8 +321,11 @@ class RoutineBase(App[SettingsT_co]):
                 span = condition.on_day(self._sun_time)
                 return span is not None and span.has(self.now().time())
             case LastRun():
-                ago = self.clock.now() - self.store.get(_RAN_AT, -math.inf)
-                return (ago > condition.seconds) is condition.is_over
+                now = self.now()
+                limit = now.replace(hour=0, minute=0, second=0, microsecond=0).timestamp()
+                if condition.seconds is not None:
+                    limit = now.timestamp() - condition.seconds
+                return (self.store.get(_RAN_AT, -math.inf) < limit) is condition.is_over
 
     def sun_angle(self, is_azimuth: bool) -> float:  # noqa: FBT001 - values of the sun call it
         """Return the azimuth of the sun now, else its elevation, in degrees."""
