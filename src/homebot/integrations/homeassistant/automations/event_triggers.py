@@ -53,6 +53,13 @@ def _message(automation: Automation, fields: UnreadFields) -> str:
         device = automation.entities.device_at(address) if is_action and payload else None
         if device is not None and payload in options_of(device):
             return press_text(automation.entities.name_of(device), payload)
+    text = _message_text(topic, path, payload)
+    automation.notes.append("a retained message, sent before homebot asked, starts nothing")
+    return text
+
+
+def _message_text(topic: str, path: str, payload: str) -> str:
+    """Return the trigger by a message on *topic* with *payload*, at *path* in its JSON if that is named."""
     root, *places = path.split(".")
     value = payload if payload.isalnum() else text_value(payload)
     value = f"{'.'.join(places)} = {value}" if places else value
@@ -65,7 +72,6 @@ def _message(automation: Automation, fields: UnreadFields) -> str:
     wanted = MessageComes(topic, tuple(places), payload) if payload else MessageComes(topic)
     if not is_path or trigger != wanted:
         raise NotCarriedError(f"trigger mqtt: {topic!r} with {path} {payload!r} cannot be written as a trigger")
-    automation.notes.append("a retained message, sent before homebot asked, starts nothing")
     return text
 
 

@@ -150,7 +150,7 @@ def entity_list(node: nodes.Node | None) -> EntityList | None:
         case nodes.Const(value=str(entity)) if "." in entity and not entity.startswith("group."):
             return EntityList((entity,))
         case nodes.Const(value=list() as values):
-            return _together([entity_list(nodes.Const(value)) for value in values])
+            return _together([*map(entity_list, map(nodes.Const, values))])
         case nodes.List() | nodes.Tuple():
             return _together([*map(entity_list, node.items)])
         case nodes.For():
@@ -382,15 +382,7 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
             first = _tested(known, left, name)
             return None if first is None else _tested(first, right, name)
         case nodes.Compare(expr=left, ops=[nodes.Operand(op=sign, expr=right)]):
-            kind, default = "", None
-            while isinstance(left, nodes.Filter) and left.name in {"float", "int"} and left.node is not None:
-                default = constant_number(left.args[0]) if left.args else default
-                kind, left = left.name, left.node
-            field = _field(left, name)
-            if kind and field == ("state",):
-                return known._replace(number=(kind, default)).limited(sign, constant_number(right))
-            chosen = _FIELDS.get(field or ()) if not kind else None
-            return None if chosen is None else chosen(known, sign, [*map(str, constants_in(right))])
+            return _compared(known, left, sign, right, name)
         case nodes.Test(name="defined", node=inner) if _field(inner, name) is not None:
             return known
         case nodes.Call(node=nodes.Name(name="is_number" | "has_value"), args=[inner]) if _field(inner, name) in _ASKED:
@@ -400,6 +392,19 @@ def _tested(known: EntityList, node: nodes.Node, name: str) -> EntityList | None
         ):
             return _by_state(known, "eq", [state])
     return None
+
+
+def _compared(known: EntityList, left: nodes.Expr, sign: str, right: nodes.Expr, name: str) -> EntityList | None:
+    """Return those of *known* of which a field, or the number of the state, is so compared with a constant."""
+    kind, default = "", None
+    while isinstance(left, nodes.Filter) and left.name in {"float", "int"} and left.node is not None:
+        default = constant_number(left.args[0]) if left.args else default
+        kind, left = left.name, left.node
+    field = _field(left, name)
+    if kind and field == ("state",):
+        return known._replace(number=(kind, default)).limited(sign, constant_number(right))
+    chosen = _FIELDS.get(field or ()) if not kind else None
+    return None if chosen is None else chosen(known, sign, [*map(str, constants_in(right))])
 
 
 _FIELDS: Final[Mapping[tuple[str, ...], _Reader]] = {

@@ -2,7 +2,7 @@
 
 import operator
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import date, datetime, timedelta
 from itertools import pairwise
 from typing import Any, Final
@@ -106,15 +106,16 @@ def days_of(node: nodes.Expr) -> list[Condition] | None:
         return None
     if all(held) or not any(held):
         return [] if held[0] else [NEVER]
-    starts = [number for number in range(366) if held[number] and not held[number - 1]]
-    texts = []
-    for start in starts:
-        end = next(number for number in range(start + 1, start + 367) if not held[number % 366]) - 1
-        ends = dict.fromkeys(
-            f"{days[place % 366].day} {_MONTHS[days[place % 366].month - 1]}" for place in (start, end)
-        )
-        texts.append("-".join(ends))
-    return [(f"on {','.join(texts)}",)]
+    return [(f"on {','.join(_spans(days, held))}",)]
+
+
+def _spans(days: Sequence[date], held: Sequence[bool]) -> Iterator[str]:
+    """Yield the spans of the *days* of a year that are *held*, of which one may go on in the next year."""
+    for start in range(366):
+        if held[start] and not held[start - 1]:
+            end = next(number for number in range(start + 1, start + 367) if not held[number % 366]) - 1
+            ends = (days[number % 366] for number in (start, end))
+            yield "-".join(dict.fromkeys(f"{day.day} {_MONTHS[day.month - 1]}" for day in ends))
 
 
 def weeks_of(node: nodes.Expr) -> list[Condition] | None:
