@@ -56,17 +56,7 @@ from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 from homebot.support.located import Located
 from homebot.words.automations import ImportedRoutines, Load, Refusal, RoutineCheck
 from homebot.words.routine_text import routine_text
-from homebot.words.steps import (
-    MAX_ROUNDS,
-    MAX_RUNS,
-    Do,
-    Stop,
-    Undo,
-    Wait,
-    WaitFor,
-    WaitUntil,
-    read_step,
-)
+from homebot.words.steps import MAX_ROUNDS, MAX_RUNS, Do, Stop, Undo, Wait, WaitFor, WaitUntil, read_step
 from homebot.words.triggers import read_state, read_trigger
 
 _CONDITIONS: Final = frozenset({"condition", *JOINTS})

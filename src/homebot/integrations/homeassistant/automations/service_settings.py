@@ -51,7 +51,7 @@ def settings_of(automation: Automation, name: str, data: UnreadFields) -> Iterat
 
 def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields) -> Iterator[ServiceSetting]:
     """Yield the value, or the values, of the field *key*."""
-    row, node, is_step = SETTINGS[key], data.left[key], key.startswith("brightness_step")
+    row, node = SETTINGS[key], data.left[key]
     if name == "input_text.set_value":
         row = SETTINGS["text"]
     if isinstance(node.value, str) and (constant := constant_of_template(node.value)) is not None:
@@ -59,17 +59,12 @@ def _settings_in(automation: Automation, name: str, key: str, data: UnreadFields
     match CAPABILITIES[row.capabilities.split()[0]].kind:
         case "bool":
             yield row._replace(value=str(data.flag(key, default=True)).lower())
-        case "number" if isinstance(node.value, str) and "{{" in node.value and not is_step:
+        case "number" if isinstance(node.value, str) and "{{" in node.value and "step" not in key:
             data.take(key)
             change = _change(automation, row, node.value)
             yield change or row._replace(value=_calculated(automation, key, row.factor, node.value))
         case "number":
-            for number in data.numbers(key):
-                value = number * row.factor
-                if is_step:
-                    yield row._replace(words=f"{value:+.3g} %")
-                else:
-                    yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
+            yield from (_of_number(name, key, number * row.factor) for number in data.numbers(key))
         case _ if key in {"datetime", "timestamp"} and _is_now_text(node):
             data.take(key)
             yield row._replace(value="{now}")
@@ -157,12 +152,17 @@ def _minutes(automation: Automation, data: UnreadFields) -> str | float:
     return parse_duration(data.duration("duration") or "0s") / 60
 
 
-def _of_light(key: str, number: float) -> int:
-    """Return the brightness in per cent, or the colour temperature in K."""
+def _of_number(name: str, key: str, number: float) -> ServiceSetting:
+    """Return the value of a field: of a light a step, the brightness in per cent, or the colour temperature in K."""
+    row = SETTINGS[key]
+    if key.startswith("brightness_step"):
+        return row._replace(words=f"{number:+.3g} %")
+    if name != "light.turn_on":
+        return row._replace(value=number)
     value = 1_000_000 / max(1.0, number) if key == "color_temp" else number
     if key.startswith("brightness") and not 0 < value <= 100:
         raise NotCarriedError(f"data: `{key}` is {value:g} %")
-    return max(1, round(value))
+    return row._replace(value=max(1, round(value)))
 
 
 def _color(data: UnreadFields) -> tuple[float, float] | None:

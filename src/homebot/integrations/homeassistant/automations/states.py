@@ -270,14 +270,18 @@ def _of_limits(entities: Entities, fields: UnreadFields, key: str) -> list[list[
     if not limits:
         raise NotCarriedError("`above` or `below` is missing")
     if template is not None:
-        found = _ITS_VALUE.fullmatch("".join(str(template.value).split()))
-        if found is None:
-            raise NotCarriedError("value_template: it calculates; routines compare a value itself with a limit")
-        attribute = found["attribute"] or ""
+        attribute = _attribute_in(str(template.value))
     ids = _ids(fields)
     if key == "state" and ids == ["sun.sun"] and attribute in SUN_ANGLES:  # a condition holds within both
         return [[_limit_of(entities, "sun.sun", attribute, [limit])] for limit in limits]
     return [[_limit_of(entities, entity_id, attribute, limits)] for entity_id in ids]
+
+
+def _attribute_in(template: str) -> str:
+    """Return the attribute that *template* is; empty for the state."""
+    if (value := _ITS_VALUE.fullmatch("".join(template.split()))) is None:
+        raise NotCarriedError("value_template: it calculates; routines compare a value itself with a limit")
+    return value["attribute"] or ""
 
 
 def _is_entity(fields: UnreadFields, key: str) -> bool:

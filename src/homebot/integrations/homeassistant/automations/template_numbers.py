@@ -47,7 +47,7 @@ def number_of_tree(node: nodes.Expr) -> EntityNumber:
         case nodes.Filter(name="float" | "int" as name, node=inner, args=args) if inner is not None:
             number = number_of_tree(inner)
             given = [*args[:1], *(one.value for one in node.kwargs if one.key == "default")]
-            default = constant_number(given[0]) if given else None
+            default = next(map(constant_number, given), None)
             if number.factor != 1.0 or number.offset or (number.is_whole and name == "float"):
                 raise refused_template(shown_tree(node))
             return number._replace(default=default, is_whole=name == "int" or number.is_whole)
@@ -55,13 +55,18 @@ def number_of_tree(node: nodes.Expr) -> EntityNumber:
             return number_of_tree(inner)._replace(default=constant_number(value))
         case nodes.Call(node=nodes.Name(name="float" | "int" as name), args=[inner, *args]):
             number = number_of_tree(inner)
-            return number._replace(default=constant_number(args[0]) if args else None, is_whole=name == "int")
+            return number._replace(default=next(map(constant_number, args), None), is_whole=name == "int")
         case nodes.BinExpr(left=inner, right=nodes.Const(value=int() | float() as value)) if type(node) in _SCALES:
             if value or isinstance(node, nodes.Add | nodes.Sub):
                 number, (factor, offset) = number_of_tree(inner), _SCALES[type(node)](float(value))
                 if number.is_whole:
                     raise NotCarriedError("template: it calculates with `int`; use `float`")
                 return number._replace(factor=number.factor * factor, offset=number.offset * factor + offset)
+    return _of_entity(node)
+
+
+def _of_entity(node: nodes.Expr) -> EntityNumber:
+    """Return the state, or the attribute, that *node* is."""
     entity, attribute = entity_value(node)
     if entity:
         return EntityNumber(entity, attribute)

@@ -8,10 +8,7 @@ from itertools import pairwise
 from typing import Any, Final
 
 from homebot.integrations.homeassistant.automations.entities import NEVER, Condition
-from homebot.integrations.homeassistant.automations.expressions import (
-    refused_template,
-    shown_tree,
-)
+from homebot.integrations.homeassistant.automations.expressions import refused_template, shown_tree
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.integrations.homeassistant.automations.template_numbers import holds
 from homebot.integrations.homeassistant.automations.variables import is_constant

@@ -643,7 +643,14 @@ class Templates:
         return self._any_of(ways)
 
     def _equal(self, left: nodes.Expr, value: object) -> list[Condition]:
-        if (told := self._told_by_trigger(path_of(left), value, left)) is not None:
+        path = path_of(left)
+        match path:
+            case ("wait", "trigger", "id" | "entity_id") | ("wait", "trigger", "event", "data", _):
+                waited = self._automation.waited
+                return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], left)
+            case ("wait", "trigger") if value is None:
+                return [("wait timed out",)]
+        if (told := self._told_by_trigger(path, value, left)) is not None:
             return told
         if (unit := unit_of_now(left)) and type(value) is (str if unit in {"clock", "day"} else int):
             return of_time(unit, "==", value)
@@ -655,11 +662,8 @@ class Templates:
         raise refused_template(shown_tree(left))
 
     def _told_by_trigger(self, path: tuple[str, ...], value: object, asked: nodes.Expr) -> list[Condition] | None:
-        """Return the condition that the trigger, or that of the last wait, has *value* at *path*; None for others."""
+        """Return the condition that the trigger has *value* at *path*; None for another path."""
         match path:
-            case ("wait", "trigger", "id" | "entity_id") | ("wait", "trigger", "event", "data", _):
-                waited = self._automation.waited
-                return self._ended_by([one for one in waited if one.value(path[1:]) == str(value)], asked)
             case (
                 ("trigger", "id" | "payload" | "platform" | "event")
                 | ("trigger", "event", "data", _)
@@ -688,8 +692,6 @@ class Templates:
                         "template: not each trigger is about a state; give the triggers an `id`, and ask for it"
                     )
                 return self.started_by([one for one in self._automation.triggers if one.value(path) == value])
-            case ("wait", "trigger") if value is None:
-                return [("wait timed out",)]
         return None
 
     def _in_event(self, path: Sequence[str], value: object, asked: nodes.Expr) -> list[Condition]:

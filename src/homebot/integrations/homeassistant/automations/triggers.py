@@ -10,12 +10,7 @@ from functools import partial
 from typing import Final
 
 from homebot.integrations.homeassistant.automations.conditions import denied, template_text, templates_of
-from homebot.integrations.homeassistant.automations.entities import (
-    Automation,
-    Condition,
-    StartTrigger,
-    is_of_device,
-)
+from homebot.integrations.homeassistant.automations.entities import Automation, Condition, StartTrigger, is_of_device
 from homebot.integrations.homeassistant.automations.event_triggers import (
     ADVICE,
     device_press,
@@ -30,11 +25,7 @@ from homebot.integrations.homeassistant.automations.state_triggers import (
     moved,
     state_triggers,
 )
-from homebot.integrations.homeassistant.automations.states import (
-    STATES,
-    helper_time,
-    sun_moment,
-)
+from homebot.integrations.homeassistant.automations.states import STATES, helper_time, sun_moment
 from homebot.integrations.homeassistant.automations.templates import bracketed
 from homebot.support.located import Located
 from homebot.words.steps import MAX_LINES
