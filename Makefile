@@ -81,10 +81,10 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-## Checks the types of the programs of the guides by pyright, strictly.
+## Checks the types of the programs of the guides and examples by pyright, strictly.
 pyright: $(VENV)/.dev $(PYRIGHT)/bin/pyright
-	@rm -rf $(PYRIGHT)/guides && $(BIN)/python -m tests.guides.write_programs $(PYRIGHT)/guides
-	@echo '{"typeCheckingMode": "strict", "venvPath": "$(CURDIR)", "venv": "$(VENV)", "extraPaths": ["$(CURDIR)/src"]}' > $(PYRIGHT)/guides/pyrightconfig.json
+	@rm -rf $(PYRIGHT)/guides && mkdir $(PYRIGHT)/guides && $(BIN)/python -m tests.guides.write_programs $(PYRIGHT)/guides
+	@echo '{"typeCheckingMode": "strict", "venvPath": "$(CURDIR)", "venv": "$(VENV)", "extraPaths": ["$(CURDIR)/src"], "exclude": ["**/test_*.py"]}' > $(PYRIGHT)/guides/pyrightconfig.json
 	@$(PYRIGHT)/bin/pyright -p $(PYRIGHT)/guides $(ARGS)
 
 $(PYRIGHT)/bin/pyright:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.guide import blocks_in, commands_in
+from tests.guides.write_programs import change_first_app
 from tests.patience import PATIENCE
 from tests.ports import reserve_door
 from tests.shell import Homebot, homebot_in
@@ -102,10 +103,7 @@ def changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> World:
     monkeypatch.chdir(tmp_path)
     assert main(["new", "shining_hall"]) == 0
     folder = tmp_path / "shining_hall"
-    app = folder / "shining_hall.py"
-    import_line, new_class = re.findall(r"```python\n(from.*?)\n+(class.*?)```", FIRST_APP, re.DOTALL)[0]
-    head = app.read_text().partition("class HallLight")[0].partition("class ShiningHall")[0]
-    app.write_text(f"{import_line}\n{head}{new_class}")
+    change_first_app(folder / "shining_hall.py")
     monkeypatch.syspath_prepend(str(folder))
     __import__("shining_hall")
     return load_world(folder / "house.toml")
