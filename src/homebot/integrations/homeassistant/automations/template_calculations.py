@@ -163,13 +163,14 @@ class _Calculation:
                 | nodes.Call(node=nodes.Name(name="float" | "int" as name), args=[inner, *_])
             ):
                 given = node.args if isinstance(node, nodes.Filter) else node.args[1:]
-                defaults = [*given[:1], *(one.value for one in node.kwargs if one.key == "default")]
-                value = _given(inner)
-                text = self._with_default(value, defaults[0]) if defaults else self._measured(value) or self.text(value)
+                text = self._number(node, _given(inner), given)
                 return f"int({_without_brackets(text)})" if name == "int" else text
-        if state_entity(node):
-            raise refused_template(shown_tree(node), "a state is a text; write `float(0)` behind it")
         return self._value(node)
+
+    def _number(self, node: nodes.Filter | nodes.Call, value: nodes.Expr, given: Sequence[nodes.Expr]) -> str:
+        """Return the number of *value*, or else the default that *node*, with the arguments *given*, has for it."""
+        defaults = [*given[:1], *(one.value for one in node.kwargs if one.key == "default")]
+        return self._with_default(value, defaults[0]) if defaults else self._measured(value) or self.text(value)
 
     def _of_several(self, name: str, items: Sequence[nodes.Expr]) -> str:
         if name in {"min", "max"} and len(items) > 1:
@@ -195,6 +196,8 @@ class _Calculation:
         return f"default({_without_brackets(value)}, {constant_number(default):.12g})"
 
     def _value(self, node: nodes.Expr) -> str:
+        if state_entity(node):
+            raise refused_template(shown_tree(node), "a state is a text; write `float(0)` behind it")
         if value := self._measured(node):
             return value
         if (known := counted_list(node)) is not None:

@@ -40,7 +40,7 @@ def elapsed_limit(left: nodes.Expr, sign: str, right: nodes.Expr) -> Elapsed | N
     for factor, node in [*_terms(left, 1.0), *((-factor, node) for factor, node in _terms(right, 1.0))]:
         if node is None:
             seconds += factor
-        elif _is_now(node):
+        elif is_now(node) or (isinstance(node, nodes.Call) and node.node == nodes.Name("utcnow", "load")):
             now += factor
         else:
             others.append((factor, node))
@@ -61,10 +61,6 @@ def _unrounded(node: nodes.Expr, sign: Operator) -> tuple[nodes.Expr, float]:
     if rounding == "int":  # the whole part is above 10 from 11 on
         return node, 1.0 if sign in {">", "<="} else 0.0
     return node, _ROUNDED[sign] if rounding else 0.0
-
-
-def _is_now(node: nodes.Node) -> bool:
-    return is_now(node) or (isinstance(node, nodes.Call) and node.node == nodes.Name("utcnow", "load"))
 
 
 def _terms(node: nodes.Node, factor: float) -> list[tuple[float, nodes.Node | None]]:
