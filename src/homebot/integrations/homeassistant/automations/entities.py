@@ -208,7 +208,8 @@ class Entities:
     Attributes:
         used: Those that were found since it was last emptied, by id.
         notes: Assumptions since then, for people.
-        marks: The helpers that have the time of the last run of the automation that is read, and are not set here.
+        marks: The helpers that have the date of the last run of the automation that is read, and are not set here, with
+            whether they have the time of day too.
 
     Args:
         groups: The members of groups that files define, by the ids of these.
@@ -228,7 +229,7 @@ class Entities:
                     (self._named if is_own else self._also_named).setdefault(f"{domain}.{slug}", {})[key] = meant
         self.used: dict[str, KnownEntity] = {}
         self.notes: list[str] = []
-        self.marks: frozenset[str] = frozenset()
+        self.marks: Mapping[str, bool] = {}
 
     def find(self, entity_id: str) -> KnownEntity:
         """Return the entity *entity_id*."""

@@ -709,7 +709,7 @@ class HomeAssistantAutomations:
         for place, (node, name) in enumerate(zip(nodes, aliases, strict=True)):
             entities.used.clear()
             entities.notes.clear()
-            entities.marks = frozenset()
+            entities.marks = {}
             others = [*written_nodes[:place], *written_nodes[place + 1 :], *written_scripts]
             automation = Automation(entities, names, calling=written_nodes, others=others)
             written: list[str] = []

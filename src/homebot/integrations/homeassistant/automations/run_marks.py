@@ -8,27 +8,28 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.support.located import Located
 
 _NOW: Final = re.compile(
-    r"\{\{now\(\)(?:\.timestamp\(\)|\.isoformat\(\)|\.strftime\(['\"]%Y-%m-%d%H:%M(?::%S)?['\"]\))?(?:\|(?:int|round))*\}\}"
+    r"\{\{now\(\)(?:\.timestamp\(\)|\.isoformat\(\)|\.strftime\(['\"]%Y-%m-%d(?:%H:%M(?::%S)?)?['\"]\))?(?:\|(?:int|round))*\}\}"
 )
 """The time of now, without its spaces."""
 
 SETS_TIME: Final = "input_datetime.set_datetime"
 
 
-def run_marks(actions: Sequence[Located], others: Sequence[str]) -> frozenset[str]:
+def run_marks(actions: Sequence[Located], others: Sequence[str]) -> dict[str, bool]:
     """Return the helpers that *actions* set to the time of each run, and that *others* and further calls do not name.
 
+    Of each it returns whether it has the time of day beside the date.
     Only the first actions count, before any that asks or waits: they are part of each run.
     """
-    marks: set[str] = set()
+    marks: dict[str, bool] = {}
     calls = [node.value for node in actions if isinstance(node.value, dict) and service_name(node.value)]
     named = [*others, *(str(call) for call in calls if not marked_by(call))]
     for node in actions:
         fields = node.value if isinstance(node.value, dict) else {}
         if not service_name(fields) or "enabled" in fields:
             break
-        marks |= {marked_by(fields)}
-    return frozenset(mark for mark in marks - {""} if not any(mark in other for other in named))
+        marks[marked_by(fields)] = "'date':" not in str(fields)
+    return {mark: has_time for mark, has_time in marks.items() if mark and not any(mark in other for other in named)}
 
 
 def marked_by(fields: Mapping[str, Located]) -> str:

@@ -12,7 +12,7 @@ from homebot.integrations.homeassistant.automations.expressions import (
     state_entity,
 )
 from homebot.integrations.homeassistant.automations.template_numbers import SIGNS
-from homebot.integrations.homeassistant.automations.template_times import is_now
+from homebot.integrations.homeassistant.automations.template_times import is_now, is_today
 from homebot.integrations.homeassistant.formats.jinja.syntax import nodes
 
 _SAME_TIME: Final = frozenset({"as_timestamp", "as_datetime", "as_local", "float", "default", "d", "strptime"})
@@ -121,6 +121,24 @@ def helper_of(node: nodes.Node) -> str:
     return entity if entity.startswith("input_datetime.") and attribute in {"", "timestamp"} else ""
 
 
+def is_run_today(automation: Automation, node: nodes.Expr) -> bool | None:
+    """Return whether *node* asks that *automation* ran today, or that it did not; None for another expression."""
+    match node:
+        case nodes.Compare(expr=left, ops=[nodes.Operand(op="eq" | "ne" as sign, expr=right)]) if (
+            is_today(left) and _is_day_of_run(automation, right)
+        ) or (is_today(right) and _is_day_of_run(automation, left)):
+            return sign == "eq"
+    return None
+
+
+def _is_day_of_run(automation: Automation, node: nodes.Node) -> bool:
+    """Return whether *node* is the date of the last run."""
+    match node:
+        case nodes.Getitem(node=inner, arg=nodes.Slice(start=None | nodes.Const(value=0), stop=nodes.Const(value=10))):
+            return state_entity(inner) in automation.entities.marks
+    return automation.entities.marks.get(state_entity(node)) is False
+
+
 def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
     """Return whether *node* is the time of the last run of *automation*."""
     while isinstance(node, nodes.Filter | nodes.Or):
@@ -132,11 +150,11 @@ def is_last_run(automation: Automation, node: nodes.Node | None) -> bool:
         ):
             return str(entity).removeprefix("automation.") in automation.own_ids
         case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value=entity)]):
-            return entity in automation.entities.marks
+            return automation.entities.marks.get(str(entity), False)
         case nodes.Call(
             node=nodes.Name(name="state_attr"), args=[nodes.Const(value=entity), nodes.Const(value="timestamp")]
         ):
-            return entity in automation.entities.marks
+            return automation.entities.marks.get(str(entity), False)
         case nodes.Call(node=nodes.Name(name="state_attr"), args=[inner, nodes.Const(value="last_triggered")]):
             return path_of(inner) == ("this", "entity_id")
         case nodes.Getattr(node=nodes.Getattr(attr="attributes") as inner, attr="last_triggered"):

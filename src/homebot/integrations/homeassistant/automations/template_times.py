@@ -27,6 +27,23 @@ def is_now(node: nodes.Node) -> bool:
     return isinstance(node, nodes.Call) and node.node == nodes.Name("now", "load") and not node.args
 
 
+def is_today(node: nodes.Node) -> bool:
+    """Return whether *node* is the date of today as text."""
+    match node:
+        case nodes.Call(node=nodes.Name(name="states"), args=[nodes.Const(value="sensor.date")]):
+            return True
+        case nodes.Call(node=nodes.Getattr(node=inner, attr="strftime"), args=[nodes.Const(value="%Y-%m-%d")]):
+            return is_now(inner)
+        case (
+            nodes.Filter(name="string", node=nodes.Call(node=nodes.Getattr(node=inner, attr="date")))
+            | nodes.Call(
+                node=nodes.Getattr(node=nodes.Call(node=nodes.Getattr(node=inner, attr="date")), attr="isoformat")
+            )
+        ):
+            return is_now(inner)
+    return False
+
+
 def _is_timestamp(node: nodes.Node | None) -> bool:
     match node:
         case nodes.Call(node=nodes.Getattr(node=inner, attr="timestamp"), args=[]):

@@ -67,6 +67,7 @@ from homebot.integrations.homeassistant.automations.template_elapsed import (
     elapsed_limit,
     helper_of,
     is_last_run,
+    is_run_today,
     moment_entity,
 )
 from homebot.integrations.homeassistant.automations.template_lists import (
@@ -452,6 +453,8 @@ class Templates:
                 )
             case nodes.Test(name="none", node=inner) if path_of(inner) == ("wait", "trigger"):
                 return [("wait timed out",)]
+            case nodes.Compare() if (is_so := is_run_today(self._automation, node)) is not None:
+                return [("run today" if is_so else "not run today",)]
             case nodes.Test(name="none", node=inner) if is_last_run(self._automation, inner):
                 return [NEVER]  # one that never ran is over any time ago
         return None
