@@ -152,6 +152,8 @@ FORMS: Mapping[TextKind, tuple[str, ...]] = {
         "in july",
         "last run over 1h ago",
         "not run today",
+        "Flur unreachable",
+        "Flur unreachable for 1h",
         "run today",
         "text of Wecker over 3d ago",
         "text of Wecker under 3d ago",

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import DevicePart
-from homebot.devices.query.terms import Query, StateIs, leaves, split_near
+from homebot.devices.query.terms import Query, ReachableIs, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.names import find_name
@@ -84,6 +84,11 @@ class Becomes:
     def capabilities(self) -> frozenset[str]:
         """The capabilities with these values."""
         return frozenset(state.capability for state in self.states)
+
+    @cached_property
+    def is_of_reach(self) -> bool:
+        """True if it only asks whether a device can be reached."""
+        return not self.states and any(isinstance(term, ReachableIs) for term in leaves(self.query))
 
     @cached_property
     def scope(self) -> frozenset[str]:
@@ -455,11 +460,11 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: boo
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
     becomes = Becomes(text, query, length, state, is_none, of_house)
-    if not becomes.capabilities and (chosen := _choice(state)):
-        becomes = Becomes(text, parse_query(chosen), length, chosen, is_none, of_house)
-    if not becomes.capabilities:
+    if becomes.capabilities or becomes.is_of_reach:
+        return becomes
+    if not (chosen := _choice(state)):
         raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}{_choice_hint(state)}")
-    return becomes
+    return Becomes(text, parse_query(chosen), length, chosen, is_none, of_house)
 
 
 def _reject_all(text: str, state: str) -> None:

@@ -1,5 +1,7 @@
 """Routines that start again and again or with any change, and conditions about how long something has been so."""
 
+import json
+
 import pytest
 from tests.apps.houses import hall
 from tests.features.routines.test_routine import config
@@ -71,3 +73,32 @@ async def test_a_routine_runs_as_often_as_its_text_says(when: str, condition: st
             found = next(one for one in (await listing.call(RoutinesRequest())).routines if one.name == "Often")
     ran = [note for note in found.notes if note.text == "ran"]
     assert len(ran) == count, found.notes
+
+
+@pytest.mark.parametrize(
+    ("when", "condition", "expected"),
+    [
+        ("sink unreachable", "", ["09:10"]),
+        ("sink unreachable for 5m", "", ["09:15"]),
+        ("sink unreachable for 2h", "", []),
+        ("sink reachable", "", ["09:50"]),
+        ("not sink unreachable", "", ["09:50"]),
+        ("every 20m", "sink offline for 5m", ["09:20", "09:40"]),
+        ("every 20m", "not sink unreachable", ["08:20", "08:40", "09:00"]),
+    ],
+)
+async def test_a_device_that_cannot_be_reached_is_a_state(when: str, condition: str, expected: list[str]) -> None:
+    """A sensor is known from 8:10 on, and is offline from 9:10 to 9:50."""
+    topics = {"state_topic": "home/sink", "availability_topic": "home/sink/at"}
+    sensor = {"name": "Sink", "unique_id": "sink", "device_class": "moisture", **topics}
+    routine = {"name": "Reach", "when": [when], "if": [condition] if condition else [], "do": ["notify Now"]}
+    given = config(routine) | {"home": PLACE, "notify": {}}
+    async with virtual_house_of(config=given, start="2026-01-01 08:00") as house:
+        await house.run_until("08:10")
+        await house.says("homeassistant/binary_sensor/sink/config", json.dumps(sensor))
+        await house.says("home/sink/at", "online")
+        for until, says in (("09:10", "offline"), ("09:50", "online"), ("09:59", "online")):
+            await house.run_until(until)
+            await house.says("home/sink/at", says)
+        at = [f"{one.time:%H:%M}" for one in house.notifications]
+    assert at == expected

@@ -32,8 +32,9 @@ from homebot.replay.replay import Replayed, replay
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import MAX_WAIT, parse_duration
+from homebot.words.conditions import Matches
 from homebot.words.steps import APPLY, Do
-from homebot.words.triggers import MessageComes, RobotArrival
+from homebot.words.triggers import Becomes, MessageComes, RobotArrival
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import HomePlaceResponse, RoutinesResponse
@@ -105,11 +106,14 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
     """
     read = _settings(given)
     recording = read_house_history(door, seconds, asked_about(read.values()))
-    unseen = {
-        key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival | MessageComes)]
-        for key, one in read.items()
-    }
+    unseen = {key: [text for text, kind in one.asked() if _is_unkept(kind)] for key, one in read.items()}
     return trial_lines(title, recording, _in_home(door, given, read.values()), unseen)
+
+
+def _is_unkept(asked: object) -> bool:
+    """Return whether the history lacks what a routine asks for."""
+    state = asked.state if isinstance(asked, Matches) else asked
+    return isinstance(state, RobotArrival | MessageComes) or (isinstance(state, Becomes) and state.is_of_reach)
 
 
 def given_of(text: str, source: str) -> Config:

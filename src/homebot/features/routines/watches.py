@@ -12,7 +12,7 @@ import anyio
 from pydantic_core import from_json
 
 from homebot.devices import Devices, RawMessage, SubscribeToTopic
-from homebot.devices.device import Device, DeviceChange, State, StateChange
+from homebot.devices.device import FIRST_REPORTS, Device, DeviceChange, State, StateChange
 from homebot.devices.echoes import Echoes
 from homebot.devices.follow import Follow
 from homebot.devices.house_view import HouseView, HouseWatcher
@@ -169,6 +169,8 @@ def _with_length(state: Becomes, devices: Iterable[Device]) -> Becomes:
 
 def _last_change(devices: Sequence[Device], state: Becomes, unknown: float) -> float:
     """Return when a value that decides on *state* last changed, or *unknown*."""
+    if state.is_of_reach:
+        return max((device.reachable.since.to_seconds() for device in devices), default=unknown)
     decisive = [value for device in devices for value in device.states if value.capability in state.capabilities]
     return max((value.since.to_seconds() for value in decisive if value.live), default=unknown)
 
@@ -176,13 +178,18 @@ def _last_change(devices: Sequence[Device], state: Becomes, unknown: float) -> f
 def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
     """Return since when *device* has the values of *state*; -inf if its wait was over before the time *since*."""
     cause, is_new = CURRENT_CAUSE.get(), since > -math.inf
+    is_found_so = isinstance(cause, DeviceChange) and cause.kind == "appeared"
     values = [value for value in device.states if value.capability in state.capabilities and value.live]
-    if not values:
+    if state.is_of_reach:
+        at = device.reachable.since.to_seconds()
+        is_found_so = is_found_so or at - device.first_seen.to_seconds() <= FIRST_REPORTS
+    elif not values:
         return -math.inf if is_new else now
-    newest = max(values, key=lambda value: value.since.to_seconds())
-    at = newest.since.to_seconds()
-    is_found_so = isinstance(cause, DeviceChange) and cause.kind == "appeared" and not newest.is_first
-    return -math.inf if is_new and (is_found_so or device.may_be_old(newest) or at + state.lasting < since) else at
+    else:
+        newest = max(values, key=lambda value: value.since.to_seconds())
+        at = newest.since.to_seconds()
+        is_found_so = (is_found_so and not newest.is_first) or device.may_be_old(newest)
+    return -math.inf if is_new and (is_found_so or at + state.lasting < since) else at
 
 
 def holds_for(state: Becomes, devices: Sequence[Device], now: float, *, is_none: bool, is_recent: bool = False) -> bool:

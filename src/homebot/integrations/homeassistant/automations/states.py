@@ -131,6 +131,8 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
     entity = entities.find(entity_id)
     if "not_home" in states and entity.part.part.service_type == "x_person":
         entities.notes.append("`not_home` is anywhere but at home, also in another zone")
+    if "unavailable" in states:
+        entities.notes.append("`unavailable` is that its device cannot be reached")
     is_either = entity.domain == "media_player" and {"off", "standby"} <= {*states}  # one state of homebot is both
     return [state_text(entity, "off" if is_either and state == "standby" else state, key) for state in states]
 
@@ -208,6 +210,8 @@ def state_text(entity: KnownEntity, state: str, key: str) -> str:
     """Return *state* of an entity in the words of routines; *key* is the field that names it."""
     if entity.part.part.service_type == "x_person":
         return _person_text(entity, state, key)
+    if state == "unavailable":
+        return f"{entity.query} unreachable"
     meanings = _meanings_of_player(entity, state) or [_meaning(entity, state)]
     return _text(
         entity,

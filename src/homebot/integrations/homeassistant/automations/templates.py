@@ -592,7 +592,9 @@ class Templates:
         (value,) = constants_in(right)
         if sign == "eq":
             return self._equal(left, value)
-        if sign == "ne" and path_of(left)[:1] != ("wait",):  # without a trigger it is an error
+        if sign == "ne" and path_of(left)[:1] == ("wait",):  # without a trigger it is an error
+            raise refused_template(shown_tree(left), "ask for the trigger that ended it")
+        if sign == "ne":
             return self._denied(self._equal(left, value))
         return self._limited(left, SIGNS[sign], value)
 
