@@ -73,8 +73,9 @@ def to_english(text: str, kind: TextKind) -> str | None:
 
 
 def language_of(text: str) -> str:
-    """Return the language in which *text* is a trigger, condition or step; empty if it is in none but English."""
-    return next(filter(None, (reading_of(text, kind)[0] for kind in get_args(TextKind))), "")
+    """Return the language in which *text* is a trigger, condition, step or wish; empty if it is in none but English."""
+    readings = (reading_of(text, kind) for kind in get_args(TextKind))
+    return next((code for code, english in readings if english not in {"", text}), "")
 
 
 @lru_cache(maxsize=2000)

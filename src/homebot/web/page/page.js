@@ -1,1 +1,1 @@
-import"./chunk-X5YZEDXX.js";
+import"./chunk-ZH47MSR7.js";

@@ -704,6 +704,7 @@ it has no characteristic #
 no device is reachable: &
 another proxy has its address #
 the interface # cannot be used for < multicast: &
+the ^ # cannot be opened: &
 the ^ # cannot be <: &
 no CoAP endpoint can be opened: &
 no < multicast on the interface #: &
@@ -978,6 +979,7 @@ no tiene la caracter\xEDstica #
 no se llega a ning\xFAn dispositivo: &
 otro proxy tiene su direcci\xF3n #
 la interfaz # no sirve para multicast <: &
+^ # no se puede abrir: &
 ^ # no puede ser <: &
 no se puede abrir ning\xFAn extremo CoAP: &
 sin multicast < en la interfaz #: &

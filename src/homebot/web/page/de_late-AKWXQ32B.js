@@ -704,6 +704,7 @@ it has no characteristic #
 no device is reachable: &
 another proxy has its address #
 the interface # cannot be used for < multicast: &
+the ^ # cannot be opened: &
 the ^ # cannot be <: &
 no CoAP endpoint can be opened: &
 no < multicast on the interface #: &
@@ -978,6 +979,7 @@ es hat keine Eigenschaft #
 kein Ger\xE4t ist erreichbar: &
 ein anderer Proxy hat seine Adresse #
 die Schnittstelle # taugt nicht f\xFCr <-Multicast: &
+^ # l\xE4sst sich nicht \xF6ffnen: &
 ^ # kann nicht < werden: &
 kein CoAP-Endpunkt l\xE4sst sich \xF6ffnen: &
 kein <-Multicast an der Schnittstelle #: &

@@ -704,6 +704,7 @@ it has no characteristic #
 no device is reachable: &
 another proxy has its address #
 the interface # cannot be used for < multicast: &
+the ^ # cannot be opened: &
 the ^ # cannot be <: &
 no CoAP endpoint can be opened: &
 no < multicast on the interface #: &
@@ -978,6 +979,7 @@ il n'a pas de caract\xE9ristique #
 aucun appareil n'est joignable : &
 un autre proxy a son adresse #
 l'interface # ne convient pas au multicast < : &
+^ # ne peut \xEAtre ouvert : &
 ^ # ne peut \xEAtre < : &
 aucun point CoAP ne peut \xEAtre ouvert : &
 pas de multicast < sur l'interface # : &

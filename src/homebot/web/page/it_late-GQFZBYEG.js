@@ -704,6 +704,7 @@ it has no characteristic #
 no device is reachable: &
 another proxy has its address #
 the interface # cannot be used for < multicast: &
+the ^ # cannot be opened: &
 the ^ # cannot be <: &
 no CoAP endpoint can be opened: &
 no < multicast on the interface #: &
@@ -978,6 +979,7 @@ non ha la caratteristica #
 nessun dispositivo \xE8 raggiungibile: &
 un altro proxy ha il suo indirizzo #
 l'interfaccia # non va per il multicast <: &
+^ # non si pu\xF2 aprire: &
 ^ # non pu\xF2 essere <: &
 nessun endpoint CoAP si pu\xF2 aprire: &
 niente multicast < sull'interfaccia #: &

@@ -704,6 +704,7 @@ it has no characteristic #
 no device is reachable: &
 another proxy has its address #
 the interface # cannot be used for < multicast: &
+the ^ # cannot be opened: &
 the ^ # cannot be <: &
 no CoAP endpoint can be opened: &
 no < multicast on the interface #: &
@@ -978,6 +979,7 @@ het heeft geen kenmerk #
 geen apparaat is bereikbaar: &
 een andere proxy heeft zijn adres #
 de interface # is niet te gebruiken voor <-multicast: &
+^ # is niet te openen: &
 ^ # kan niet worden <: &
 er is geen CoAP-eindpunt te openen: &
 geen <-multicast op de interface #: &
