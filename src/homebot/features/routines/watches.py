@@ -12,7 +12,7 @@ import anyio
 from pydantic_core import from_json
 
 from homebot.devices import Devices, RawMessage, SubscribeToTopic
-from homebot.devices.device import FIRST_REPORTS, Device, DeviceChange, State, StateChange
+from homebot.devices.device import Device, DeviceChange, State, StateChange
 from homebot.devices.echoes import Echoes
 from homebot.devices.follow import Follow
 from homebot.devices.house_view import HouseView, HouseWatcher
@@ -175,6 +175,10 @@ def _last_change(devices: Sequence[Device], state: Becomes, unknown: float) -> f
     return max((value.since.to_seconds() for value in decisive if value.live), default=unknown)
 
 
+_FIRST_REACH_S: Final = 10.0
+"""Seconds in which it is told first whether a device can be reached: after its discovery, or the start of homebot."""
+
+
 def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
     """Return since when *device* has the values of *state*; -inf if its wait was over before the time *since*."""
     cause, is_new = CURRENT_CAUSE.get(), since > -math.inf
@@ -182,7 +186,7 @@ def _matched_at(device: Device, state: Becomes, now: float, since: float) -> flo
     values = [value for value in device.states if value.capability in state.capabilities and value.live]
     if state.is_of_reach:
         at = device.reachable.since.to_seconds()
-        is_found_so = is_found_so or at - device.first_seen.to_seconds() <= FIRST_REPORTS
+        is_found_so = is_found_so or at - max(since, device.first_seen.to_seconds()) <= _FIRST_REACH_S
     elif not values:
         return -math.inf if is_new else now
     else:
