@@ -1,5 +1,6 @@
 """Whatever is closed and let go of is gone at once, with all that it held: nothing waits for the garbage collector."""
 
+import asyncio
 import gc
 import weakref
 from collections.abc import Callable, Iterator
@@ -118,3 +119,24 @@ async def test_whatever_is_closed_is_gone_itself(graph: Graph) -> None:
 
 def _switch(request: SetBoolRequest) -> SetBoolResponse:
     return SetBoolResponse(success=request.data, message="")
+
+
+async def test_clients_of_a_single_call_leave_one_timer_of_the_loop_together() -> None:
+    """Each request of the door left its own, for up to an hour."""
+
+    async def answer(_request: SetBoolRequest) -> SetBoolResponse:
+        await anyio.sleep(1)
+        return SetBoolResponse(success=True, message="")
+
+    async with Node(Graph(), "door") as node:
+        node.create_service(SetBool, "s", answer)
+        before = running_timers()
+        for _ in range(50):
+            client = node.create_client(SetBool, "s")
+            await client.call(SetBoolRequest(data=True), 3_600.0)
+            client.close()
+        assert running_timers() - before <= 1
+
+
+def running_timers() -> int:
+    return sum(type(one) is asyncio.TimerHandle and not one.cancelled() for one in gc.get_objects())

@@ -36,12 +36,13 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
         service_type: ServiceType[RequestT, ResponseT],
         node: str,
         on_close: Callable[[Any], None],
+        limits: TimeLimits,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_client` instead."""
         super().__init__(EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type), on_close)
         self._slot = slot
         self._left_at_work: WeakSet[HandlerRun] = WeakSet()
-        self._limits = TimeLimits()
+        self._limits = limits
         self.service_type = service_type
         self._request_type = service_type.Request
         self._answer_type = service_type.answer_type()

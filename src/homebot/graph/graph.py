@@ -21,6 +21,7 @@ from homebot.graph.service import ServiceSlot
 from homebot.graph.topic import Topic
 from homebot.log import LogLimit
 from homebot.messages.message import Message, ServiceType
+from homebot.support.time_limits import TimeLimits
 
 if TYPE_CHECKING:
     from homebot.graph.node import Node
@@ -40,11 +41,13 @@ class Graph:
     Attributes:
         elsewhere: The entities of nodes of robots and other machines, as a link shows them; nobody here can use them.
         coming: The services that begin soon, by full name; until then who calls one may wait for it.
+        call_limits: The time limits of the calls of all clients: one of a single call would leave its timer behind.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
         self.elsewhere = EndpointIndex()
         self.coming = frozenset[str]()
+        self.call_limits = TimeLimits()
         self.clock = clock or LoopClock()
         self._nodes: dict[str, Node] = {}
         self._topics: dict[str, Topic] = {}

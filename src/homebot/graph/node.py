@@ -205,7 +205,7 @@ class Node:
         """Return a client of the service *srv_name*, which need not have a server yet."""
         self._check_open()
         slot = self.graph.service_slot(self.resolve_name(srv_name, "service name"), srv_type, self.full_name)
-        client = Client(slot, srv_type, self.full_name, partial(self._leave_service, slot))
+        client = Client(slot, srv_type, self.full_name, partial(self._leave_service, slot), self.graph.call_limits)
         self.add_entity(client)
         return client
 
