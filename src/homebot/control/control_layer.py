@@ -92,9 +92,10 @@ class ControlLayer:
         self.policies.update(_with_approvals(settings, approves_all=approves_all))
 
     async def run(self) -> None:
-        """Write the journal and serve the leases until cancelled."""
+        """Write the journal, serve the leases and forget old commands until cancelled."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self.journal.run)
+            tasks.start_soon(self.timelines.run)
             await self.leases.run()
 
     async def close(self) -> None:
@@ -106,7 +107,11 @@ class ControlLayer:
         """Return the health of the journal, with notes for the owner."""
         notes = await self.policies.approval_notes() + self.sending.witnesses.notes() + self.policies.notes()
         executor = self.executor
-        counts = {"leases_refused": executor.leases.refused, "codes_refused": executor.codes.refused}
+        counts = {
+            "leases_refused": executor.leases.refused,
+            "codes_refused": executor.codes.refused,
+            "commands_forgotten": self.timelines.forgotten,
+        }
         return self.journal.health(counts | self.sending.witnesses.counts | self.policies.counts, notes)
 
 

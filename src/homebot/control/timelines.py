@@ -9,6 +9,9 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Final, final
 
+import anyio
+
+from homebot.control import durations
 from homebot.control.command import IssuedCommand, device_settings, order_of
 from homebot.control.earlier_commands import EarlierCommand, commands_in_doubt
 from homebot.control.gateway_feed import GatewayFeed, places_of
@@ -29,6 +32,9 @@ from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
 
 _MAX_PARTS: Final = 10_000
+_MAX_COMMANDS: Final = 5_000
+"""Commands in all timelines, of some 5 KiB each."""
+_COUNTED_EVERY: Final = 500
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 
@@ -46,11 +52,14 @@ class _TrackedPart:
 
 @final
 class Timelines:
-    """The timelines of the last 10,000 commanded parts. Set the callbacks before use.
+    """The timelines of the last 10,000 commanded parts, with 5,000 commands in all. Set the callbacks before use.
 
     Args:
         feed: The reports.
         learnt: The profiles of the devices are saved and restored there.
+
+    Attributes:
+        forgotten: How many commands were forgotten early as there were too many, of which the oldest go.
     """
 
     def __init__(self, node: Node, feed: GatewayFeed, learnt: LearntPersistence, timeout: float, settle: float) -> None:
@@ -63,13 +72,26 @@ class Timelines:
         self._timeout = timeout
         self._settle = settle
         self._limits = TimeLimits()
+        self._uncounted = 0
+        self.forgotten = 0
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
         self._nearby: BoundedMap[str, NearbyCommands] = BoundedMap(_MAX_PARTS)
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress, Undoing, PlainValue, Cause], None] = lambda *_: None
 
+    async def run(self) -> None:
+        """Forget what is over every five minutes, also of parts that get no further command, until cancelled."""
+        while True:
+            await anyio.sleep(durations.FORGOTTEN_EVERY)
+            now = self._clock.monotonic()
+            for entry in self._entries.values():
+                entry.timeline.forget(now)
+
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""
+        self._uncounted += 1  # a command may follow
+        if self._uncounted == _COUNTED_EVERY:
+            self._forget_surplus()
         place = device.id, part.id
         entry = self._entries.get(place)
         if entry is None:
@@ -202,6 +224,18 @@ class Timelines:
                     known.stop_watch()
                     break
         return entry
+
+    def _forget_surplus(self) -> None:
+        """Forget the oldest commands that have ended, so that there is room for the next ones."""
+        self._uncounted = 0
+        timelines = [entry.timeline for entry in self._entries.values() if entry.timeline.commands]
+        surplus = sum(len(timeline.commands) for timeline in timelines) - (_MAX_COMMANDS - _COUNTED_EVERY)
+        if surplus <= 0:
+            return
+        ends = sorted(command.ended_at for timeline in timelines for command in timeline.commands)
+        now = self._clock.monotonic()
+        for timeline in timelines:
+            self.forgotten += timeline.forget_commands(now, math.nextafter(ends[surplus - 1], math.inf))
 
     def _restore(self, entries: Iterable[JournalEntry]) -> None:
         """Keep the commands of earlier runs that may be obeyed yet until the timelines of their parts begin."""

@@ -127,8 +127,7 @@ class PartTimeline:
             older.supersede(order, at)
             if older.superseded_by == order.id:
                 self.on_news(older, None)
-        while self.sent and self.sent[0].at < at - durations.COUNTED:
-            self.sent.popleft()
+        self._forget_sent(at)
         progress = CommandProgress(order, at, known, last, self.profile, answers=answers, is_raw=is_raw)
         self.commands.append(progress)
         self.nearby.device.append(progress)
@@ -144,11 +143,26 @@ class PartTimeline:
                     self._judge(fact, [(progress, progress.report(fact))])
                     self._learn(progress, fact.at)
         if len(self.commands) > MAX_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
-            self.active = [
-                command for command in self.active if at <= command.until
-            ]  # no report may ever come that drops them
-            self._drop_commands(at - durations.REMEMBERED)
+            self.forget_commands(at, at - durations.REMEMBERED)
         return progress
+
+    def forget(self, now: float) -> None:
+        """Forget what is over for 15 minutes, and sendings of an hour ago: no command or report may ever come again.
+
+        The newest report stays, and the commands that :meth:`certain` still needs.
+        """
+        self._forget_sent(now)
+        while len(self.reports) > 1 and self.reports[0].at < now - durations.REMEMBERED:
+            self.reports.popleft()
+        if self.commands:
+            self.forget_commands(now, now - durations.REMEMBERED)
+
+    def forget_commands(self, now: float, before: float) -> int:
+        """Forget the commands that ended *before* that time, those kept as in :meth:`forget`; return how many."""
+        self.active = [command for command in self.active if now <= command.until]  # no report may ever drop them
+        count = len(self.commands)
+        self._drop_commands(before)
+        return count - len(self.commands)
 
     def append(self, fact: CommandFact) -> None:
         """Append a fact about a command, and learn from its outcome."""
@@ -492,6 +506,10 @@ class PartTimeline:
     def _report_held(self, capability: str, value: PlainValue, attribution: Attribution) -> None:
         for held in tuple(self.held):
             held.report(capability, value, attribution)
+
+    def _forget_sent(self, now: float) -> None:
+        while self.sent and self.sent[0].at < now - durations.COUNTED:
+            self.sent.popleft()
 
     def _drop_commands(self, before: float) -> None:
         """Drop the commands that ended *before* that time, and the oldest if there are too many.
