@@ -42,6 +42,10 @@ class FakeClient(MqttClient):
         self.refuses_publish = False
         self.unanswered = 0
         self.burst = 0
+        self.brings: dict[str, int] = {}
+        self.requests: list[int] = []
+        self.may_subscribe = anyio.Event()
+        self.may_subscribe.set()
         self.acked: list[MqttMessage] = []
         self.counters = MqttCounters()
         self.inbox: list[MqttMessage] = []
@@ -100,6 +104,10 @@ class FakeClient(MqttClient):
 
     async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
         self._check()
+        await self.may_subscribe.wait()
+        self._check()
+        self.requests.append(len(subscriptions))
+        self.counters.retained += sum(self.brings.get(subscription.filter, 0) for subscription in subscriptions)
         if self.burst:
             await anyio.sleep(0.001)
         if self.unanswered:
@@ -141,7 +149,7 @@ class FakeClient(MqttClient):
             raise ABSENT
 
 
-def supervise(client: FakeClient, *, status_topic: str | None = None) -> MqttConnection:
+def supervise(client: FakeClient, *, status_topic: str | None = None, is_paced: bool = True) -> MqttConnection:
     return MqttConnection(
         MqttOptions(host="broker", client_id="hub"),
         client,
@@ -149,6 +157,7 @@ def supervise(client: FakeClient, *, status_topic: str | None = None) -> MqttCon
         random=Random(1),  # noqa: S311 - jitter is no secret
         link_backoff=EXACT,
         refused_backoff=SLOW,
+        is_paced=is_paced,
     )
 
 
@@ -304,6 +313,131 @@ async def test_a_broker_that_never_falls_silent_is_waited_for_once_only() -> Non
         await connection.subscribe(*(MqttSubscription(f"{number}/#") for number in range(50)))
         assert 1.0 <= anyio.current_time() < 1.2
         tasks.cancel_scope.cancel()
+
+
+@pytest.mark.parametrize("session", [FRESH, RESUMED])
+async def test_a_message_is_received_and_acknowledged_before_all_subscriptions_are_made_again(
+    session: SessionGrant,
+) -> None:
+    client, pressed = FakeClient(FRESH, session), MqttMessage("button", b"1", 1)
+
+    async def read(connection: MqttConnection) -> None:
+        while True:
+            connection.ack(await connection.receive())
+
+    async with supervise(client) as connection, anyio.create_task_group() as tasks:
+        await connection.wait_connected()
+        await connection.subscribe(MqttSubscription("#"), every_link=True)
+        tasks.start_soon(read, connection)
+        client.may_subscribe = anyio.Event()
+        client.lose()
+        await until(connection, LinkPhase.SUBSCRIBING)
+        client.tell(pressed)
+        await wait_all_tasks_blocked()
+        assert client.acked == [pressed]
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_command_may_be_sent_into_a_resumed_session_before_its_subscriptions_are_made_again() -> None:
+    client = FakeClient(FRESH, RESUMED)
+    async with supervise(client) as connection:
+        await connection.wait_connected()
+        await connection.subscribe(MqttSubscription("#"), every_link=True)
+        client.may_subscribe = anyio.Event()
+        client.lose()
+        await until(connection, LinkPhase.SUBSCRIBING)
+        await connection.require_link()
+        assert connection.state.phase is LinkPhase.SUBSCRIBING
+
+
+async def test_a_command_waits_for_the_subscriptions_of_a_new_session_and_fails_with_its_link() -> None:
+    """Its answer would be lost."""
+    client, sent = FakeClient(FRESH), list[str]()
+
+    async def send(connection: MqttConnection) -> None:
+        try:
+            await connection.require_link()
+        except LinkError:
+            sent.append("no link")
+        else:
+            sent.append("sent")
+
+    async with supervise(client) as connection, anyio.create_task_group() as tasks:
+        await connection.subscribe(MqttSubscription("#"))
+        client.may_subscribe = anyio.Event()
+        await until(connection, LinkPhase.SUBSCRIBING)
+        tasks.start_soon(send, connection)
+        await wait_all_tasks_blocked()
+        assert sent == []
+        client.may_subscribe.set()
+        await connection.wait_connected()
+        await wait_all_tasks_blocked()
+        assert sent == ["sent"]
+        client.may_subscribe = anyio.Event()
+        client.lose()
+        await until(connection, LinkPhase.SUBSCRIBING)
+        tasks.start_soon(send, connection)
+        await wait_all_tasks_blocked()
+        client.lose()
+        client.may_subscribe.set()
+        await until(connection, LinkPhase.WAITING)
+        await wait_all_tasks_blocked()
+        assert sent == ["sent", "no link"]
+
+
+async def test_filters_that_brought_nothing_are_requested_together_on_the_next_link() -> None:
+    """What announces all devices of a house comes alone."""
+    client = FakeClient(FRESH)
+    client.brings = {"7/#": 60, "8/#": 60, "9/#": 2_000}
+    async with supervise(client) as connection:
+        await connection.subscribe(*(MqttSubscription(f"{number}/#") for number in range(99)))
+        await connection.wait_connected()
+        assert client.requests == [1] * 99
+        client.requests.clear()
+        client.lose()
+        await wait_all_tasks_blocked()
+        await connection.wait_connected()
+        assert client.requests == [96, 1, 1, 1]
+
+
+@pytest.mark.parametrize(("is_paced", "requests"), [(True, [3, 1, 1, 1]), (False, [6])])
+async def test_plain_topics_are_requested_together_and_all_where_the_broker_drops_nothing(
+    is_paced: bool,  # noqa: FBT001
+    requests: list[int],
+) -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client, is_paced=is_paced) as connection:
+        wanted = [*map(MqttSubscription, ("a", "c/+", "b", "#", "d")), MqttSubscription("e", qos=1)]
+        await connection.subscribe(*wanted)
+        await connection.wait_connected()
+    assert client.requests == requests
+
+
+async def test_filters_that_bring_more_than_they_did_are_requested_alone_again() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection:
+        await connection.subscribe(MqttSubscription("a/#"), MqttSubscription("b/#"))
+        for requests in ([1, 1], [2], [1, 1], [1, 1]):
+            await connection.wait_connected()
+            assert client.requests == requests
+            client.requests.clear()
+            client.brings = {"a/#": 2_000}
+            client.lose()
+            await wait_all_tasks_blocked()
+
+
+async def test_a_refused_topic_costs_those_requested_along_with_it_one_link_only() -> None:
+    client = FakeClient(FRESH)
+    client.refused_filters = {"secret"}
+    async with supervise(client) as connection:
+        await connection.subscribe(*map(MqttSubscription, ("a", "secret", "b")))
+        await connection.wait_connected()
+        assert client.requests == [3, 1, 1, 1]
+        client.requests.clear()
+        client.lose()
+        await wait_all_tasks_blocked()
+        await connection.wait_connected()
+        assert client.requests == [2, 1]
 
 
 async def test_the_first_link_of_a_process_subscribes_even_into_an_old_session() -> None:

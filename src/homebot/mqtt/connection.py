@@ -47,9 +47,10 @@ _log = get_logger()
 
 @enum.unique
 class LinkPhase(enum.StrEnum):
-    """The phase of the supervisor."""
+    """The phase of the supervisor: messages are received from SUBSCRIBING on, all that is wanted in CONNECTED."""
 
     CONNECTING = "connecting"
+    SUBSCRIBING = "subscribing"
     CONNECTED = "connected"
     WAITING = "waiting"
     REFUSED = "refused"
@@ -83,8 +84,8 @@ class MqttConnection:
         status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this
             client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None
             announces nothing.
-        is_paced: Whether retained messages are requested gradually: one filter with a wildcard at a time, the next
-            after they have arrived. Some brokers drop messages that a client reads too slowly; the embedded one waits.
+        is_paced: Whether retained messages are requested gradually; see `SubscriptionSet`. Some brokers drop messages
+            that a client reads too slowly; the embedded one waits.
 
     Attributes:
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
@@ -164,14 +165,18 @@ class MqttConnection:
             await self._changed.wait()
 
     async def require_link(self) -> None:
-        """Check that the link is up and its subscriptions are made, so that an answer would be received.
+        """Return once an answer would be received: at once where a resumed session has all subscriptions.
 
         Raises:
-            LinkError: It is not.
+            LinkError: There is no link, or it was lost before they were made.
         """
-        if self.state.phase is not LinkPhase.CONNECTED:
-            await checkpoint()  # as in publish
-            raise LinkError(f"{self.url}: not connected")
+        while self.state.phase is not LinkPhase.CONNECTED:
+            if self.state.phase is not LinkPhase.SUBSCRIBING:
+                await checkpoint()  # as in publish
+                raise LinkError(f"{self.url}: not connected")
+            if self._standing.is_complete:
+                return
+            await self._changed.wait()
 
     async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
@@ -267,7 +272,9 @@ class MqttConnection:
         try:
             async with self._client.connected() as session:
                 try:
-                    if refused := await self._standing.begin_link(resumed=session.resumed):
+                    self._standing.begin_link(resumed=session.resumed)
+                    self._enter(LinkPhase.SUBSCRIBING)
+                    if refused := await self._standing.make_all():
                         _log.debug(
                             "mqtt.subscriptions_refused",
                             message=f"{self.url}: {_join(refused)}",

@@ -62,6 +62,7 @@ ANSWER_WAIT = 2.0
 
 _MAX_NAMES = 10
 _DOWN = frozenset({LinkPhase.WAITING, LinkPhase.REFUSED})
+_TRYING = frozenset({LinkPhase.CONNECTING, LinkPhase.SUBSCRIBING})
 
 TRIES_EVERY = 600.0
 """Seconds between two log lines about failed attempts with one reason: a broker may be away for days."""
@@ -105,10 +106,10 @@ class LinkReport:
         async for state in self._connection.states():
             if state.phase is LinkPhase.CONNECTED:
                 self._on_connected()
-            elif state.phase in _DOWN or (self._was_up and state.phase is LinkPhase.CONNECTING):
+            elif state.phase in _DOWN or (self._was_up and state.phase is not LinkPhase.CLOSED):
                 self._down(state)  # after a loss the next attempt starts at once, and may take ten seconds
             self._was_up = state.phase is LinkPhase.CONNECTED
-            if state.phase is not LinkPhase.CONNECTING:
+            if state.phase not in _TRYING:
                 self._tried.set()
 
     def _on_connected(self) -> None:

@@ -52,11 +52,13 @@ class MqttCounters:
     """Counters of one client, over all its links.
 
     Attributes:
+        retained: Those of the received ones that the broker had stored and sent for a new subscription.
         dropped_overflow: Messages of QoS 0 dropped because the inbox was full.
         dropped_oversize: Packets dropped because they were larger than the limit.
     """
 
     received: int = 0
+    retained: int = 0
     dropped_overflow: int = loss()
     dropped_oversize: int = loss()
     dropped_malformed: int = loss()
@@ -113,6 +115,8 @@ class Receiver:
             if admitted is None:
                 return answer
             receipt = admitted
+        if retain:
+            self.counters.retained += 1
         self._read.append(_new(MqttMessage, (topic, payload, qos, retain, properties, receipt)))
         return answer
 
