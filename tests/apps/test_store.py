@@ -15,6 +15,7 @@ from typing import Any
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.damage import damage
 from tests.patience import PATIENCE
 from tests.sizes import size
 
@@ -262,7 +263,7 @@ async def test_a_file_that_breaks_or_goes_while_it_is_used_is_written_anew(tmp_p
         stores.of("hall")["three"] = 3
         await stores.flush()
         assert stores._kept is not None
-        stores._kept.file._opened().execute("DROP TABLE store")  # as good as damaged
+        damage(stores._kept.file)
         stores.of("hall")["four"] = 4
         await stores.flush()
         await stores.flush()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from structlog.testing import capture_logs
 from structlog.typing import EventDict
+from tests.damage import damage
 
 from homebot.errors import LinkError
 from homebot.support.logger import get_logger
@@ -52,6 +53,11 @@ class Kept:
         async with self.file.opened(writes=True) as file:
             file.write(word)
 
+    async def execute(self, statement: str, values: tuple[str, ...]) -> None:
+        async with self.file.opened(writes=True) as file:
+            with file._used("written") as connection:
+                connection.execute(statement, values)
+
     async def read(self) -> list[str]:
         async with self.file.opened() as file:
             return file.read()
@@ -89,8 +95,8 @@ async def test_a_file_that_breaks_at_work_is_moved_aside(tmp_path: Path, lines: 
     kept = Kept(tmp_path / "words.sqlite")
     await kept.write("one")
     async with kept.file.opened() as file:
-        file._opened().execute("DROP TABLE words")  # as good as damaged
-    with pytest.raises(LinkError, match="is damaged: no such table"):
+        damage(file)
+    with pytest.raises(LinkError, match="is damaged: malformed database schema"):
         await kept.read()
     await kept.write("two")
     assert await kept.read() == ["two"]
@@ -98,6 +104,18 @@ async def test_a_file_that_breaks_at_work_is_moved_aside(tmp_path: Path, lines: 
     assert (kept.renewals, kept.file.problem) == (1, "")
     assert kept.file.trouble.endswith("words.sqlite.damaged-7, and a new one is used")
     assert (tmp_path / "words.sqlite.damaged-7").exists()
+    await kept.file.close()
+
+
+async def test_a_mistake_of_our_own_leaves_the_file_and_its_rows(tmp_path: Path) -> None:
+    kept = Kept(tmp_path / "words.sqlite")
+    await kept.write("one")
+    for statement, values in (("INSERT INTO words VALUES (?)", ()), ("SELECT * FROM wrods", ())):
+        with pytest.raises(LinkError, match="cannot be written"):
+            await kept.execute(statement, values)
+    assert await kept.read() == ["one"]
+    assert (kept.renewals, kept.file.failures, kept.file.loss) == (0, 2, "")
+    assert not list(tmp_path.glob("*damaged*"))
     await kept.file.close()
 
 

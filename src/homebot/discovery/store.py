@@ -1,12 +1,10 @@
 """The index file: an SQLite database with a row per device. Blocking; called from a worker thread."""
 
-import sqlite3
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import final
 
 from homebot.discovery.record import Records
-from homebot.errors import WireError
 from homebot.names import escape_token
 from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
@@ -63,17 +61,14 @@ class IndexFile(SqliteFile):
         """Return all rows, devices ordered by id.
 
         Raises:
-            LinkError: It is not open.
+            LinkError: It cannot be read now.
             WireError: It is damaged.
         """
-        connection = self._opened()
-        try:
+        with self._used("read") as connection:
             rows = [
                 connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()  # noqa: S608 - of our own texts
                 for table in Records._fields
             ]
-        except sqlite3.Error as exc:
-            raise WireError(f"{self._title} cannot be read: {exc}") from exc
         return Records(*map(_texts, rows))
 
     def write(self, records: Records, ids: Sequence[str]) -> None:

@@ -21,7 +21,7 @@ from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.runtime.app_host import STORE_FILE
 from homebot.runtime.plan import JOURNAL_FILE
 from homebot.support.installation import INSTALLATION_FILE
-from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database
+from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database, is_in_use
 
 SAVED_FILES: Final[Mapping[str, SqliteSchema]] = {
     INDEX_FILE: INDEX_SCHEMA,
@@ -77,11 +77,9 @@ def check_unused(folder: Path) -> None:
         connection = sqlite3.connect(path, timeout=0.1, isolation_level=None)
         try:
             connection.execute("BEGIN IMMEDIATE")
-        except sqlite3.OperationalError as exc:
-            if "locked" in str(exc):
+        except sqlite3.Error as exc:  # any other is why a backup is restored
+            if is_in_use(exc):
                 raise UsageError(f"{path} is in use by a running homebot; stop it first") from exc
-        except sqlite3.DatabaseError:
-            pass  # a damaged file is why a backup is restored
         finally:
             connection.close()
 

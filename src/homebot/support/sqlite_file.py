@@ -81,7 +81,7 @@ def copy_database(path: Path, target: Path) -> None:
         finally:
             connection.close()
     except sqlite3.Error as exc:
-        problem = "is in use by a running homebot" if "locked" in str(exc) else f"cannot be copied: {exc}"
+        problem = "is in use by a running homebot" if is_in_use(exc) else f"cannot be copied: {exc}"
         raise LinkError(f"{path} {problem}") from exc
 
 
@@ -97,6 +97,21 @@ def _vacuum_into(connection: sqlite3.Connection, target: Path) -> None:
             time.sleep(0.01)
         else:
             return
+
+
+def is_in_use(exc: sqlite3.Error) -> bool:
+    """Return whether another process has the file open."""
+    return _code(exc) == sqlite3.SQLITE_BUSY
+
+
+def _is_damage(exc: sqlite3.Error) -> bool:
+    """Return whether the file is at fault, rather than the disk, another program or a mistake of homebot's own."""
+    return _code(exc) in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+
+
+def _code(exc: sqlite3.Error) -> int:
+    """Return SQLite's primary result code; SQLITE_OK if *exc* is of Python's module alone."""
+    return int(getattr(exc, "sqlite_errorcode", sqlite3.SQLITE_OK)) & 0xFF
 
 
 def _why_not_ours(version: int, schema: SqliteSchema) -> str:
@@ -127,7 +142,7 @@ class SqliteFile:
         self._identity = (0, 0)
 
     def open(self, now: float) -> Path | None:
-        """Open, create or migrate the file; a damaged one is set aside.
+        """Open, create or migrate the file; a damaged one is set aside. It is checked only if it was not closed.
 
         Args:
             now: Seconds since the Unix epoch, for the name of a damaged file.
@@ -143,8 +158,10 @@ class SqliteFile:
         set_aside = None
         try:
             self._open()
-        except sqlite3.DatabaseError as exc:
-            if "locked" in str(exc):
+        except WireError:
+            set_aside = self._replace(now)
+        except sqlite3.Error as exc:
+            if is_in_use(exc):
                 raise UsageError(
                     f"{self._title} is in use by another homebot; give this one its own directory "
                     "(HOMEBOT_DATA), or run it with --ephemeral"
@@ -224,12 +241,13 @@ class SqliteFile:
         try:
             set_aside = self.set_aside(now)
             self._open()
-        except (sqlite3.Error, OSError) as exc:
+        except (sqlite3.Error, OSError, WireError) as exc:
             raise LinkError(f"{self._title} cannot be recreated: {exc}") from exc
         return set_aside
 
     def _open(self) -> None:
         self._make_private()
+        was_closed = not any(self.path.with_name(self.path.name + ending).exists() for ending in _FILES[1:])
         connection = sqlite3.connect(
             self.path, timeout=self._busy_timeout, check_same_thread=False, isolation_level=None
         )
@@ -242,9 +260,10 @@ class SqliteFile:
                 connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
-            (problem,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
-            if problem != "ok":
-                raise sqlite3.DatabaseError(problem)
+            if not was_closed:  # SQLite itself finds other damage where it reads
+                (problem,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+                if problem != "ok":
+                    raise WireError(f"{self._title} is damaged: {problem}")
             schema = self._schema  # migrated step by step, each in a transaction, after making a copy
             if 0 < version < schema.version:
                 copy = self.path.with_name(f"{self.path.name}.version-{version}")
@@ -317,13 +336,7 @@ def _apply(connection: sqlite3.Connection, steps: Sequence[str], version: int) -
             connection.execute(step)
         connection.execute(f"PRAGMA user_version = {version}")
     except BaseException:
-        connection.execute("ROLLBACK")
+        if connection.in_transaction:  # some errors end it
+            connection.execute("ROLLBACK")
         raise
     connection.execute("COMMIT")
-
-
-def _is_damage(exc: sqlite3.Error) -> bool:
-    """Return whether the file is at fault, rather than the disk or another program."""
-    if not isinstance(exc, sqlite3.OperationalError):
-        return isinstance(exc, sqlite3.DatabaseError)
-    return "no such" in str(exc) or "already exists" in str(exc)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from tests.damage import damage
 from tests.features.history.conftest import MIDNIGHT, MakeHouse
 from tests.guide import blocks_in, guide
 from tests.turns import Turns, longest_turn
@@ -35,6 +36,19 @@ def counts(history: HistoryKeeper) -> dict[str, int]:
 def fill(connection: sqlite3.Connection) -> None:
     """Let the file have no page more, as on a full disk."""
     connection.execute("PRAGMA max_page_count = 1")
+
+
+@pytest.mark.virtual_time
+async def test_damage_that_is_found_while_reading_sets_the_file_aside(kept: MakeHouse, tmp_path: Path) -> None:
+    async with kept() as house:
+        await house.report("meter", energy=1.0)
+        await anyio.sleep(600)
+        damage(house.history._store.file)
+        response = await house.response("meter", "energy")
+        assert "is damaged" in response.message
+        await anyio.sleep(600)
+        assert (await house.response("meter", "energy")).success
+    assert list(tmp_path.glob("history.sqlite.damaged-*"))
 
 
 @pytest.mark.virtual_time

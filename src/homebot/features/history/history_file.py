@@ -94,6 +94,16 @@ class HistoryFile(SqliteFile):
         """
         return self._opened()
 
+    def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
+        """Return the result of *work*, which reads.
+
+        Raises:
+            LinkError: It cannot be read now.
+            WireError: The file is damaged.
+        """
+        with self._used("read") as connection:
+            return work(connection)
+
     def load(self) -> StoredSeries:
         """Return the series; states that lasted when homebot was killed end with its last batch.
 
@@ -269,8 +279,10 @@ class HistoryStore:
         """
         async with self.kept.opened() as file:
             batch, now = collector.batch.copy(), round(self._clock.now() * 1000)
-            reader = HistoryReader(file.connection, batch, self._settings.keep, collector.counters, now)
-            return await to_thread.run_sync(work, reader)
+            keep, counters = self._settings.keep, collector.counters
+            return await to_thread.run_sync(
+                file.read, lambda connection: work(HistoryReader(connection, batch, keep, counters, now))
+            )
 
     def _renew(self) -> None:
         self._is_new = True
