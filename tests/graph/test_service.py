@@ -401,3 +401,48 @@ async def test_the_types_of_services_are_listed_although_the_first_call_of_one_w
         node.offer_service("std_srvs/srv/Trigger", "/one", start)
         node.offer_service("std_srvs/srv/Empty", "/two", lambda: None)
         assert Trigger in graph.get_service_types()
+
+
+async def test_calls_without_a_caller_keep_the_limit_of_their_server(
+    node: Node, client: TriggerClient, gate: Gate
+) -> None:
+    """One runs at a time, 1,000 wait, and more are dropped and counted."""
+    node.create_service(Trigger, "s", gate)
+    for _ in range(5000):
+        client.send(ASK)
+    await anyio.wait_all_tasks_blocked()
+    assert (gate.started, node.graph.failures.refused_calls) == (1, 3999)
+    gate.opened.set()
+    await anyio.sleep(1)
+    assert (gate.started, gate.most, gate.running) == (1001, 1, 0)
+    await client.call(ASK)
+
+
+async def test_a_handler_may_send_its_own_service_a_call_for_later(node: Node, client: TriggerClient) -> None:
+    seen = []
+
+    async def again(_request: TriggerRequest) -> SuccessResponse:
+        seen.append(now())
+        if len(seen) < 3:
+            client.send(ASK)
+        await anyio.sleep(1)
+        return answer()
+
+    node.create_service(Trigger, "s", again)
+    client.send(ASK)
+    await anyio.sleep(10)
+    assert [at - seen[0] for at in seen] == [0, 1, 2]
+
+
+async def test_calls_without_a_caller_that_wait_end_with_their_server(
+    node: Node, client: TriggerClient, gate: Gate
+) -> None:
+    service = node.create_service(Trigger, "s", gate)
+    for _ in range(3):
+        client.send(ASK)
+    await anyio.wait_all_tasks_blocked()
+    service.close()
+    await anyio.wait_all_tasks_blocked()
+    assert (gate.started, gate.running, len(service.line)) == (1, 0, 0)
+    node.create_service(Trigger, "s", lambda _request: answer("new"))
+    assert (await client.call(ASK)).message == "new"

@@ -1,6 +1,9 @@
 """Client of a service."""
 
+from asyncio import Future
 from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from inspect import isawaitable
 from typing import Any, Generic, TypeVar
 from weakref import WeakSet
@@ -121,20 +124,17 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
         raise ServiceFailedError(self.info.name, problem)
 
     def send(self, request: RequestT) -> None:
-        """Start a call without waiting: its outcome is dropped, and so is the request if there is no server."""
+        """Start a call without waiting: its outcome is dropped, and so is the request if no server has room for it."""
         server = self._slot.server
         if server is None:
             return
-        try:
-            outcome: object = server.callback(request)
-        except Exception as exc:  # noqa: BLE001 - recorded as the server's failure
-            server.failed(exc, has_caller=False)
-        else:
-            if isawaitable(outcome):
-                run = HandlerRun(server, outcome)
-                run.abandon()
-                if not server.start(run.serve):
-                    run.discard()
+        if server.room > 0:
+            _begin(server, request)
+            return
+        with suppress(ServiceUnavailableError):  # counted
+            turn = server.join_line()
+            if not server.start(partial(_begin_in_turn, server, request, turn)):
+                server.line.remove(turn)
 
     async def wait_for_handlers(self) -> None:
         """Wait until all handlers that still work on abandoned calls of this client have ended."""
@@ -152,7 +152,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
         """Wait for room at the server; return the rest of *timeout*."""
         deadline = anyio.current_time() + timeout
         with anyio.move_on_after(timeout):
-            await server.wait_in_line()
+            await server.wait_in_line(server.join_line())
             return deadline - anyio.current_time()
         raise ServiceTimeoutError(self.info.name, timeout)
 
@@ -185,3 +185,24 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
     def _check_open(self) -> None:
         if self.is_closed:
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
+
+
+def _begin(server: Service[Any, Any], request: Message) -> None:
+    """Begin the handler of a call without a caller."""
+    try:
+        outcome: object = server.callback(request)
+    except Exception as exc:  # noqa: BLE001 - recorded as the server's failure
+        server.failed(exc, has_caller=False)
+    else:
+        if isawaitable(outcome):
+            run = HandlerRun(server, outcome)
+            run.abandon()
+            if not server.start(run.serve):
+                run.discard()
+
+
+async def _begin_in_turn(server: Service[Any, Any], request: Message, turn: Future[None]) -> None:
+    with suppress(ServiceGoneError):
+        await server.wait_in_line(turn)
+        _begin(server, request)
+        server.call_next()  # an immediate answer takes no room

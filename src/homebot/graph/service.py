@@ -103,22 +103,29 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
         """Full name of the service."""
         return self.info.name
 
-    async def wait_in_line(self) -> None:
-        """Wait until there is room for another call; the caller begins its handler before it waits again.
+    def join_line(self) -> asyncio.Future[None]:
+        """Return the turn of another call, for :meth:`wait_in_line`.
 
         Raises:
-            UsageError: The caller is this service's own handler, which would wait for itself.
             ServiceUnavailableError: 1,000 calls wait already.
-            ServiceGoneError: The server was closed meanwhile.
         """
-        if self.is_exclusive and any(run.server is self for run in calling_runs()):
-            raise UsageError(f"the handler of {self.service_name} calls itself; create it with concurrent=True")
         if len(self.line) >= MAX_WAITING:
             self._failures.refused_calls += 1
             raise ServiceUnavailableError(self.service_name, f"has {MAX_WAITING:,} calls waiting already")
         turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.line.append(turn)
+        return turn
+
+    async def wait_in_line(self, turn: asyncio.Future[None]) -> None:
+        """Wait until it is *turn*; the caller begins its handler before it waits again.
+
+        Raises:
+            UsageError: The caller is this service's own handler, which would wait for itself.
+            ServiceGoneError: The server was closed meanwhile.
+        """
         try:
+            if self.is_exclusive and any(run.server is self for run in calling_runs()):
+                raise UsageError(f"the handler of {self.service_name} calls itself; create it with concurrent=True")
             await turn
         except BaseException:
             if turn in self.line:
