@@ -51,7 +51,7 @@ class Collector(HouseWatcher):
     A number is collected when it changes, and with each batch while its device is alive, so a pause becomes a gap.
 
     Args:
-        most: The largest number of series, not counting devices that were not seen in this run.
+        most: The largest number of series of the devices that there are.
         last: The last value of each counter in earlier runs, by the number of its series.
 
     Attributes:
@@ -65,11 +65,12 @@ class Collector(HouseWatcher):
     def __init__(self, clock: Clock, most: int, known: Mapping[Place, Series], last: Mapping[int, float]) -> None:
         self._clock = clock
         self._most = most
-        self._last = last
+        self._last = dict(last)
         self._followed: dict[str, dict[tuple[str, str], _CollectedValue]] = {}
         self._count = 0
         self._units: dict[str, dict[tuple[str, str], str]] = {}
         self.series: dict[Place, Series] = dict(known)
+        self._newest = max((series.number for series in known.values()), default=0)
         self.batch = Batch()
         self.lost = self.left_out = self.folded = 0
 
@@ -86,12 +87,15 @@ class Collector(HouseWatcher):
     def on_device(self, change: DeviceChange) -> None:
         """Start or stop collecting the values of a device, depending on whether it is alive."""
         device = change.device
+        if change.kind == "removed":
+            self._forget(device.id)
+            return
         self._units[device.id] = {
             (part.id, capability.name): capability.unit
             for part in device.parts
             for capability in part.part.capabilities
         }
-        if change.kind == "removed" or device.freshness == "stale" or device.reachable.state == "no":
+        if device.freshness == "stale" or device.reachable.state == "no":
             now = self._now()
             for collected in self._followed.get(device.id, {}).values():
                 self._end(collected, now)
@@ -116,6 +120,7 @@ class Collector(HouseWatcher):
 
     def restart_total(self, series: int, last: float | None) -> None:
         """Let the counter of *series*, if it is one, go on from its *last* value after a correction."""
+        self._keep_last(series, last)
         for followed in self._followed.values():
             for collected in followed.values():
                 if collected.series.number == series and collected.total is not None:
@@ -154,6 +159,22 @@ class Collector(HouseWatcher):
             for collected in followed.values():
                 if collected.opened_at and not isinstance(collected.value, float | None):
                     self.batch.states[collected.opened_at, collected.series.number] = StateRow(None, collected.value)
+
+    def _forget(self, device: str) -> None:
+        """Let a device that was removed make room for others."""
+        self._units.pop(device, None)
+        gone, now = self._followed.pop(device, {}), self._now()
+        self._count -= len(gone)
+        for collected in gone.values():
+            self._end(collected, now)
+            if collected.total is not None:
+                self._keep_last(collected.series.number, collected.total.last)
+
+    def _keep_last(self, series: int, last: float | None) -> None:
+        if last is None:
+            self._last.pop(series, None)
+        else:
+            self._last[series] = last
 
     def _end(self, followed: _CollectedValue, at: int) -> None:
         if followed.opened_at:
@@ -241,13 +262,13 @@ class Collector(HouseWatcher):
         """Return the series of *place*, a new one if there is room for it."""
         series = self.series.get(place)
         if series is None:
-            number = 1 + max((series.number for series in self.series.values()), default=0)
-            if self._count >= self._most or number > MASK:
+            if self._count >= self._most or self._newest >= MASK:
                 self.left_out += 1
                 return None
+            self._newest += 1
             device, part, capability = place
             unit = self._units.get(device, {}).get((part, capability)) or CAPABILITIES.get(capability, OWN).unit
-            series = self.series[place] = Series(number, place, unit)
+            series = self.series[place] = Series(self._newest, place, unit)
             self.batch.new.append(series)
         self._count += 1
         followed = _CollectedValue(series, self._last.get(series.number))
