@@ -12,7 +12,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias, final
 
 import anyio
-from anyio import to_thread
 from pydantic import BaseModel, ConfigDict, Field, SecretStr
 
 from homebot.config import AlertKey, Urgency
@@ -20,6 +19,7 @@ from homebot.devices.command_sender import GatewayOutput
 from homebot.devices.gateway_messages import RawCommand
 from homebot.log import LogLimit, more_like_this
 from homebot.support.bounded_map import BoundedMap
+from homebot.support.bounded_threads import BoundedThreads
 from homebot.support.limits import RateLimit
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ class Notifier:
         self._outputs: dict[str, GatewayOutput] = {}
         self._limits: BoundedMap[str, RateLimit] = BoundedMap(_MAX_APPS)
         self._lines = LogLimit(self._clock)
-        self._threads = anyio.CapacityLimiter(_MAX_THREADS)
+        self._threads = BoundedThreads(_MAX_THREADS, "notification")
         self.recent: deque[Notification] = deque(maxlen=100)
         self.dropped = self.failed = 0
         self.trouble = ""
@@ -184,7 +184,7 @@ class Notifier:
             return ()
         send = partial(_push, urls, notification.message, notification.title, notification.urgency)
         with anyio.move_on_after(_APPRISE_LIMIT):
-            return await to_thread.run_sync(send, limiter=self._threads, abandon_on_cancel=True)
+            return await self._threads.run(send)
         return [f"apprise did not answer within {_APPRISE_LIMIT:g} s"] * len(urls)
 
 
