@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from homebot.apps import App
     from homebot.config import Config, HomeSettings
     from homebot.control import Control
+    from homebot.devices.node_grants import CurrentGrants, NodeGrants
     from homebot.discovery import Directory
     from homebot.graph import Graph
     from homebot.recording.lines import RecordingHeader
@@ -51,8 +52,8 @@ class AppKeeper(Protocol):
     def added_to(self, config: Config) -> Config:
         """Return *config* with the tables of these apps but the wrong ones; called in a thread."""
 
-    def grant_all(self) -> None:
-        """Bring the rights of these apps in line with their tables."""
+    def granted(self, grants: NodeGrants) -> NodeGrants:
+        """Return *grants* with those of these apps in line with their tables."""
 
     async def hints(self, names: Collection[str] = ()) -> Mapping[str, Sequence[str]]:
         """Return the faults of all in the house as it is now, or of those *names* for people, by name."""
@@ -63,13 +64,11 @@ class HouseApps(Protocol):
 
     Attributes:
         running_apps: Those that run, by name.
-        grants: The scope of each that may not command everything, by the full name of its node.
-        tables: The table of each in words, likewise.
+        grants: The scopes of their nodes in force.
     """
 
     running_apps: Mapping[str, App]
-    grants: dict[str, tuple[str, ...]]
-    tables: dict[str, str]
+    grants: CurrentGrants
 
     def wrong_apps(self, table: str) -> Mapping[str, str]:
         """Return why apps of an array of tables do not run, by name."""

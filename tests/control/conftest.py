@@ -15,6 +15,7 @@ from tests.one_task import in_one_task
 
 from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
+from homebot.control.open_command import SimulatedExecution
 from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent, Setting
 from homebot.devices.gateway_messages import Command, RefreshPart, RefreshRequest, RefreshResponse
@@ -23,6 +24,7 @@ from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.lease_messages import GetLeases, HeldPart, HoldPart, HoldRequest, LeaseResponse
 from homebot.devices.names import COMMAND_EVENTS, GET_LEASES, HOLD_PART, READ_JOURNAL
+from homebot.devices.node_grants import CurrentGrants, NodeGrants
 from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery import Directory, DirectorySettings
@@ -252,6 +254,7 @@ class OpenHome(Protocol):
         clock: Clock | None = None,
         store: JournalStore | None = None,
         journal_file: Path | None = None,
+        rehearsal: SimulatedExecution | None = None,
         **settings: object,
     ) -> AbstractAsyncContextManager[Home]: ...
 
@@ -262,6 +265,7 @@ async def opened_home(
     clock: Clock | None = None,
     store: JournalStore | None = None,
     journal_file: Path | None = None,
+    rehearsal: SimulatedExecution | None = None,
     **settings: object,
 ) -> AsyncIterator[Home]:
     """Give a home without approvals; *settings* are those of `ControlSettings`."""
@@ -275,7 +279,8 @@ async def opened_home(
     ):
         gateway = RecordingGateway(gateway_node)
         checked = ControlSettings.model_validate({"approvals": False, **settings})
-        control = Control(control_node, checked, grants, store=store, journal_file=journal_file)
+        current = CurrentGrants(NodeGrants(grants))
+        control = Control(control_node, checked, current, store=store, journal_file=journal_file, rehearsal=rehearsal)
         await tasks.start(gateway.serve)
         await tasks.start(Directory(directory_node, DirectorySettings()).serve)
         await tasks.start(control.serve)

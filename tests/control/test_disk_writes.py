@@ -45,7 +45,7 @@ async def test_a_day_of_sensors_and_commands_writes_less_than_8_mb(tmp_path: Pat
         anyio.create_task_group() as tasks,
     ):
         gateway = MemoryGateway(gateway_node)
-        control = Control(control_node, ControlSettings(approvals=False), {}, journal_file=tmp_path / "journal.sqlite")
+        control = Control(control_node, ControlSettings(approvals=False), journal_file=tmp_path / "journal.sqlite")
         await tasks.start(gateway.serve)
         await tasks.start(Directory(directory_node, DirectorySettings(), tmp_path / "index.sqlite").serve)
         await tasks.start(control.serve)

@@ -1,18 +1,36 @@
 """What the journal has of commands, in virtual time."""
 
+from typing import ClassVar
+
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
 
+from homebot.control.command import IssuedCommand
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Light, OccupancySensor, WindowCovering
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.devices.outcomes import AlreadySo, Outcome
 from homebot.devices.value import Value
 from homebot.journal.store import JournalStore
 from homebot.messages import Time
 
 pytestmark = pytest.mark.virtual_time
+
+
+class FailingOnce:
+    """A rehearsal with a mistake."""
+
+    is_live: ClassVar[bool] = False
+
+    def __init__(self) -> None:
+        self._given: list[str] = []
+
+    def outcome(self, command: IssuedCommand) -> Outcome | None:
+        """Return that the second command changes nothing."""
+        self._given.append(command.id)
+        return AlreadySo(command_id=self._given[1])
 
 
 def kinds(response: ReadJournalResponse) -> list[str]:
@@ -138,6 +156,18 @@ async def test_the_chain_of_a_replaced_command_ends_with_that_though_the_lamp_ob
     (end,) = [one for one in entries if one.results and one.results[0].outcome == "superseded"]
     chain = [one.kind for one in entries if one.command == end.command]
     assert chain == ["requested", "sent", "acknowledged", "outcome"]
+
+
+async def test_a_command_that_homebot_itself_fails_to_send_has_an_outcome_too(open_home: OpenHome) -> None:
+    """Its part is free for the next one."""
+    async with open_home(rehearsal=FailingOnce()) as home:
+        lamp = await home.lamp("on_off")
+        assert "IndexError" in (await lamp.turn_on()).text
+        found = await home.read()
+        assert kinds(found) == ["requested", "outcome"]
+        (result,) = found.entries[-1].results
+        assert result.text == "not sent: homebot failed: IndexError: list index out of range"
+        assert (await lamp.turn_on()).succeeded
 
 
 async def test_a_command_is_stored_at_its_outcome_and_read_before(open_home: OpenHome) -> None:

@@ -79,7 +79,7 @@ def in_force(runtime: Runtime) -> list[object]:
     plan = runtime._plan
     rights = plan.door.rights(runtime._local_rights)
     policies = plan.control and plan.control.model_dump(exclude={"timeout"})
-    return [rights, plan.door.all_tokens(), dict(plan.grants), policies, plan.places]
+    return [rights, plan.door.all_tokens(), plan.grants.now, policies, plan.places]
 
 
 async def test_a_file_cut_anywhere_changes_nothing_that_limits_somebody(file: Path, read: Callable[[], Config]) -> None:

@@ -12,9 +12,11 @@ from tests.apps.houses import flat, lamp, motion
 from homebot import Devices, Light, Refused
 from homebot.config import parse_config
 from homebot.devices.health import GetHealth
+from homebot.devices.node_grants import NodeGrants
 from homebot.graph import Node
 from homebot.messages.std_srvs import Trigger, TriggerRequest
-from homebot.runtime.reload import keys_for_restart
+from homebot.runtime.plan import make_plan
+from homebot.runtime.reload import RunningParts, keys_for_restart, reload_configuration
 from homebot.testing import VirtualHouse, virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
@@ -123,6 +125,33 @@ async def test_the_rights_of_an_app_are_swapped() -> None:
         assert isinstance(await here.turn_off(), Refused)
         await here.reload({"apps": {"app": {"class": "light_service", "act": "light in hall"}}})
         assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
+
+
+async def test_a_reload_that_fails_leaves_the_rights_of_all_apps_as_they_were() -> None:
+    """An app without a row may command everything, so half a list is none."""
+
+    def fail(_: NodeGrants) -> NodeGrants:
+        raise ZeroDivisionError
+
+    first, second = (
+        parse_config({"apps": {"one": {"class": "light_service", "act": query}}}, "homebot.toml")
+        for query in ("light in hall", "plug")
+    )
+    plan = make_plan(first)
+    held, parts = plan.grants, RunningParts(lambda: None, None, None, fail)
+    with pytest.raises(ZeroDivisionError):
+        await reload_configuration(first, plan, parts, lambda: second, make_plan, may_lose=True)
+    assert held.now == make_plan(first).grants.now
+    done, _ = await reload_configuration(
+        first,
+        plan,
+        RunningParts(lambda: None, None, None, lambda grants: grants),
+        lambda: second,
+        make_plan,
+        may_lose=True,
+    )
+    assert done.grants is held
+    assert held.now.scopes == {"/one": ("act: plug",)}
 
 
 @pytest.mark.rooms("homeassistant")

@@ -8,7 +8,6 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping
 from functools import cached_property, partial
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
@@ -25,6 +24,7 @@ from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
+from homebot.devices.node_grants import CurrentGrants
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 from homebot.support.production_loop import load_beside_loop
 
@@ -147,7 +147,7 @@ class Control:
 
     Args:
         settings: The table ``[control]``.
-        grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
+        grants: The scopes of nodes in force, see `CommandRequest`; None for no limits.
         trusts_apps: Whether nodes without a scope may command devices that always ask, as in a simulated house.
         approves_all: Whether no device needs an approval, regardless of the settings, as in a simulated house.
         journal_file: The file of the journal and the device profiles; None to store neither.
@@ -161,7 +161,7 @@ class Control:
         self,
         node: Node,
         settings: ControlSettings | None = None,
-        grants: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
+        grants: CurrentGrants | None = None,
         *,
         trusts_apps: bool = False,
         approves_all: bool = False,
@@ -170,7 +170,6 @@ class Control:
         rehearsal: SimulatedExecution | None = None,
         detected: Iterable[str] = (),
         scopes: Callable[[], Mapping[str, Iterable[str]]] = dict,
-        tables: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._node = node
         self._given_settings = settings
@@ -187,14 +186,13 @@ class Control:
             self._feed,
             lookup,
             self._given_settings,
-            grants,
+            grants or CurrentGrants(),
             trusts_apps=trusts_apps,
             approves_all=approves_all,
             detected=detected,
             journal_file=journal_file,
             store=store,
             rehearsal=rehearsal,
-            tables=tables,
         )
         self._feed.on_gateway = self._house_watch.follow_gateway
         self._begun, self._has_names = anyio.Event(), anyio.Event()

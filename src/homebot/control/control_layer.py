@@ -1,6 +1,6 @@
 """The parts of the control layer, built for the first command, change or question."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Final, final
 
@@ -22,6 +22,7 @@ from homebot.control.settings import ControlSettings
 from homebot.control.timelines import Timelines
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import HealthResponse
+from homebot.devices.node_grants import CurrentGrants
 from homebot.graph import Node
 from homebot.journal.file_store import FileStore
 from homebot.journal.store import JournalStore
@@ -46,7 +47,7 @@ class ControlLayer:
         feed: GatewayFeed,
         lookup: DeviceLookup,
         settings: ControlSettings | None,
-        grants: Mapping[str, tuple[str, ...]],
+        grants: CurrentGrants,
         *,
         trusts_apps: bool,
         approves_all: bool,
@@ -54,7 +55,6 @@ class ControlLayer:
         journal_file: Path | None,
         store: JournalStore | None,
         rehearsal: SimulatedExecution | None,
-        tables: Mapping[str, str],
     ) -> None:
         settings = _with_approvals(settings, approves_all=approves_all)
         store = store or _store(node, settings, journal_file)
@@ -71,7 +71,6 @@ class ControlLayer:
             self.timelines,
             trusts_apps=trusts_apps,
             detected=detected,
-            tables=tables,
         )
         leases = Leases(settings.hand_time)
         self.sending = Sending(node, settings, lookup, self.policies, self.journal, leases, self.timelines, rehearsal)

@@ -28,6 +28,7 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import Outcome, Refused, no_such_part
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
+from homebot.support.isolation import error_text
 
 _T = TypeVar("_T")
 
@@ -134,8 +135,10 @@ class CommandExecutor:
                 outcome = refused or self.check(command) or await send(command)
                 if isinstance(outcome, Outcome):
                     outcome = self._end(command, outcome)
-        except asyncio.CancelledError:
-            self._journal.record_outcome(request.issuer, place, self._sending.cancel(name))
+        except BaseException as exc:
+            is_cancelled = isinstance(exc, asyncio.CancelledError)
+            why = "it was cancelled" if is_cancelled else f"homebot failed: {error_text(exc)}"
+            self._journal.record_outcome(request.issuer, place, self._sending.break_off(name, why))
             raise
         finally:
             self._sending.open.pop(name, None)

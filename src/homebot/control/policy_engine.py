@@ -1,9 +1,8 @@
 """Policy engine: checks commands against the policies and the facts of the house."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
-from types import MappingProxyType
 from typing import Final, TypeAlias, final
 from zoneinfo import ZoneInfo
 
@@ -24,6 +23,7 @@ from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.house_view import HouseView, HouseWatcher
+from homebot.devices.node_grants import CurrentGrants
 from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
@@ -44,8 +44,7 @@ class PolicyEngine(HouseWatcher):
     """Checks commands against the policies; follows the devices that these need.
 
     Args:
-        grants: The scope of each node that may not command everything, by its full name.
-        tables: The table of the configuration that can give each node a scope, in words.
+        grants: The scopes of nodes in force.
         trusts_apps: Whether nodes without a scope may command devices that always ask.
 
     Attributes:
@@ -58,20 +57,19 @@ class PolicyEngine(HouseWatcher):
         node: Node,
         lookup: DeviceLookup,
         settings: PolicySettings,
-        grants: Mapping[str, tuple[str, ...]],
+        grants: CurrentGrants,
         journal: CommandJournal,
         learnt: LearntPersistence,
         timelines: Timelines,
         *,
         trusts_apps: bool,
         detected: Iterable[str] = (),
-        tables: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._node = node
         self._lookup = lookup
         self._clock = node.graph.clock
         self._settings = settings
-        self._grants, self._tables = grants, tables
+        self._grants = grants
         self._watches = self._guards_presence = False
         self._journal = journal
         self._trusts_apps = trusts_apps
@@ -85,7 +83,7 @@ class PolicyEngine(HouseWatcher):
         self.update(settings)
 
     def update(self, settings: PolicySettings) -> None:
-        """Use the policies of *settings*, and the current scopes in the mapping of grants."""
+        """Use the policies of *settings*, and the grants in force."""
         self._settings, self._policies = settings, Policies(settings)
         self._zone = ZoneInfo(settings.time_zone) if settings.time_zone else None
         self.rights.cache_clear()
@@ -191,11 +189,12 @@ class PolicyEngine(HouseWatcher):
     def _rights(self, issuer: str) -> ClientRights:
         if is_client(issuer):
             return ALL_RIGHTS
-        if scope := self._grants.get(issuer):
-            return read_scope(scope)._replace(table=self._tables.get(issuer, ""))
+        granted = self._grants.now
+        if scope := granted.scopes.get(issuer):
+            return read_scope(scope)._replace(table=granted.tables.get(issuer, ""))
         if self._trusts_apps or not self._settings.always_ask:
             return ALL_RIGHTS
-        return APP_RIGHTS._replace(table=self._tables.get(issuer, ""))
+        return APP_RIGHTS._replace(table=granted.tables.get(issuer, ""))
 
     async def _await_house(self) -> None:
         await HouseView.of(self._node).wait_until_complete()

@@ -51,8 +51,6 @@ MAX_PENDING: Final = 10_000
 REVERTED: Final = "control.reverted"
 WOULD_SEND: Final = "control.would_send"
 
-_CANCELLED: Final = "it was cancelled"
-
 
 @final
 class Sending:
@@ -131,13 +129,13 @@ class Sending:
             for witness in witnesses:
                 witness.stop_watch()
 
-    def cancel(self, name: str) -> Outcome:
-        """Return the outcome of the command *name*, which its issuer cancelled: it is not sent again."""
+    def break_off(self, name: str, why: str) -> Outcome:
+        """Return the outcome of the command *name*, which is not sent again, and *why* if it was not sent at all."""
         opened = self.open.get(name)
         if opened is None:
-            return NoAnswer(0.0, _CANCELLED, command_id=name)
+            return NoAnswer(0.0, why, command_id=name)
         sendings = opened.progress.transmission
-        waited, reason = self._clock.monotonic() - sendings.first_sent_at, "" if sendings.count else _CANCELLED
+        waited, reason = self._clock.monotonic() - sendings.first_sent_at, "" if sendings.count else why
         return self._decide(opened, NoAnswer(waited, reason, command_id=name))
 
     def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:

@@ -89,7 +89,7 @@ class AppHost:
         self._file = file
         self._clock = clock
         self.began_at = clock.now()
-        self.grants, self.tables = plan.grants, plan.tables
+        self.grants = plan.grants
         self._notify_settings = plan.notify
         self._notifier: Notifier | None = None
         self._main: Node

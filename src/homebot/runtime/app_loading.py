@@ -18,6 +18,7 @@ from homebot import plugins
 from homebot.apps import App
 from homebot.apps.grants import scope_of
 from homebot.config import Config, Table
+from homebot.devices.node_grants import CurrentGrants
 from homebot.errors import ConfigError, PluginError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file
@@ -122,7 +123,7 @@ class AppPlanner:
     """
 
     def __init__(
-        self, read_config: Callable[[], Config], grants: Mapping[str, tuple[str, ...]], given: Mapping[str, type[App]]
+        self, read_config: Callable[[], Config], grants: CurrentGrants, given: Mapping[str, type[App]]
     ) -> None:
         self._read_config = read_config
         self._grants = grants
@@ -161,7 +162,7 @@ class AppPlanner:
         self, name: str, table: Table, config: Config, load: Callable[[str, str], type[App]]
     ) -> PlannedComponent[App]:
         planned = planned_app(name, table, config, self._given.get(name), load)
-        if scope_of(f"apps.{name}", table, config.source) != self._grants.get(f"/{name}"):
+        if scope_of(f"apps.{name}", table, config.source) != self._grants.now.scopes.get(f"/{name}"):
             raise ConfigError(
                 config.source,
                 f"apps.{name}.act",

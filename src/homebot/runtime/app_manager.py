@@ -116,7 +116,7 @@ class AppManager:
         self._tasks: TaskGroup | None = None
         self._reloads = count(1)
         self.running_apps: Mapping[str, App] = host.running
-        self.grants, self.tables = host.grants, host.tables
+        self.grants = host.grants
         self.wrong_apps = host.wrong_apps
         self.trial = _TRIAL
         self.ends_within = _ENDS_WITHIN

@@ -16,6 +16,7 @@ from homebot.apps import App
 from homebot.apps.grants import grants_of, scope_of, without_act
 from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.config import UNNAMED, Config, HomeSettings, Table, parse_settings
+from homebot.devices.node_grants import CurrentGrants, NodeGrants
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.feature import feature_tables, find_features, load, plugin_tables
@@ -87,9 +88,7 @@ class Plan:
     Attributes:
         config: The configuration as it was read.
         control: The control layer's settings; None for the defaults.
-        grants: The scope of each app that may not command everything, by the name of its node; a reload updates it.
-        tables: The table of each app or routine that may have the key ``act``, in words, likewise, or the command that
-            changes a kept routine.
+        grants: The scopes of the nodes of apps; those of kept routines are added.
         interfaces: The ROS interfaces that clients may name; None for those built into homebot.
         link: The link to ROS 2 robots; None for none.
         places: The rooms and the owner's statements about devices.
@@ -112,8 +111,7 @@ class Plan:
     link: RosSettings | None = None
     places: Places = NO_PLACES
     limits: LimitsOfDevices | None = None
-    grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    tables: dict[str, str] = field(default_factory=dict)
+    grants: CurrentGrants = field(default_factory=CurrentGrants)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     notify: NotifySettings | None = None
     features: Mapping[str, Any] = field(default_factory=dict)
@@ -122,7 +120,8 @@ class Plan:
     @property
     def scopes(self) -> Mapping[str, Iterable[str]]:
         """The rights of apps and clients, by their keys."""
-        apps = {f"{self.tables[node]} act": scope for node, scope in self.grants.items()}
+        granted = self.grants.now
+        apps = {f"{granted.tables[node]} act": scope for node, scope in granted.scopes.items()}
         tokens = {f"door.tokens.{name}.scope": token.scope for name, token in self.door.tokens.items()}
         return {**apps, "door.scope": self.door.scope or (), **tokens}
 
@@ -192,8 +191,12 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
         home_settings=config.home,
         gateways=_gateways(config),
         apps=tuple(planned_app(name, table, config, given.get(name)) for name, table in config.apps.items()),
-        grants=dict(grants_of(config)) | _grants_left(whole, whole.apps.keys() - config.apps.keys()),
-        tables={f"/{name}": _in_words(name, table) for name, table in whole.apps.items()},
+        grants=CurrentGrants(
+            NodeGrants(
+                dict(grants_of(config)) | _grants_left(whole, whole.apps.keys() - config.apps.keys()),
+                {f"/{name}": _in_words(name, table) for name, table in whole.apps.items()},
+            )
+        ),
         **{name: read(config) for name, read in _TABLES.items()},
     )
 

@@ -19,6 +19,7 @@ from homebot.control import Control
 from homebot.control.settings import PolicySettings
 from homebot.devices.app_messages import ChangeAppResponse
 from homebot.devices.client_rights import ALL_ROBOTS
+from homebot.devices.node_grants import NodeGrants
 from homebot.discovery import Directory
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError, UsageError
@@ -63,13 +64,13 @@ class RunningParts(NamedTuple):
         server: Returns the rosbridge server; None before it listens.
         control: None before it runs.
         directory: None before it runs.
-        grant_kept: Adds the rights of the apps that features keep to those of the configuration.
+        granted: Returns grants with those of the apps that features keep.
     """
 
     server: Callable[[], RosbridgeServer | None]
     control: Control | None
     directory: Directory | None
-    grant_kept: Callable[[], None]
+    granted: Callable[[NodeGrants], NodeGrants]
 
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
@@ -172,14 +173,10 @@ def _cut_tokens(before: Mapping[str, SecretStr], after: Mapping[str, SecretStr])
             yield f"the end of the token {name}"
 
 
-async def _apply(new: Plan, plan: Plan, parts: RunningParts, rooms: HouseRooms | None) -> None:
+async def _apply(new: Plan, plan: Plan, parts: RunningParts, granted: NodeGrants, rooms: HouseRooms | None) -> None:
     if (server := parts.server()) is not None:
         server.update_tokens(new.door)
-    plan.grants.clear()  # in place: other components refer to it
-    plan.grants.update(new.grants)
-    plan.tables.clear()
-    plan.tables.update(new.tables)
-    parts.grant_kept()
+    plan.grants.now = granted
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
     if parts.directory is not None and rooms is not None:
         parts.directory.index.postings.needs_approval = needs_approval
@@ -210,11 +207,12 @@ async def reload_configuration(
         lost = () if may_lose else (*lost_keys(plan.config, new.config), *_cut_tokens(plan.tokens, new.tokens))
         if lost:
             raise ConfigError(config.source, "", f"lacks what it had before: {', '.join(lost)}; {_LOST}")
+        granted = parts.granted(new.grants.now)
         rooms = None if parts.directory is None else parts.directory.index.owner.rooms.reconfigured(new.places)
     except UsageError as exc:
         _log.error(RELOADED, message=f"nothing was reloaded: {exc}")
         return plan, ChangeAppResponse(success=False, message=str(exc))
-    await _apply(new, plan, parts, rooms)
+    await _apply(new, plan, parts, granted, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
     rest += "".join(f"; left out: {error}" for error in new.left_out.values())

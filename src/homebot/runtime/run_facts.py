@@ -40,7 +40,7 @@ def run_facts(plan: Plan, detected: tuple[str, ...], *, trusts_apps: bool, appro
 
 def _record(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
     settings = public_settings(app.settings)
-    if (scope := plan.grants.get(f"/{app.name}")) is not None:
+    if (scope := plan.grants.now.scopes.get(f"/{app.name}")) is not None:
         settings[ACT] = queries_of(scope)
     kind = f"{app.kind.__module__}:{app.kind.__qualname__}"
     return RecordedApp(name=app.name, kind=kind, settings=json.dumps(settings))

@@ -31,6 +31,7 @@ from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
 from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD
+from homebot.devices.node_grants import NodeGrants
 from homebot.devices.own_services import is_own, row_of_service
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
@@ -295,7 +296,7 @@ class Runtime:
         """Apply the configuration that *read* returns, called in a thread, unless it has a mistake or lacks limits."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        parts = RunningParts(lambda: self.rosbridge, self._controller, self._index, self._grant_kept)
+        parts = RunningParts(lambda: self.rosbridge, self._controller, self._index, self._granted)
         async with self._reloading:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
@@ -306,9 +307,10 @@ class Runtime:
                 self._session_keeper.reload()
             return self._reloaded
 
-    def _grant_kept(self) -> None:
+    def _granted(self, grants: NodeGrants) -> NodeGrants:
         for _, keeper in self._keepers():
-            keeper.grant_all()
+            grants = keeper.granted(grants)
+        return grants
 
     def cut_start_short(self) -> None:
         """Abort the start: entering returns at once, and nothing more is started."""
@@ -454,7 +456,6 @@ class Runtime:
                 rehearsal=self.rehearsal,
                 detected=self.detected,
                 scopes=lambda: self._plan.scopes,
-                tables=self._plan.tables,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 

@@ -160,7 +160,7 @@ def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
     scope: tuple[str, ...], act: str, issuer: str, house: str
 ) -> None:
     """As a table [apps.good_night] is of no app, nor of a routine, it made the configuration invalid."""
-    tables = make_plan(parse_config(tomllib.loads(house), "homebot.toml")).tables
+    tables = make_plan(parse_config(tomllib.loads(house), "homebot.toml")).grants.now.tables
     command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=f"/{issuer}")
     command = replace(command, rights=command.rights._replace(table=tables.get(f"/{issuer}", "")))
     reason = Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].reason
@@ -175,7 +175,7 @@ def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
     if issuer not in PLACES:
         return
     written = house.replace(PLACES[issuer], f"{PLACES[issuer]}\nact = {act}")
-    granted = make_plan(parse_config(tomllib.loads(written), "homebot.toml")).grants[f"/{issuer}"]
+    granted = make_plan(parse_config(tomllib.loads(written), "homebot.toml")).grants.now.scopes[f"/{issuer}"]
     allowed = replace(command, rights=read_scope(granted))
     assert Policies(ControlSettings(approvals=False)).check(allowed, make_facts())[-1].allowed
 
@@ -183,7 +183,7 @@ def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
 def test_the_table_of_an_app_says_what_it_may_command() -> None:
     tables = {"apps": {"light_service": {"act": ["light in hall", "plug"]}}, "gateways": {"mqtt": {}}}
     plan = make_plan(parse_config(tables, "homebot.toml"))
-    assert plan.grants == {"/light_service": ("act: light in hall", "act: plug")}
+    assert plan.grants.now.scopes == {"/light_service": ("act: light in hall", "act: plug")}
 
 
 @pytest.mark.parametrize("act", [5, "(light"])

@@ -101,7 +101,7 @@ async def bridged_house(
         house = BridgedHouse(gateway, app, bridges)
         await tasks.start(gateway.serve)
         await tasks.start(Directory(directory_node, DirectorySettings()).serve)
-        await tasks.start(Control(control_node, ControlSettings(approvals=False), {}).serve)
+        await tasks.start(Control(control_node, ControlSettings(approvals=False)).serve)
         for key, part in parts.items():
             await house.put(key, part)
             if part is LAMP:

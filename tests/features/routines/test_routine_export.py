@@ -41,4 +41,4 @@ def test_the_printed_table_gives_the_app_the_rights_of_the_routine(
     code, out = run_at(homebot_with(routines, ManualClock(NOW)), capsys)("routine", "export", "Let in")
     assert code == 0, out
     (tmp_path / "homebot.toml").write_text(out.partition("homebot.toml:\n")[2])
-    assert make_plan(load_config(tmp_path / "homebot.toml")).grants == grants
+    assert make_plan(load_config(tmp_path / "homebot.toml")).grants.now.scopes == grants

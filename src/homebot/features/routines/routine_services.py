@@ -28,6 +28,7 @@ from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
 from homebot.devices.device import KeyValue
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
+from homebot.devices.node_grants import NodeGrants
 from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.errors import ConfigError, HomebotError, ServiceError, UsageError
 from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES, ROUTINE_GALLERY, ROUTINE_SENTENCES
@@ -109,9 +110,14 @@ class RoutineServices:
         return self._kept.added_to(config)
 
     def grant_all(self) -> None:
-        """Add the rights of the kept routines to those of the configuration."""
+        """Put the rights of the kept routines in force."""
+        self._put_in_force(self.granted(self._apps.grants.now))
+
+    def granted(self, grants: NodeGrants) -> NodeGrants:
+        """Return *grants* with those of the kept routines."""
         for app in self._kept:
-            self._grant(app)
+            grants = self._granted(app, grants)
+        return grants
 
     async def hints(
         self, names: Collection[str] = (), lacking: dict[str, list[str]] | None = None
@@ -156,22 +162,27 @@ class RoutineServices:
         return {name: one for name, one in tuple(self._apps.running_apps.items()) if isinstance(one, Routine)}
 
     def _grant(self, app: str) -> None:
-        """Bring the rights of a kept routine in line with its text; an app of the configuration keeps its own."""
-        node, tables, grants = f"/{app}", self._apps.tables, self._apps.grants
-        if not tables.get(node, EDIT_ROUTINE).startswith(EDIT_ROUTINE):
-            return
-        grants.pop(node, None)
-        tables.pop(node, None)
-        with suppress(ConfigError):  # a routine with a mistake does not run
-            if app in self._kept:
-                tables[node], scope = self._kept.grants(app)
-                grants.update({} if scope is None else {node: scope})
+        """Bring the rights of a kept routine in line with its text."""
+        self._put_in_force(self._granted(app, self._apps.grants.now))
+
+    def _put_in_force(self, grants: NodeGrants) -> None:
+        self._apps.grants.now = grants
         if (control := self._house.control()) is not None:
             control.forget_rights()
 
+    def _granted(self, app: str, grants: NodeGrants) -> NodeGrants:
+        """Return *grants* with those of a kept routine; an app of the configuration keeps its own."""
+        node = f"/{app}"
+        if not grants.tables.get(node, EDIT_ROUTINE).startswith(EDIT_ROUTINE):
+            return grants
+        with suppress(ConfigError):  # a routine with a mistake does not run
+            if app in self._kept:
+                return grants.having(node, *self._kept.grants(app))
+        return grants.without(node)
+
     def _queries_granted(self, app: str) -> tuple[str, ...] | None:
         """Return the queries of the key ``act`` of a routine; None if it has none."""
-        scope = self._apps.grants.get(f"/{app}")
+        scope = self._apps.grants.now.scopes.get(f"/{app}")
         return None if scope is None else queries_of(scope)
 
     def _refusal(self, app: str, effect: Effect) -> tuple[str, str]:
