@@ -1,5 +1,8 @@
 """A component that crashes is started anew and disturbs nobody."""
 
+import math
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from itertools import pairwise
 
 import anyio
@@ -79,6 +82,49 @@ async def test_a_component_that_keeps_crashing_is_given_up_and_reported() -> Non
     assert len(fragile.starts) == 5
     assert lines[-1]["event"] == "runtime.given_up"
     assert lines[-1]["log_level"] == "critical"
+
+
+async def test_a_component_that_was_given_up_is_tried_again_after_an_hour_but_an_app_never() -> None:
+    part, app = Fragile(crashes=7), Fragile(crashes=7)
+    supervisor = Supervisor(LoopClock())
+    reasons: list[str] = []
+
+    @asynccontextmanager
+    async def down(why: str) -> AsyncIterator[None]:
+        reasons.append(why)
+        yield
+        reasons.append("up")
+
+    async with (
+        supervisor.running("part", part.work, down=down),
+        supervisor.running("app", app.work, "app", retry_after=math.inf),
+    ):
+        await anyio.sleep(3000)
+        assert sorted(supervisor.given_up) == ["app", "part"]
+        assert len(part.starts) == 5
+        await anyio.sleep(3600)
+        assert (len(part.starts), len(app.starts)) == (8, 5)
+        assert supervisor.given_up == ["app"]
+    assert reasons[8:10] == ["it crashed (RuntimeError: ouch) and starts again in 60 minutes", "up"]
+
+
+async def test_a_component_is_restarted_by_hand_whether_it_runs_waits_or_was_given_up() -> None:
+    fragile = Fragile(crashes=6)
+    supervisor = Supervisor(LoopClock())
+    async with supervisor.running("fragile", fragile.work):
+        await anyio.sleep(1.2)  # it waits for its restart
+        supervisor.restart("fragile")
+        await anyio.sleep(60)
+        assert (len(fragile.starts), supervisor.given_up) == (6, ["fragile"])
+        supervisor.restart("fragile")
+        await anyio.sleep(60)
+        assert (len(fragile.starts), supervisor.given_up) == (7, [])
+        supervisor.restart("fragile")
+        await anyio.sleep(1)
+        assert len(fragile.starts) == 8
+        supervisor.restart("unknown")
+    supervisor.restart("fragile")
+    assert fragile.starts[1] == 1.2
 
 
 async def test_a_mistake_of_the_user_at_the_first_start_ends_the_start() -> None:

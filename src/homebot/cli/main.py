@@ -28,6 +28,7 @@ COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "new": "create a folder with an app, or a package for devices or with a feature, with tests",
     "app": "list, load, unload and reload apps of a running homebot",
+    "gateway": "list gateways, and restart one",
     "group": "list groups of devices, with their members",
     "config": "check the configuration",
     "devices": "list the devices in the house",

@@ -7,7 +7,8 @@ from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.devices.device import Route
 from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, GatewayState, Report
-from homebot.devices.names import GatewayNames, gateway_of
+from homebot.devices.gateway_watch import watch_gateways
+from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, SetBy
 from homebot.errors import InvalidNameError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
@@ -68,10 +69,8 @@ class GatewayFeed:
 
     async def run(self) -> None:
         """Follow the states of all present and future gateways until cancelled."""
-        async for service in self._node.graph.watch_services():
-            names = self._node.graph.get_node_names() if service is None else (service.rpartition("/")[0],)
-            for gateway in filter(None, map(gateway_of, names)):
-                self._follow_state(gateway)
+        async for gateway in watch_gateways(self._node.graph):
+            self._follow_state(gateway)
 
     def watch(self, routes: Iterable[Route], on_report: OnReport) -> Callable[[], None]:
         """Call *on_report* with each live report by one of *routes*; return the function that stops it, once."""

@@ -88,7 +88,7 @@ class FindingKind(Enum):
     GATEWAY = "HB302", "", ""
     SILENT_GATEWAY = "HB301", "", "wait a minute, then see homebot's log"
     TROUBLE = "HB201", "problem of {}", ""
-    GIVEN_UP = "HB202", "given up by {}", "fix the cause in the log, then: homebot app reload APP, or restart homebot"
+    GIVEN_UP = "HB202", "given up by {}", "fix it as the log says: homebot app reload APP, homebot gateway restart NAME"
     TAMPER = "HB426", "tampering", "is its case open, or is it off the wall?"
     PROBLEM = "HB427", "problem", "homebot show DEVICE"
     DOOR = "HB428", "open for long", "close it"

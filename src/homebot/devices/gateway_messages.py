@@ -255,6 +255,23 @@ class RawCommand(Message):
     topics: tuple[str, ...] = ()
 
 
+class RestartGatewayRequest(Message):
+    """Request to stop and start a gateway, also one that crashed too often and waits.
+
+    Attributes:
+        gateway: Its name.
+    """
+
+    gateway: Annotated[str, Field(max_length=200)]
+
+
+class RestartGatewayResponse(ServiceAnswer):
+    """Result of a restart; whether the gateway then works is in its state."""
+
+
+RestartGateway = ServiceType("homebot/srv/RestartGateway", RestartGatewayRequest, RestartGatewayResponse)
+
+
 class GatewayState(Message):
     """The state of a gateway: whether it is connected to its network, and whether it sends commands.
 

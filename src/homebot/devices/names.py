@@ -65,6 +65,7 @@ CHANGE_SCENE = "/scenes/change"
 APPLY_SCENE = "/scenes/apply"
 COPY_FILES = "/homebot/copy_files"
 RELOAD = "/homebot/reload"
+RESTART_GATEWAY = "/homebot/restart_gateway"
 LIST_TOKENS = "/rosbridge_websocket/tokens"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 OWN_NAMESPACES = frozenset(

@@ -1,4 +1,4 @@
-"""What the nodes of apps may command: a statement that nobody changes, and the place where it is replaced whole."""
+"""Grants of the nodes of apps: an unchanging statement, and the place where it is replaced whole."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -36,6 +36,6 @@ class NodeGrants:
 @final
 @dataclass(slots=True)
 class CurrentGrants:
-    """The grants in force, for all who ask."""
+    """The place of the grants in force."""
 
     now: NodeGrants = field(default_factory=NodeGrants)

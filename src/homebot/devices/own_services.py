@@ -72,6 +72,7 @@ CORE_SERVICES: Final = (
     OfferedService(names.RELOAD, Right.MANAGE),
     OfferedService(names.RELOAD_APP, Right.MANAGE),
     OfferedService(names.RENEW_LEASE, Right.ACT),
+    OfferedService(names.RESTART_GATEWAY, Right.MANAGE),
     OfferedService(names.SEND_TEXT, Right.ACT, waits=True),
     OfferedService(names.SPLIT_DEVICE, Right.MANAGE),
     OfferedService(names.TAG_DEVICE, Right.MANAGE),

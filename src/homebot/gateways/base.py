@@ -39,6 +39,7 @@ itself heard, rather than read from a cache or list. If the protocol reports whe
 the gateway publishes that as the capability ``reachable``; an unreachable device is still listed. ``removed`` means
 that the device has left the house, never that it is silent.
 
+While a crashed gateway waits for its restart, a node of its name publishes nothing but its ``state``, ``unavailable``.
 After a restart the topics of a gateway are empty. The gateway finds its devices again, by asking or by waiting for
 their announcements, and publishes a sighting of each; the directory keeps them meanwhile. After a restart of the
 directory, the sightings and reports for late joiners restore everything, and the gateway need not do anything.

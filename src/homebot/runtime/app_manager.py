@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import math
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -318,7 +319,8 @@ class AppManager:
     async def _hold(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         watch: asyncio.TimerHandle | None = None
         try:
-            async with self._supervisor.running(app.planned.name, partial(self._watch, app), "app"):
+            run = partial(self._watch, app)
+            async with self._supervisor.running(app.planned.name, run, "app", retry_after=math.inf):
                 try:
                     task_status.started()
                     await app.is_stopped.wait()

@@ -5,8 +5,8 @@ The order is: embedded broker, link to other machines, gateways, directory, apps
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import datetime
 from functools import cache, cached_property, partial
@@ -29,15 +29,21 @@ from homebot.devices.access_messages import ListTokens
 from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
+from homebot.devices.gateway_messages import (
+    GatewayState,
+    RestartGateway,
+    RestartGatewayRequest,
+    RestartGatewayResponse,
+)
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD
+from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD, RESTART_GATEWAY, GatewayNames
 from homebot.devices.node_grants import NodeGrants
 from homebot.devices.own_services import is_own, row_of_service
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.feature import Feature, all_features, load
 from homebot.gateways import Gateway, GatewayContext
-from homebot.graph import EntityKind, Graph, Node, RosoutFeed
+from homebot.graph import EntityKind, Graph, Node, RosoutFeed, qos_profile_latched
 from homebot.places import HousePlan
 from homebot.runtime.app_host import STORE_FILE, AppHost, table_of
 from homebot.runtime.app_loading import AppPlanner
@@ -48,6 +54,7 @@ from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
 from homebot.support.logger import get_logger, observed_lines
+from homebot.support.names import did_you_mean
 from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch, load_beside_loop
 
@@ -339,6 +346,7 @@ class Runtime:
         RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded, folder)
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
+        main.create_service(RestartGateway, RESTART_GATEWAY, self._restart_gateway)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         # Each in-process peer that gateways need is started once, unless it was passed in.
         running = dict(self._context.services)
@@ -375,7 +383,9 @@ class Runtime:
         running = self.supervisor.running
         if self._session_keeper is not None and not self.is_dry_run:
             yield running("ros2", self._session_keeper.serve)
-        yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
+        for gateway in gateways:
+            work, down = partial(self._gateway, gateway), partial(self._gateway_down, gateway.name)
+            yield running(gateway.name, work, "gateway", down=down)
         if not self._plan.as_other_machine:
             yield from self._house_components()
         if self.with_door:
@@ -422,6 +432,24 @@ class Runtime:
             component.offer_settings(node)
             gateway = component.kind(node, component.settings, self._context)
             await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
+
+    @asynccontextmanager
+    async def _gateway_down(self, name: str, why: str) -> AsyncIterator[None]:
+        """Tell in place of a gateway that waits for its restart that it is away."""
+        async with self._gateway_node(self.graph, name) as node:
+            states = node.create_publisher(GatewayState, GatewayNames(name).state, qos_profile_latched)
+            reason = f"{why}; at once: homebot gateway restart {name}"
+            states.publish(GatewayState(state="unavailable", reason=reason, acts=True))
+            yield
+
+    async def _restart_gateway(self, request: RestartGatewayRequest) -> RestartGatewayResponse:
+        names = [gateway.name for gateway in self._plan.gateways]
+        if (name := request.gateway) not in names:
+            all_names = ", ".join(names) or "none"
+            problem = f"there is no gateway {name!r}; {did_you_mean(name, names, f'known are {all_names}')}"
+            return RestartGatewayResponse(success=False, message=problem)
+        self.supervisor.restart(name)
+        return RestartGatewayResponse(success=True, message=f"gateway {name} starts again")
 
     def _beside_index(self, name: str) -> Path | None:
         return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None

@@ -19,7 +19,7 @@ from homebot.clock import LoopClock
 from homebot.config import AlertKey, parse_config
 from homebot.devices.capabilities import ALERTING, CAPABILITIES, SETTABLE
 from homebot.devices.findings import Finding, Findings
-from homebot.devices.gateway_messages import GatewayState
+from homebot.devices.gateway_messages import GatewayState, RawCommand
 from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, GatewayNames
 from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
@@ -397,7 +397,12 @@ async def test_a_door_whose_state_is_unknown_for_moments_is_told_in_time_unless_
 
 
 @pytest.mark.house
-async def test_a_gateway_that_is_away_is_shown_at_once_and_told_after_two_minutes(house: VirtualHouse) -> None:
+@pytest.mark.parametrize("later", ["0s", "10m"])
+async def test_a_gateway_that_is_away_is_shown_at_once_and_told_after_two_minutes(
+    house: VirtualHouse, later: str
+) -> None:
+    """Also one that is there later than the alerts."""
+    await house.run_for(later)
     async with Node(house.runtime.graph, "hub", namespace="/gateway") as node:
         states = node.create_publisher(GatewayState, GatewayNames("hub").state, qos_profile_latched)
         states.publish(GatewayState(state="active", reason="", acts=True))
@@ -577,3 +582,23 @@ async def test_what_a_program_asks_is_sent_once_with_the_way_to_answer(house: Vi
         "Question: the client agent wants: door → unlocked? Answer: homebot answer 1-2 yes (or no), or on the page, "
         "within a minute"
     ]
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_a_question_does_not_wait_for_the_notification_of_another(house: VirtualHouse) -> None:
+    """It lives a minute; here who takes the notifications has room for one."""
+    questions = tuple(
+        OpenQuestion(question=name, text=name, device="door", issuer="client:agent", until=NEVER)
+        for name in ("one", "two", "three")
+    )
+    async with Node(house.runtime.graph, "asking") as node:
+        asked = node.create_publisher(OpenQuestions, OPEN_QUESTIONS, qos_profile_latched)
+        node.create_subscription(RawCommand, GatewayNames("mqtt").out, None, 1)
+        await house.run_for("10s")
+        asked.publish(OpenQuestions(questions=questions))
+        await house.run_for("1s")
+        assert [one.text.partition("?")[0] for one in house.notifications] == [
+            "Question: one",
+            "Question: two",
+            "Question: three",
+        ]

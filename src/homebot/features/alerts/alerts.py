@@ -15,6 +15,7 @@ from homebot.config import AlertKey, Config, Language, Urgency, parse_settings
 from homebot.devices.device import ChangedSettings, Device, DeviceChange
 from homebot.devices.findings import Finding, FindingKind, Findings
 from homebot.devices.gateway_messages import GatewayState
+from homebot.devices.gateway_watch import watch_gateways
 from homebot.devices.names import (
     ALERT_FINDINGS,
     DEVICE_CHANGES,
@@ -22,7 +23,6 @@ from homebot.devices.names import (
     FIND_DEVICES,
     OPEN_QUESTIONS,
     GatewayNames,
-    gateway_of,
 )
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.query.terms import Or
@@ -201,9 +201,7 @@ class Alerts(App[AlertsSettings]):
         self._changed, self._pause = anyio.Event(), _MIN_PAUSE_S / 2
         node.create_subscription(ChangedSettings, DEVICE_SETTINGS, self._on_values, 100)
         node.create_subscription(DeviceChange, DEVICE_CHANGES, lambda _: self._changed.set(), 1)
-        for gateway in filter(None, map(gateway_of, node.graph.get_node_names())):
-            on_state = partial(self._on_gateway, gateway)
-            node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
+        node.create_task(self._follow_gateways)
         node.create_service(Trigger, SEE_ALERTS.name, self._on_seen)
         node.create_service(Trigger, TEST_ALERTS.name, self._on_test)
         self._asked = BoundedMap[str, None](_MAX_ASKED)
@@ -213,6 +211,14 @@ class Alerts(App[AlertsSettings]):
             self._changed = anyio.Event()
             with anyio.move_on_after(await self._look()):
                 await self._changed.wait()
+
+    async def _follow_gateways(self) -> None:
+        followed = set[str]()
+        async for gateway in watch_gateways(self.node.graph):
+            if gateway not in followed:
+                followed.add(gateway)
+                on_state = partial(self._on_gateway, gateway)
+                self.node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
 
     def _on_values(self, changed: ChangedSettings) -> None:
         if any(change.capability in WATCHED for change in changed.changes):
@@ -243,15 +249,16 @@ class Alerts(App[AlertsSettings]):
             self._published = message
             self._findings.publish(message)
 
-    async def _on_questions(self, asked: OpenQuestions) -> None:
-        """Send the new questions, of which a flood holds no alert back."""
+    def _on_questions(self, asked: OpenQuestions) -> None:
+        """Send the new questions at once, as each lasts a minute; a flood of them holds no alert back."""
         for question in asked.questions:
             if question.question not in self._asked:
                 self._asked[question.question] = None
                 how = f"homebot answer {question.question} yes (or no), or on the page, within a minute"
-                await self.context.notify(
-                    f"{question.text}? Answer: {how}", "Question", f"{self.node.name} (questions)"
-                )
+                self.node.create_task(partial(self._send_question, f"{question.text}? Answer: {how}"))
+
+    async def _send_question(self, text: str) -> None:
+        await self.context.notify(text, "Question", f"{self.node.name} (questions)")
 
     def _on_gateway(self, name: str, state: GatewayState) -> None:
         known = self._gateways.get(name) or Alert(GATEWAY, name, f"gateway {name}", self.clock.now())

@@ -47,6 +47,7 @@ export function System() {
         <table class="facts"><tbody>
           ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString(locale.value)}</td></tr>`)}
         </tbody></table>
+        ${may("manage") && html`<p class="buttons"><button type="button" onClick=${() => ask("/homebot/restart_gateway", { gateway: part.name })}>${say("start {name} again", { name: part.name })}</button></p>`}
       </section>`)}
       <${Screen} />
       <${Added} at="system" />
