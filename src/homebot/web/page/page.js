@@ -1,1 +1,1 @@
-import"./chunk-ZH47MSR7.js";
+import"./chunk-QFSHETYI.js";
