@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from homebot.apps import App
     from homebot.config import Config, HomeSettings
     from homebot.control import Control
-    from homebot.devices.node_grants import CurrentGrants, NodeGrants
+    from homebot.devices.client_rights import CurrentGrants, NodeGrants
     from homebot.discovery import Directory
     from homebot.graph import Graph
     from homebot.recording.lines import RecordingHeader

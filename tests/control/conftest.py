@@ -17,6 +17,7 @@ from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
 from homebot.control.open_command import SimulatedExecution
 from homebot.devices import Devices
+from homebot.devices.client_rights import CurrentGrants, NodeGrants
 from homebot.devices.command_messages import CommandEvent, Setting
 from homebot.devices.gateway_messages import Command, RefreshPart, RefreshRequest, RefreshResponse
 from homebot.devices.handles import Handle, Light
@@ -24,7 +25,6 @@ from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.lease_messages import GetLeases, HeldPart, HoldPart, HoldRequest, LeaseResponse
 from homebot.devices.names import COMMAND_EVENTS, GET_LEASES, HOLD_PART, READ_JOURNAL
-from homebot.devices.node_grants import CurrentGrants, NodeGrants
 from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery import Directory, DirectorySettings

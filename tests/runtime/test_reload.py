@@ -11,8 +11,8 @@ from tests.apps.houses import flat, lamp, motion
 
 from homebot import Devices, Light, Refused
 from homebot.config import parse_config
+from homebot.devices.client_rights import NodeGrants
 from homebot.devices.health import GetHealth
-from homebot.devices.node_grants import NodeGrants
 from homebot.graph import Node
 from homebot.messages.std_srvs import Trigger, TriggerRequest
 from homebot.runtime.plan import make_plan

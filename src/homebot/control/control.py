@@ -19,12 +19,12 @@ from homebot.devices import lease_messages as leases
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.approval_messages import GetUnapproved, TrustDevice
 from homebot.devices.capabilities import SETTABLE
+from homebot.devices.client_rights import CurrentGrants
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
-from homebot.devices.node_grants import CurrentGrants
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 from homebot.support.production_loop import load_beside_loop
 

@@ -20,9 +20,9 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.sending import Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timelines import Timelines
+from homebot.devices.client_rights import CurrentGrants
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import HealthResponse
-from homebot.devices.node_grants import CurrentGrants
 from homebot.graph import Node
 from homebot.journal.file_store import FileStore
 from homebot.journal.store import JournalStore

@@ -1,17 +1,16 @@
 """Messages of gateways that control needs: live reports, answers to commands, and lost connections."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import AsyncIterator, Callable, Iterable
 from functools import partial
 from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.devices.device import Route
 from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, GatewayState, Report
-from homebot.devices.gateway_watch import watch_gateways
-from homebot.devices.names import GatewayNames
+from homebot.devices.names import GatewayNames, gateway_of
 from homebot.devices.value import PlainValue, SetBy
 from homebot.errors import InvalidNameError
-from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
@@ -141,3 +140,17 @@ class GatewayFeed:
     def _on_state(self, gateway: str, state: GatewayState) -> None:
         if state.state == "unavailable":
             self.losses[gateway] = LinkLoss(self._clock.monotonic(), self._clock.now())
+
+
+async def watch_gateways(graph: Graph) -> AsyncIterator[str]:
+    """Yield the name of each gateway, and again when it starts again. Read it to its end, in one task."""
+    with graph.watch() as changes:
+        nodes, lost = tuple(graph.get_node_names()), 0
+        while True:
+            for gateway in filter(None, map(gateway_of, nodes)):
+                yield gateway
+            change = await changes.receive()
+            is_node = change.change == "added" and change.entity.kind is EntityKind.NODE
+            nodes = (change.entity.name,) if is_node else ()
+            if changes.lost > lost:
+                nodes, lost = tuple(graph.get_node_names()), changes.lost

@@ -18,12 +18,11 @@ from homebot.control.timelines import Timelines
 from homebot.devices import Device, DeviceChange, KeyValue, StateChange
 from homebot.devices.always_ask import always_asks, waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
-from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, is_client
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, CurrentGrants, is_client
 from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.house_view import HouseView, HouseWatcher
-from homebot.devices.node_grants import CurrentGrants
 from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits

@@ -18,7 +18,7 @@ from homebot import plugins
 from homebot.apps import App
 from homebot.apps.grants import scope_of
 from homebot.config import Config, Table
-from homebot.devices.node_grants import CurrentGrants
+from homebot.devices.client_rights import CurrentGrants
 from homebot.errors import ConfigError, PluginError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file

@@ -16,7 +16,7 @@ from homebot.apps import App
 from homebot.apps.grants import grants_of, scope_of, without_act
 from homebot.bridges.rosbridge import RosbridgeSettings
 from homebot.config import UNNAMED, Config, HomeSettings, Table, parse_settings
-from homebot.devices.node_grants import CurrentGrants, NodeGrants
+from homebot.devices.client_rights import CurrentGrants, NodeGrants
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.feature import feature_tables, find_features, load, plugin_tables

@@ -18,8 +18,7 @@ from homebot.config import Config
 from homebot.control import Control
 from homebot.control.settings import PolicySettings
 from homebot.devices.app_messages import ChangeAppResponse
-from homebot.devices.client_rights import ALL_ROBOTS
-from homebot.devices.node_grants import NodeGrants
+from homebot.devices.client_rights import ALL_ROBOTS, NodeGrants
 from homebot.discovery import Directory
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError, UsageError

@@ -27,7 +27,7 @@ from homebot.config import Config
 from homebot.control import Control
 from homebot.devices.access_messages import ListTokens
 from homebot.devices.app_messages import ChangeAppResponse, Reload
-from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
+from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS, NodeGrants
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.gateway_messages import (
     GatewayState,
@@ -37,7 +37,6 @@ from homebot.devices.gateway_messages import (
 )
 from homebot.devices.health import GetHealth
 from homebot.devices.names import COPY_FILES, LIST_TOKENS, POSE_TOPICS, RELOAD, RESTART_GATEWAY, GatewayNames
-from homebot.devices.node_grants import NodeGrants
 from homebot.devices.own_services import is_own, row_of_service
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError

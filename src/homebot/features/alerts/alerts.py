@@ -12,10 +12,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.apps.base import App, AppSettings
 from homebot.config import AlertKey, Config, Language, Urgency, parse_settings
+from homebot.control.gateway_feed import watch_gateways
 from homebot.devices.device import ChangedSettings, Device, DeviceChange
 from homebot.devices.findings import Finding, FindingKind, Findings
 from homebot.devices.gateway_messages import GatewayState
-from homebot.devices.gateway_watch import watch_gateways
 from homebot.devices.names import (
     ALERT_FINDINGS,
     DEVICE_CHANGES,

@@ -24,11 +24,10 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
     RoutinesResponse,
 )
-from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY
+from homebot.devices.client_rights import EDIT_ROUTINE, HARMLESS, ORDINARY, NodeGrants
 from homebot.devices.device import KeyValue
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
-from homebot.devices.node_grants import NodeGrants
 from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.errors import ConfigError, HomebotError, ServiceError, UsageError
 from homebot.features.routines import CHANGE_ROUTINE, KEPT_ROUTINES, LIST_ROUTINES, ROUTINE_GALLERY, ROUTINE_SENTENCES
