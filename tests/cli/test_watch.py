@@ -17,6 +17,8 @@ from tests.whole_house import WHOLE_HOUSE
 
 from homebot.cli.commands.watch import MAX_LINES, _LinePrinter
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
+from homebot.devices.command_messages import Setting
+from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.messages import Time
 
@@ -151,6 +153,44 @@ def test_a_change_without_a_reason_waits_for_the_journal_and_no_longer() -> None
     assert [line.why for line in lines.pop(11.0)] == [""]
     lines.add_change(change, 12.0)
     assert list(lines.pop(20.0)) == []  # the same value is no change
+
+
+def _changed(on: bool) -> Any:  # noqa: FBT001
+    reading = {"part": "", "capability": "on_off", "value": on}
+    return JsonMessage({"device": "lamp", "readings": [reading], "told_at": {"sec": 1, "nanosec": 0}})
+
+
+def _reported(on: bool, cause: str) -> JournalEntry:  # noqa: FBT001
+    settings, at = (Setting.of("on_off", on),), Time(sec=1, nanosec=0)
+    return JournalEntry(
+        kind="reported", at=at, device="lamp", command="c", issuer="/app", settings=settings, cause=cause
+    )
+
+
+@pytest.mark.parametrize(
+    ("cause", "said"),
+    [
+        ("command", ("as commanded", "app")),
+        ("person", ("by hand", "")),
+        ("program", ("by another program", "")),
+        ("device", ("by itself", "")),
+        ("unknown", ("by hand or by itself", "")),
+    ],
+)
+def test_a_hand_that_is_related_to_a_command_is_not_blamed_on_its_app(cause: str, said: tuple[str, str]) -> None:
+    lines = HouseLines({})
+    lines.add_change(_changed(on=False), 1.0)
+    lines.add_entry(_reported(on=False, cause=cause), 1.1)
+    assert [(line.why, line.issuer) for line in lines.pop(20.0)] == [said]
+
+
+def test_a_report_that_changed_nothing_explains_no_later_change_by_hand() -> None:
+    lines = HouseLines({})
+    lines.learn("lamp", _changed(on=True).readings)
+    lines.add_entry(_reported(on=True, cause="command"), 1.0)
+    lines.add_change(_changed(on=False), 100.0)
+    lines.add_change(_changed(on=True), 200.0)
+    assert [(line.value, line.why, line.issuer) for line in lines.pop(300.0)] == [("off", "", ""), ("on", "", "")]
 
 
 def test_each_press_is_a_line_also_one_equal_to_the_one_before() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.outcomes import cause_text, has_succeeded
@@ -27,6 +27,9 @@ _DEVICE: Final = 18
 _VALUE: Final = 16
 _WHY: Final = 32
 """Columns of a line; longer texts push the following ones to the right."""
+
+_OWN_CAUSES: Final = frozenset({"", "command", "transition", "echo"})
+"""Causes of a report that are the command itself; the others are a hand, another program or the device."""
 
 _MAX_VALUES: Final = 10_000
 """The limit of known values, and of commands; the oldest are dropped."""
@@ -65,6 +68,13 @@ class _WaitingLine:
     keys: tuple[_Value, ...] = ()
 
 
+class _Reason(NamedTuple):
+    why: str
+    issuer: str
+    until: float
+    """For a change up to this time; a later one to the same value has another reason."""
+
+
 @dataclass(slots=True)
 class _Command:
     settings: Mapping[str, object]
@@ -84,7 +94,7 @@ class HouseLines:
         self._names = names
         self._values: BoundedMap[_Place, str] = BoundedMap(_MAX_VALUES)
         self._commands: BoundedMap[str, _Command] = BoundedMap(_MAX_VALUES)
-        self._explained: BoundedMap[_Value, tuple[str, str]] = BoundedMap(_MAX_VALUES)
+        self._explained: BoundedMap[_Value, _Reason] = BoundedMap(_MAX_VALUES)
         self._waiting: deque[_WaitingLine] = deque()
 
     def learn(self, device: str, readings: Iterable[Reading | State]) -> None:
@@ -105,7 +115,8 @@ class HouseLines:
         keys = tuple(
             (change.device, reading.part, reading.capability, str(plain_value(reading.value))) for reading in changed
         )
-        why, issuer = next((self._explained.pop(key) for key in keys if key in self._explained), ("", ""))
+        known = [reason for key in keys if (reason := self._explained.pop(key, None)) and now <= reason.until]
+        why, issuer = known[0][:2] if known else ("", "")
         values = {reading.capability: plain_value(reading.value) for reading in changed}
         part = changed[0].part
         line = WatchLine(change.told_at, "change", change.device, part, values, settings_text(changed), why, issuer)
@@ -117,7 +128,7 @@ class HouseLines:
             case "requested" | "published":
                 self._add_command(entry, now)
             case "reported" | "changed":
-                self._explain(entry)
+                self._explain(entry, now)
             case "outcome" | "reverted":
                 command = self._commands.get(entry.command) or _Command({}, "")
                 result = entry.results[0]
@@ -141,20 +152,20 @@ class HouseLines:
         cause = trigger_text(entry.trigger, self._names)
         self._add(entry, "command", values, f"→ {words}", f"because {cause}" if cause else "", now)
 
-    def _explain(self, entry: JournalEntry) -> None:
+    def _explain(self, entry: JournalEntry, now: float) -> None:
         command = self._commands.get(entry.command)
         if command is not None:
             command.is_seen = True
-        issuer = issuer_text(entry.issuer) if entry.issuer else ""
-        if entry.kind == "reported" and entry.cause not in {"person", "program"}:
-            why = "as commanded"
+        if entry.cause in _OWN_CAUSES:
+            why = "as commanded" if entry.kind == "reported" else "raw text"
+            issuer = issuer_text(entry.issuer) if entry.issuer else ""
         else:
-            why = "raw text" if entry.cause == "command" else cause_text(entry.cause)
+            why, issuer = cause_text(entry.cause), ""
         for setting in entry.settings:
             key = (entry.device, entry.part, setting.capability, str(plain_value(setting.value)))
             waiting = next((change for change in self._waiting if key in change.keys and not change.line.why), None)
             if waiting is None:
-                self._explained[key] = why, issuer
+                self._explained[key] = _Reason(why, issuer, now + EXPLAINED_WITHIN)
             else:
                 waiting.line.why, waiting.line.issuer, waiting.due = why, issuer, 0.0
 
