@@ -128,7 +128,7 @@ def test_a_failure_that_a_response_reports_is_one_of_the_command(homebot: Any, c
     assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 1
     out, err = capsys.readouterr()
     assert json.loads(out) == {"success": False, "message": "done"}
-    assert err == "homebot: switch reported a failure: done\n"
+    assert json.loads(err) == {"error": "switch reported a failure: done"}
     assert run(homebot, "service", "call", "/rosapi/get_param", "{name: '/talker:volume'}") == 1
     assert "/rosapi/get_param reported a failure: " in capsys.readouterr().err
 

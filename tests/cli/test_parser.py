@@ -1,5 +1,7 @@
 """What the command line says of options and commands that do not exist."""
 
+import json
+
 import pytest
 
 from homebot.cli import main
@@ -18,7 +20,7 @@ Text = pytest.CaptureFixture[str]
         ("topic list -x", "homebot topic list: unknown option -x; see `homebot topic list --help`"),
         ("devices extra", "homebot devices: unexpected argument 'extra'; see `homebot devices --help`"),
         ("device", "homebot: no command 'device'; did you mean devices?"),
-        ("devcies --json", "homebot: no command 'devcies'; did you mean devices?"),
+        ("devcies", "homebot: no command 'devcies'; did you mean devices?"),
         ("lst", "homebot: no command 'lst'; did you mean devices?"),
         ("topic lst", "homebot topic: no command 'lst'; did you mean list?"),
         ("frobnicate", "homebot: no command 'frobnicate'; see `homebot --help`"),
@@ -108,3 +110,25 @@ def test_without_the_extra_the_command_that_installs_it_is_named(
     assert main(command.split()) == 1
     told = f'homebot {command.split(maxsplit=1)[0]} needs {modules}; install it with: pip install "homebot[{extra}]"'
     assert capsys.readouterr().err == f"homebot: {told}\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "problem"),
+    [
+        ("devices --jsno --json", 2, "unknown option --jsno; did you mean --json?"),
+        ("devcies --json", 2, "no command 'devcies'; did you mean devices?"),
+        ("show --json", 2, "the following arguments are required: DEVICE"),
+        ("devices --json --door localhost", 2, "argument --door: an address is HOST:PORT, such as 127.0.0.1:9090 …"),
+        ("--door 127.0.0.1:1 replay x --json", 2, "--door is for commands that connect to a running homebot; …"),
+        ("devices --json --door 127.0.0.1:1", 1, "no homebot is running on 127.0.0.1:1; start one with …"),
+    ],
+)
+def test_under_json_an_error_is_an_object(capsys: Text, line: str, code: int, problem: str) -> None:
+    try:
+        ended = main(line.split())
+    except SystemExit as exc:
+        ended = int(str(exc.code))
+    out, err = capsys.readouterr()
+    said = json.loads(err)
+    assert (ended, out, list(said)) == (code, "", ["error"])
+    assert said["error"].startswith(problem.removesuffix("…"))

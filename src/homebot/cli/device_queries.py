@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.graph_queries import entities
+from homebot.cli.remarks import remark
 from homebot.cli.terminal import progress
 from homebot.devices.device_names import ask_which, devices_called, names_of
 from homebot.devices.names import EXPLAIN_DEVICE, FIND_DEVICES, GET_UNAPPROVED, QUERY_DEVICES
@@ -136,10 +136,10 @@ def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
     return next((result.reasons for result in devices.results if result.device.id == device.id), ())
 
 
-def print_note(response: QueryDevicesResponse) -> None:
+def print_note(response: QueryDevicesResponse, *, as_json: bool) -> None:
     """Print the note on the devices *response*, such as that they have only words similar to one of the query."""
     if response.message:
-        print(f"homebot: {printable(response.message, _WIDEST)}", file=sys.stderr)
+        remark(printable(response.message, _WIDEST), as_json=as_json)
 
 
 def why_none(response: QueryDevicesResponse, query: str) -> str:

@@ -24,6 +24,7 @@ from websockets.protocol import State
 from websockets.uri import parse_uri
 
 from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
+from homebot.cli.remarks import remark
 from homebot.cli.server_address import ServerAddress, client_context, server_of
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.wording.json_message import JsonMessage
@@ -74,6 +75,7 @@ def with_client(options: argparse.Namespace, command: ClientCommand) -> int:
     """
     address = server_of(options)
     with open_door(address) as door:
+        door.as_json = getattr(options, "json", False)
         if address.home and door.home and door.home != address.home:
             raise UsageError(
                 f"{DEFAULT_CONFIG} is for the home {address.home!r}, but the homebot on {door.where} serves "
@@ -130,7 +132,10 @@ class DoorClient:
 
     Attributes:
         home: The name of the server's home; empty before :meth:`shake_hands`.
+        as_json: Whether the command prints JSON, also remarks.
     """
+
+    as_json: bool = False
 
     def __init__(self, connection: socket.socket, where: str) -> None:
         self.home = ""
@@ -166,7 +171,7 @@ class DoorClient:
         if not answer.success:
             raise PeerError(message)
         if message:
-            print(f"homebot: {printable(message)}", file=sys.stderr)
+            remark(printable(message), as_json=self.as_json)
         return answer
 
     def begin_call(

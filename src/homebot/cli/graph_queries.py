@@ -32,10 +32,10 @@ def is_hidden(entity: EndpointDetails) -> bool:
 
 
 def not_yet(door: DoorClient, topic: str) -> str:
-    """Return the line that says that the missing *topic* is awaited, and names similar ones."""
+    """Return the remark that the missing *topic* is awaited, with similar ones."""
     topics = [entity.name for entity in entities(door) if entity.kind in {"publisher", "subscription"}]
     similar = did_you_mean(topic, topics, "", cutoff=0.7)
-    return f"homebot: no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
+    return f"no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
 
 
 class Schema:

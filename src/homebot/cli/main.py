@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.cli.arguments import HelpFormatter, add_server_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
+from homebot.cli.remarks import print_error
 from homebot.errors import ConfigError, HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__
@@ -180,10 +181,12 @@ def _run(argv: Sequence[str]) -> int:
         from homebot.cli.device_completion import print_devices  # noqa: PLC0415 - asked by shells alone
 
         return print_devices(argv[1:])
+    as_json = "--json" in argv
     try:
         options = make_parser(argv).parse_args(argv)
+        as_json = getattr(options, "json", False)
         if problem := unused_option(options):
-            print(f"homebot: {problem}", file=sys.stderr)
+            print_error(problem, as_json=as_json)
             return _WRONG_COMMAND_LINE
         command: Callable[[argparse.Namespace], int] = options.command
         code = command(options)
@@ -192,7 +195,8 @@ def _run(argv: Sequence[str]) -> int:
         from homebot.cli.owner_language import said  # noqa: PLC0415 - loads the table
 
         others = exc.others if isinstance(exc, ConfigError) else ()
-        print(*(f"homebot: {said(str(problem))}" for problem in (exc, *others)), sep="\n", file=sys.stderr)
+        for problem in (exc, *others):
+            print_error(said(str(problem)), as_json=as_json)
         return 1
     except KeyboardInterrupt:
         return 130
@@ -201,7 +205,7 @@ def _run(argv: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(exc, BrokenPipeError):  # the reader of our output closed the pipe
             return 0
-        print(f"homebot: {exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", file=sys.stderr)
+        print_error(f"{exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", as_json=as_json)
         return 1
     return code
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -72,6 +73,8 @@ class CommandParser(argparse.ArgumentParser):
         """End the program with *message*, or with an unknown option that may be its cause."""
         if option := next(self._unknown_options(), ""):
             self._refuse(self._unknown_option(option))
+        if "--json" in self._given:
+            self._refuse(message)
         super().error(message)
 
     def _check_value(self, action: argparse.Action, value: str) -> None:
@@ -113,7 +116,8 @@ class CommandParser(argparse.ArgumentParser):
         return f"did you mean {prefix}{words.get(similar[0], similar[0])}?" if similar else self._hint
 
     def _refuse(self, problem: str) -> NoReturn:
-        self.exit(_WRONG_COMMAND_LINE, f"{self.prog}: {problem}\n")
+        is_json = "--json" in self._given
+        self.exit(_WRONG_COMMAND_LINE, f"{json.dumps({'error': problem}) if is_json else f'{self.prog}: {problem}'}\n")
 
 
 class PrintCompletion(argparse.Action):

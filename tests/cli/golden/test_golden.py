@@ -175,6 +175,13 @@ def test_a_device_that_slips_from_page_to_page_is_listed(still: StillHouse, run:
     assert still.carried == 453 * 2
 
 
+def test_under_json_an_empty_list_comes_with_the_reason(run: Run, capsys: Text) -> None:
+    assert run("find", "--json", "in", "nowhere") == 1
+    out, err = capsys.readouterr()
+    assert json.loads(out) == []
+    assert list(json.loads(err)) == ["note"]
+
+
 def test_results_are_json_on_request(run: Run, capsys: Text) -> None:
     assert run("find", "--json", "light") == 0
     (found,) = json.loads(capsys.readouterr().out)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Container
 from typing import TYPE_CHECKING, TypeVar
 
@@ -11,6 +10,7 @@ from homebot.cli.arguments import add_broker_option
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, find_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.remarks import print_error
 from homebot.cli.terminal import print_table
 from homebot.devices.wording.time_format import ago
 from homebot.devices.wording.values import is_topic, life, main_parts, state_text, types
@@ -55,7 +55,7 @@ def _devices(door: DoorClient, options: argparse.Namespace) -> int:
     try:
         print_all(door, options)
     except _UnknownTypeError as exc:
-        print(f"homebot: {exc}", file=sys.stderr)
+        print_error(str(exc), as_json=options.json)
         return _WRONG_COMMAND_LINE
     return 0
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import whole
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, print_note, unapproved, why_none
 from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.remarks import remark
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.wording.values import life, state_text, types
 from homebot.errors import PeerError
@@ -50,7 +50,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _find(door: DoorClient, options: argparse.Namespace) -> int:
     query = " ".join(options.query)
     answer = _found(door, query, options.limit)
+    if answer.results or answer.pose_age:
+        print_note(answer, as_json=options.json)
+    for item in answer.left_out:
+        text = f"left out: {printable(item.key)}: {printable(item.value, _WIDEST)}"
+        remark(text, as_json=options.json)
     if options.json:
+        if not answer.results:
+            remark(why_none(answer, query), as_json=True)
         waiting = unapproved(door)
         results = [
             device_json(result.device, waiting) | {"score": result.score, "reasons": result.reasons}
@@ -60,12 +67,8 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
         return 0 if results else 1
     if not answer.results:
         print(why_none(answer, query))
-    if answer.results or answer.pose_age:
-        print_note(answer)
-    if answer.results:
+    else:
         _show(answer, why=options.why)
-    for item in answer.left_out:
-        print(f"homebot: left out: {printable(item.key)}: {printable(item.value, _WIDEST)}", file=sys.stderr)
     return 0 if answer.results else 1
 
 

@@ -11,6 +11,7 @@ from typing import Final
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import Schema, entities, typedefs
+from homebot.cli.remarks import print_error
 from homebot.cli.yaml import message, to_yaml, type_or_message
 from homebot.errors import PeerError, UsageError
 from homebot.names import absolute_name
@@ -131,7 +132,7 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
         print(json.dumps(response))
     else:
         print(to_yaml(Schema(typedefs(door, _RESPONSE, ros_type)).readable(response)), end="")
-    return _exit_code(options.service, response)
+    return _exit_code(options.service, response, as_json=options.json)
 
 
 def _without_kind(ros_type: str) -> str:
@@ -139,14 +140,14 @@ def _without_kind(ros_type: str) -> str:
     return f"{package}/{name.rpartition('/')[2]}"
 
 
-def _exit_code(service: str, response: Mapping[str, object]) -> int:
+def _exit_code(service: str, response: Mapping[str, object], *, as_json: bool) -> int:
     """Print the failure that *response* reports, if any, in the fields of ROS services; return the exit code."""
     for name in ("success", "successful"):
         if response.get(name) is False:
             reason = next(
                 (str(response[key]) for key in ("message", "reason") if response.get(key)), "it gave no reason"
             )
-            print(f"homebot: {service} reported a failure: {printable(reason)}", file=sys.stderr)
+            print_error(f"{service} reported a failure: {printable(reason)}", as_json=as_json)
             return 1
     return 0
 

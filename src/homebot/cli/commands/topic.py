@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 
 from homebot.cli.arguments import add_verb, add_verbs, seconds
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import Schema, entities, not_yet, typedefs
+from homebot.cli.remarks import print_error, remark
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 from homebot.names import is_hidden
@@ -58,17 +58,17 @@ def _echo(door: DoorClient, options: argparse.Namespace) -> int:
     door.subscribe(options.topic)
     schema = _schema(door, options.topic)
     if schema is None:
-        print(not_yet(door, options.topic), file=sys.stderr)
+        remark(not_yet(door, options.topic), as_json=options.json)
     while True:
         try:
             received = door.next(options.timeout)
         except TimeoutError:
-            print(f"homebot: no message on {options.topic} within {options.timeout:g} s", file=sys.stderr)
+            print_error(f"no message on {options.topic} within {options.timeout:g} s", as_json=options.json)
             return 1
         if schema is None and not options.json:
             schema = _schema(door, options.topic)
         if received.lost:
-            print(f"homebot: {received.lost} messages before this one were lost: they came too fast", file=sys.stderr)
+            remark(f"{received.lost} messages before this one were lost: they came too fast", as_json=options.json)
         fields = received.message if options.json or schema is None else schema.readable(received.message)
         value = _field(fields, options.field) if options.field else fields
         text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"

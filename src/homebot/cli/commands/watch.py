@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, Never, cast
 
 from homebot.cli.device_queries import find_devices, matching_devices, why_none
 from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
+from homebot.cli.remarks import remark
 from homebot.cli.terminal import is_terminal
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, JOURNAL_ENTRIES
@@ -51,7 +52,7 @@ def _watch(door: DoorClient, options: argparse.Namespace) -> Never:
     query = " ".join(options.query)
     house = _WatchedHouse(door, query)
     if query and not house.names:
-        print(f"homebot: so far {why_none(find_devices(door, query, 1), query)}", file=sys.stderr)
+        remark(f"so far {why_none(find_devices(door, query, 1), query)}", as_json=options.json)
     printer = _LinePrinter(house.names, as_json=options.json)
     while True:
         for message in door.until(_TICK):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
 
 from homebot.cli.graph_queries import entities, is_hidden, not_yet
+from homebot.cli.remarks import remark
 from homebot.cli.stop_signals import stop_signals
 from homebot.devices.wording.json_message import fields_of
 from homebot.errors import HomebotError, LinkError
@@ -69,7 +69,7 @@ class _Recorder:
         """Record until the monotonic time *ends*, or something is in *stopped*."""
         self._follow_new_topics()
         if not self.topics:
-            print(not_yet(self._door, " ".join(self._wanted)), file=sys.stderr)
+            remark(not_yet(self._door, " ".join(self._wanted)), as_json=False)
         while not stopped and not self._bag.error and (left := ends - time.monotonic()) > 0:
             for received in self._door.until(min(_LOOK_EVERY, left)):
                 self.lost += received.lost

@@ -172,7 +172,7 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
     answer = find_devices(door, text, _MATCHES, is_spelled=True)
     if not answer.results:
         raise PeerError(why_none(answer, text))
-    print_note(answer)
+    print_note(answer, as_json=door.as_json)
     return {"query": text}
 
 

@@ -3,14 +3,14 @@
 import argparse
 import asyncio
 import json
-import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import set_command
+from homebot.cli.remarks import print_error, remark
 from homebot.config import load_config
 from homebot.devices.device import part_names
 from homebot.devices.wording.journal_words import trigger_text
@@ -82,14 +82,15 @@ def _replay(options: argparse.Namespace) -> int:
             assert isinstance(loop, VirtualTimeLoop)  # noqa: S101 - for the type checker: it was made the line before
             replayed = runner.run(replay(recording, config, loop.settled))
     except HomebotError as exc:
-        print(f"homebot: {exc}", file=sys.stderr)
+        print_error(str(exc), as_json=options.json)
         return _TROUBLE
-    _warn(recording, replayed, has_log=options.log)
+    for warning in _warnings(recording, replayed, has_log=options.log):
+        remark(warning, as_json=options.json)
     names = part_names([*recording.devices.values(), *replayed.devices])
     start = recording.header.started_at.to_seconds()
     if not options.diff:
         if not replayed.commands:
-            print("homebot: no app gave a command; --app names another", file=sys.stderr)
+            remark("no app gave a command; --app names another", as_json=options.json)
         for command in replayed.commands:
             print(
                 json.dumps(_command_json(command, start, names))
@@ -109,15 +110,15 @@ def _replay(options: argparse.Namespace) -> int:
     return 1 if diff.different else 0
 
 
-def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
+def _warnings(recording: Recording, replayed: Replayed, *, has_log: bool) -> Iterator[str]:
     for name, error in replayed.crashes.items():
-        print(f"homebot: {name} crashed: {error}{'' if has_log else '; --log shows where'}", file=sys.stderr)
+        yield f"{name} crashed: {error}{'' if has_log else '; --log shows where'}"
     if recording.lost:
         why = "did not fit" if recording.end else "came too fast"
-        print(f"homebot: the recording lacks {recording.lost:,} lines, which {why}", file=sys.stderr)
+        yield f"the recording lacks {recording.lost:,} lines, which {why}"
     if recording.end or not recording.is_whole:
         why = recording.end or "homebot or the recorder stopped before its end"
-        print(f"homebot: the recording ends early: {why}", file=sys.stderr)
+        yield f"the recording ends early: {why}"
 
 
 def _summary_text(diff: CommandDiff) -> str:
