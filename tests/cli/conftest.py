@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import anyio
 import pytest
 from pydantic import SecretStr
+from tests.graph.actions.fibonacci import Fibonacci, Result, Served
 
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import RosbridgeServer, RosbridgeSettings
@@ -30,6 +31,7 @@ from homebot.devices.query.term_messages import read_terms
 from homebot.devices.query.terms import And, TypeIs
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Graph, Node, Publisher, qos_profile_latched
+from homebot.graph.actions import ActionServer
 from homebot.messages import Int32, SetBool, String, Time
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
 from homebot.words.queries import parse_query
@@ -154,6 +156,9 @@ def _talker(graph: Graph) -> Node:
     def switch(request: SetBoolRequest) -> SetBoolResponse:
         return SetBoolResponse(success=request.data, message="done")
 
+    async def count(goal: Served) -> Result:
+        return Result(sequence=(goal.request.order,))
+
     def find(request: FindDevicesRequest) -> FindDevicesResponse:
         found = [one for one in (_lamp(stamp),) if request.service_type in {"", one.service_type}]
         return FindDevicesResponse(devices=tuple(found), sequence=1)
@@ -169,6 +174,9 @@ def _talker(graph: Graph) -> Node:
                 assert asked == And(())
         return QueryDevicesResponse(success=True, results=(Found(device=_lamp(stamp), score=1.0, reasons=()),), total=1)
 
+    node.declare_parameter("pace", 0.5)
+    node.declare_parameter("words", ["on", "off"])
+    ActionServer(node, Fibonacci, "/count", count)
     node.create_service(SetBool, "/switch", switch)
     node.create_service(FindDevices, FIND_DEVICES, find)
     node.create_service(QueryDevices, QUERY_DEVICES, query)

@@ -46,7 +46,7 @@ PRINTED = {
     "service call /switch {data: true}": (0, "success: true\nmessage: done\n"),
     "service call /zzzz": (
         1,
-        "homebot: there is no service /zzzz; `homebot service call /rosapi/services` lists all\n",
+        "homebot: there is no service /zzzz; `homebot service list` lists all\n",
     ),
     "service call /swich": (1, "homebot: there is no service /swich; did you mean /switch?\n"),
     "service call /switch": (  # a field that is missing is false, as in ROS
@@ -67,6 +67,27 @@ PRINTED = {
     ),
     "service call /switch SetBool {data: true}": (1, f"homebot: service /switch is a {SWITCH}, not a SetBool\n"),
     "service call /switch std_srvs/Trigger": (1, f"homebot: service /switch is a {SWITCH}, not a std_srvs/Trigger\n"),
+    "service type /switch": (0, f"{SWITCH}\n"),
+    "service type /swich": (1, "homebot: there is no service /swich; did you mean /switch?\n"),
+    "interface show std_srvs/srv/SetBool": (0, "bool data\n---\nbool success\nstring message\n"),
+    "interface show std_msgs/Header": (
+        0,
+        "builtin_interfaces/Time stamp\n  int32 sec\n  uint32 nanosec\nstring frame_id\n",
+    ),
+    "interface show std_srvs/srv/SetBol": (
+        1,
+        "homebot: there is no type 'std_srvs/srv/SetBol'; did you mean std_srvs/srv/SetBool or std_srvs/srv/Empty?\n",
+    ),
+    "action list": (0, "/count\n"),
+    "param list": (0, "/talker:\n  pace\n  words\n"),
+    "param get talker pace": (0, "Double value is: 0.5\n"),
+    "param get talker pace --hide-type": (0, "0.5\n"),
+    "param get /talker words": (0, "String values are: ['on', 'off']\n"),
+    "interface show example_interfaces/action/Fibonacci": (
+        0,
+        "int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n",
+    ),
+    "param get /talker pac": (1, "homebot: /talker: no parameter 'pac' is declared; did you mean pace?\n"),
     "node list": (0, "/listener\n/rosapi\n/rosbridge_websocket\n/talker\n"),
     "devices --type locks": (0, "no device offers locks now in Café\n"),
     "devices --type lihgts": (
@@ -87,6 +108,17 @@ def split(arguments: str) -> list[str]:
 def test_a_command_prints_what_it_should(homebot: Any, capsys: Text, command: str) -> None:
     code = run(homebot, *split(command))
     assert (code, "".join(capsys.readouterr())) == PRINTED[command]
+
+
+def test_services_and_actions_are_listed_with_types_on_request(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "service", "list", "-t") == 0
+    out = capsys.readouterr().out
+    assert f"/switch [{SWITCH}]\n" in out
+    assert "/_action/" not in out
+    assert run(homebot, "service", "list", "--all") == 0
+    assert "/count/_action/send_goal\n" in capsys.readouterr().out
+    assert run(homebot, "action", "list", "-t") == 0
+    assert capsys.readouterr().out == "/count [example_interfaces/action/Fibonacci]\n"
 
 
 def test_hidden_topics_and_types_are_listed_on_request(homebot: Any, capsys: Text) -> None:

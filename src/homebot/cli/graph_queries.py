@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import base64
 import binascii
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.door_client import DoorClient
+from homebot.cli.arguments import Commands, add_verb
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.names import is_hidden as is_hidden_name
 from homebot.support.names import did_you_mean
@@ -36,6 +38,38 @@ def not_yet(door: DoorClient, topic: str) -> str:
     topics = [entity.name for entity in entities(door) if entity.kind in {"publisher", "subscription"}]
     similar = did_you_mean(topic, topics, "", cutoff=0.7)
     return f"no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
+
+
+def add_list(verbs: Commands, what: str, kind: str) -> None:
+    """Add the verb ``list`` for the entities of a *kind*, each called *what*."""
+
+    def print_all(door: DoorClient, options: argparse.Namespace) -> int:
+        known = {entity.name: entity.type for entity in entities(door, kind=kind)}
+        for name, ros_type in known.items():
+            if options.all or not is_hidden_name(name):
+                print(f"{name} [{ros_type}]" if options.show_types else name)
+        return 0
+
+    command = add_verb(verbs, "list", f"list every {what}")
+    command.add_argument("-t", "--show-types", action="store_true", help=f"show each {what}'s type")
+    command.add_argument("-a", "--all", action="store_true", help=f"show hidden {what}s too")
+    set_door_command(command, print_all, f"  homebot {what} list\n  homebot {what} list -t\n")
+
+
+def definition_lines(typedefs: Sequence[TypeDef]) -> Iterator[str]:
+    """Yield the fields of the first of *typedefs*, and below each those of its type, indented."""
+    known = {typedef.type: typedef for typedef in typedefs}
+
+    def lines(typedef: TypeDef, indent: str) -> Iterator[str]:
+        for name, value in zip(typedef.constnames, typedef.constvalues, strict=True):
+            yield f"{indent}{name}={value}"
+        kinds = (typedef.fieldtypes, typedef.fieldnames, typedef.fieldarraylen)
+        for kind, name, length in zip(*kinds, strict=True):
+            yield f"{indent}{kind}{'' if length < 0 else f'[{length or str()}]'} {name}"
+            if kind in known:
+                yield from lines(known[kind], f"{indent}  ")
+
+    return lines(typedefs[0], "")
 
 
 class Schema:

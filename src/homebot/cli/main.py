@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.cli.arguments import HelpFormatter, add_server_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
-from homebot.cli.remarks import print_error
 from homebot.errors import ConfigError, HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__
@@ -60,7 +59,10 @@ COMMANDS: Final = {
     "reload": "apply changes in the configuration of a running homebot",
     "token": "create a token for a program, with the rights that it needs; list tokens",
     "topic": "list topics, and print their messages",
-    "service": "call a service; install homebot as a systemd service",
+    "service": "list and call services; install homebot as a systemd service",
+    "action": "list actions",
+    "interface": "show the fields of a type",
+    "param": "list and print parameters of nodes",
     "node": "list nodes",
     "home": "choose which data are those of the home",
     "backup": "write homebot's data and configuration to one file",
@@ -186,7 +188,7 @@ def _run(argv: Sequence[str]) -> int:
         options = make_parser(argv).parse_args(argv)
         as_json = getattr(options, "json", False)
         if problem := unused_option(options):
-            print_error(problem, as_json=as_json)
+            _print_error(problem, as_json=as_json)
             return _WRONG_COMMAND_LINE
         command: Callable[[argparse.Namespace], int] = options.command
         code = command(options)
@@ -196,7 +198,7 @@ def _run(argv: Sequence[str]) -> int:
 
         others = exc.others if isinstance(exc, ConfigError) else ()
         for problem in (exc, *others):
-            print_error(said(str(problem)), as_json=as_json)
+            _print_error(said(str(problem)), as_json=as_json)
         return 1
     except KeyboardInterrupt:
         return 130
@@ -205,9 +207,15 @@ def _run(argv: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(exc, BrokenPipeError):  # the reader of our output closed the pipe
             return 0
-        print_error(f"{exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", as_json=as_json)
+        _print_error(f"{exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", as_json=as_json)
         return 1
     return code
+
+
+def _print_error(text: str, *, as_json: bool) -> None:
+    from homebot.cli.remarks import print_error  # noqa: PLC0415 - a start that goes well needs none
+
+    print_error(text, as_json=as_json)
 
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:

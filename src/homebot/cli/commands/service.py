@@ -1,4 +1,4 @@
-"""``homebot service``: ``call`` and ``install``."""
+"""``homebot service``: ``list``, ``type``, ``call`` and ``install``."""
 
 import argparse
 import json
@@ -10,7 +10,7 @@ from typing import Final
 
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.graph_queries import Schema, entities, typedefs
+from homebot.cli.graph_queries import Schema, add_list, entities, typedefs
 from homebot.cli.remarks import print_error
 from homebot.cli.yaml import message, to_yaml, type_or_message
 from homebot.errors import PeerError, UsageError
@@ -21,7 +21,7 @@ from homebot.support.printable import printable
 _REQUEST, _RESPONSE = "/rosapi/service_request_details", "/rosapi/service_response_details"
 
 _EXAMPLES = """\
-  homebot service call /rosapi/services    list every service
+  homebot service list -t
   homebot service call /rosapi/get_time
   homebot service install --user    run homebot when the computer starts
 """
@@ -92,6 +92,10 @@ DeviceAllow=char-ttyACM rw
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
+    add_list(verbs, "service", "service")
+    command = add_verb(verbs, "type", "print the type of a service")
+    command.add_argument("service", metavar="SERVICE", help="name of the service")
+    set_door_command(command, _type, "  homebot service type /rosapi/get_time\n")
     command = add_verb(verbs, "call", "call a service and print its response")
     command.add_argument("service", metavar="SERVICE", help="name of the service")
     command.add_argument(
@@ -114,12 +118,7 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was omitted
         expected, request = "", expected
-    known = {entity.name: entity.type for entity in entities(door, kind="service")}
-    name = absolute_name(options.service)
-    if name not in known:
-        hint = did_you_mean(name, known, "`homebot service call /rosapi/services` lists all")
-        raise PeerError(f"there is no service {name}; {hint}")
-    ros_type = known[name]
+    ros_type = _type_of(door, options.service)
     if expected and "/" not in expected and not request:
         field = next(iter(typedefs(door, _REQUEST, ros_type)[0].fieldnames), "field")
         name, _, value = expected.rpartition("=")
@@ -133,6 +132,19 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
     else:
         print(to_yaml(Schema(typedefs(door, _RESPONSE, ros_type)).readable(response)), end="")
     return _exit_code(options.service, response, as_json=options.json)
+
+
+def _type(door: DoorClient, options: argparse.Namespace) -> int:
+    print(_type_of(door, options.service))
+    return 0
+
+
+def _type_of(door: DoorClient, service: str) -> str:
+    known = {entity.name: entity.type for entity in entities(door, kind="service")}
+    name = absolute_name(service)
+    if name not in known:
+        raise PeerError(f"there is no service {name}; {did_you_mean(name, known, '`homebot service list` lists all')}")
+    return known[name]
 
 
 def _without_kind(ros_type: str) -> str:
