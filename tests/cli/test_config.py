@@ -58,6 +58,13 @@ def test_a_good_file_is_told_in_four_lines(capsys: Text) -> None:
     assert capsys.readouterr().out == GOLDEN
 
 
+@pytest.mark.parametrize("words", [("villa.toml",), ("--config", "villa.toml")])
+def test_another_file_is_named_as_a_word_or_an_option(words: tuple[str, ...], capsys: Text) -> None:
+    Path("villa.toml").write_text(VILLA)
+    assert main(["config", "check", *words]) == 0
+    assert capsys.readouterr().out == GOLDEN.replace("homebot.toml", "villa.toml")
+
+
 def test_an_empty_file_is_a_home_with_nothing_in_it(capsys: Text) -> None:
     Path("empty.toml").write_text("")
     assert main(["config", "check", "--config", "empty.toml"]) == 0

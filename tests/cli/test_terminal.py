@@ -202,7 +202,7 @@ def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> No
     reads, writes = pty.openpty()
     fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 64, 0, 0))
     environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
-    command = [sys.executable, "-m", "homebot", "--door", homebot.door, "devices"]
+    command = [sys.executable, "-m", "homebot", "--door", homebot.door, "devices", "--long"]
     done = subprocess.run(command, stdout=writes, stderr=writes, env=environment, timeout=120, check=True)
     os.close(writes)
     text = os.read(reads, 10_000).decode()

@@ -197,8 +197,8 @@ def _run(argv: Sequence[str]) -> int:
         from homebot.cli.owner_language import said  # noqa: PLC0415 - loads the table
 
         others = exc.others if isinstance(exc, ConfigError) else ()
-        for problem in (exc, *others):
-            _print_error(said(str(problem)), as_json=as_json)
+        for error in (exc, *others):
+            _print_error(said(str(error)), as_json=as_json)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from homebot.cli.rich_terminal import RichTerminal
 
 _INDENT: Final = "  "
+_NARROW: Final = 10
 _WIDEST: Final = 48
 _WIDEST_ALONE: Final = 200
 
@@ -33,6 +34,8 @@ def print_table(
     if_room: Sequence[str] = (),
     if_wide: Sequence[str] = (),
     in_colour: str = "",
+    if_long: Sequence[str] = (),
+    width: int = 0,
 ) -> None:
     """Print *rows* below *head*, in columns.
 
@@ -43,12 +46,14 @@ def print_table(
         if_room: Columns to leave out, in this order, if the terminal is too narrow for all.
         if_wide: Columns to leave out next, if it is too narrow for columns of ten characters.
         in_colour: The column with the freshness and reachability of devices.
+        if_long: Columns whose cells are cut without a terminal to fit the *width*, and at least ten characters.
+        width: The most columns of characters without a terminal; 0 for any.
     """
     head, rows = without_empty(if_any, head, rows)
     if is_terminal():
         rich_terminal(sys.stdout).print_table(head, rows, if_room, if_wide, in_colour)
     else:
-        print(to_table(head, rows))
+        print(to_table(head, rows, if_long, width))
 
 
 def print_rows(rows: Sequence[Sequence[str]], title: str = "") -> None:
@@ -84,13 +89,18 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
         yield lambda done: None  # noqa: ARG005 - no terminal
 
 
-def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return *rows* below *head* in columns, two spaces apart.
+def to_table(head: Sequence[str], rows: Sequence[Sequence[str]], if_long: Sequence[str] = (), width: int = 0) -> str:
+    """Return *rows* below *head* in columns, two spaces apart; see :func:`print_table`.
 
     Control characters are shown as escapes; a cell of more than 48 characters is cut.
     """
     shown = [[printable(cell, _WIDEST) for cell in row] for row in (head, *rows)]
     widths = [max(len(row[column]) for row in shown) for column in range(len(head))]
+    excess = sum(widths) + 2 * (len(widths) - 1) - width
+    for _ in range(excess if if_long else 0):
+        longest = max((place for place, name in enumerate(head) if name in if_long), key=widths.__getitem__)
+        widths[longest] = max(_NARROW, widths[longest] - 1)
+    shown = [[printable(cell, most) for cell, most in zip(row, widths, strict=True)] for row in (head, *rows)]
     return "\n".join(_line(row, widths) for row in shown)
 
 

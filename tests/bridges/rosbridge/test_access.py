@@ -210,10 +210,14 @@ async def test_the_right_raw_is_none_to_read_or_to_manage(open_house: Any) -> No
     assert answer["values"].startswith("the right manage is missing; ")
 
 
-async def test_a_client_is_told_its_own_rights_whatever_it_claims(open_house: Any) -> None:
-    async with robot(open_house, "read", "ask: light") as (_, peer):
-        answer = await peer.call("/rosapi/rights", issuer="client:owner", rights=["manage"])
-    assert answer["values"] == {"issuer": "client:robot", "rights": ["act", "ask", "read"]}
+async def test_a_client_is_told_its_own_rights_and_on_what_it_may_act_whatever_it_claims(open_house: Any) -> None:
+    async with robot(open_house, "read", "ask: light", "act: blind in hall") as (_, peer):
+        answer = await peer.call("/rosapi/rights", issuer="client:owner", rights=["manage"], scope=["act: all"])
+    assert answer["values"] == {
+        "issuer": "client:robot",
+        "rights": ["act", "ask", "read"],
+        "acts_on": ["act: blind in hall", "ask: light"],
+    }
 
 
 async def test_a_client_that_may_only_read_publishes_nothing_and_commands_nothing(open_house: Any) -> None:

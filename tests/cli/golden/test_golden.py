@@ -48,6 +48,7 @@ def test_a_state_that_is_cut_ends_once(capsys: Text) -> None:
     ("name", "arguments", "code"),
     [
         ("devices", ["devices"], 0),
+        ("devices_long", ["devices", "--long"], 0),
         ("devices_json", ["devices", "--json"], 0),
         ("find", ["find", "light", "and", "dimmable", "in", "kitchen"], 0),
         ("find_why", ["find", "--why", "in attic or light"], 0),
@@ -67,6 +68,11 @@ def test_commands_print_what_they_should(run: Run, capsys: Text, name: str, argu
     out, err = capsys.readouterr()
     assert err == ""
     check(name, out)
+
+
+def test_devices_fit_a_hundred_columns_without_a_terminal(run: Run, capsys: Text) -> None:
+    assert run("devices") == 0
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 100
 
 
 def test_a_name_may_stand_in_quotation_marks_and_a_search_of_nothing_finds_all(run: Run, capsys: Text) -> None:

@@ -12,17 +12,20 @@ class GetRightsRequest(Message):
     Attributes:
         issuer: The client; set by the rosbridge server.
         rights: The first words of its rights, such as ``read`` and ``act``; set by the rosbridge server.
+        scope: Its rights to act and to ask, as they were written; set by the rosbridge server.
     """
 
     issuer: str = ""
+    scope: tuple[str, ...] = ()
     rights: tuple[str, ...] = ()
 
 
 class GetRightsResponse(Message):
-    """The client, and its rights."""
+    """The client, its rights, and on what it may act: each right as it was written, such as ``act: light``."""
 
     issuer: str
     rights: tuple[str, ...]
+    acts_on: tuple[str, ...]
 
 
 GetRights: Final = ServiceType("homebot/srv/GetRights", GetRightsRequest, GetRightsResponse)
@@ -34,4 +37,4 @@ def serve(node: Node) -> None:
 
 
 def _answer(request: GetRightsRequest) -> GetRightsResponse:
-    return GetRightsResponse(issuer=request.issuer, rights=request.rights)
+    return GetRightsResponse(issuer=request.issuer, rights=request.rights, acts_on=request.scope)

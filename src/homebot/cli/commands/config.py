@@ -9,7 +9,7 @@ from pathlib import Path
 
 import anyio
 
-from homebot.cli.arguments import add_verb, add_verbs, set_command
+from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.cli.commands.run import config_errors, with_environment
 from homebot.config import load_config, load_tables
 from homebot.devices.findings import Finding, FindingKind, Row
@@ -25,7 +25,7 @@ from homebot.support.sqlite_file import why_not_readable
 
 _EXAMPLES = """\
   homebot config check                            check homebot.toml
-  homebot config check --config villa.toml        check another file
+  homebot config check villa.toml                 check another file
 """
 
 _REACH_WITHIN = 5.0
@@ -35,13 +35,14 @@ _SECRET_FILES = ("token_file", "password_file", "key_file")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
     check = add_verb(verbs, "check", "check a configuration file: keys, values, plug-ins and credentials")
-    check.add_argument("--config", metavar="FILE", default="homebot.toml", help="the file (default: homebot.toml)")
+    check.add_argument("file", metavar="FILE", nargs="?", help="the file (default: homebot.toml)")
+    check.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the same as FILE")
     set_command(check, _check, _EXAMPLES)
 
 
 def _check(options: argparse.Namespace) -> int:
     configure_logging()
-    path = Path(options.config)
+    path = Path(options.file or options.config)
     if errors := config_errors(load_tables(path), path):
         for error in errors:
             print(f"homebot: {error}", file=sys.stderr)

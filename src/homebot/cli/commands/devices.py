@@ -23,28 +23,35 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
+_HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
+_LONG_HEAD = (*_HEAD, "LAST SEEN", "GATEWAY", "COMMAND TOPIC")
 _IF_ANY = ("NAME", "AREA", "STATE", "COMMAND TOPIC")
 _IF_ROOM = ("GATEWAY", "COMMAND TOPIC", "LAST SEEN", "NAME")
 _IF_WIDE = ("TYPE",)
+_IF_LONG = ("TYPE", "STATE")
+_WIDTH = 100
 _WRONG_COMMAND_LINE = 2
 _EXAMPLES = """\
   homebot devices
   homebot devices --type lights
+  homebot devices --long
   homebot devices --json
   homebot devices --td things/
 
-NAME is left out if it is the same as DEVICE. STATE is the last reported state. COMMAND TOPIC is the topic for commands,
-empty if it takes none. AVAILABILITY is `fresh` if the device reported recently, `unconfirmed` if it is known only from
-a retained message or the index file, `stale` if it has been silent for too long, `unreachable` if it or its last will
-is offline or its gateway lost its connection, and `partly unreachable` if only some of its parts are. An `unapproved`
-device is dangerous, and gets no commands before `homebot approve DEVICE`.
+NAME is left out if it is the same as DEVICE. STATE is the last reported state. AVAILABILITY is `fresh` if the device
+reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale` if it has been
+silent for too long, `unreachable` if it or its last will is offline or its gateway lost its connection, and
+`partly unreachable` if only some of its parts are. An `unapproved` device is dangerous, and gets no commands before
+`homebot approve DEVICE`. COMMAND TOPIC is empty if it takes none.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _devices, _EXAMPLES)
     parser.add_argument("--type", metavar="T", default="", help="only devices of this type, for example lights")
+    parser.add_argument(
+        "-l", "--long", action="store_true", help="uncut, with the time last seen, gateway and topic for commands"
+    )
     parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each device to this directory")
     add_broker_option(parser)
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
@@ -69,7 +76,17 @@ def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
     waiting = unapproved(door)
     rows = _all(door, options.type, lambda device: _row(device, now, waiting))
     if rows:
-        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, if_wide=_IF_WIDE, in_colour="AVAILABILITY")
+        head = _LONG_HEAD if options.long else _HEAD
+        print_table(
+            head,
+            [row[: len(head)] for row in rows],
+            if_any=_IF_ANY,
+            if_room=_IF_ROOM,
+            if_wide=_IF_WIDE,
+            in_colour="AVAILABILITY",
+            if_long=() if options.long else _IF_LONG,
+            width=_WIDTH,
+        )
         count = "1 device" if len(rows) == 1 else f"{len(rows):,} devices"
     else:
         count = f"no device offers {options.type} now" if options.type else "no device discovered yet"
@@ -107,10 +124,10 @@ def _row(device: Device, now: float, waiting: Container[str]) -> tuple[str, ...]
         types(device),
         device.area,
         state_text(device),
-        first.gateway if first else "",
-        _command_topic(device),
         life(device) + (", unapproved" if device.id in waiting else ""),
         ago(device.last_seen, now),
+        first.gateway if first else "",
+        _command_topic(device),
     )
 
 
