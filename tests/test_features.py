@@ -14,6 +14,7 @@ from tests.source_trees import source_trees
 from homebot.apps import App
 from homebot.bridges.rosapi import doctor
 from homebot.bridges.rosbridge.services import usual_timeout
+from homebot.cli import main
 from homebot.config import Config, parse_config
 from homebot.devices import QUERY_DEVICES, QueryDevices
 from homebot.devices.own_services import CORE_SERVICES, right_to_call
@@ -122,7 +123,7 @@ def test_no_app_has_the_name_of_a_feature(name: str) -> None:
 )
 @pytest.mark.rooms("goals")
 def test_a_feature_of_another_package_is_found_and_a_broken_one_stops_nothing(
-    other_package: Path, text: str, problem: str
+    other_package: Path, text: str, problem: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (other_package / "acme.py").write_text(
         f"from homebot.feature import Feature, Verb\nfrom homebot.rights import OfferedService, Right\n{text}\n"
@@ -134,6 +135,9 @@ def test_a_feature_of_another_package_is_found_and_a_broken_one_stops_nothing(
     if problem:  # a table that is perhaps its own is left out with it
         left_out = make_plan(parse_config({"acme": {"bright": True}}, "homebot.toml")).left_out
         assert [*left_out] == ["features.acme", "acme"]
+        assert problem in str(left_out["acme"])
+        assert main(["acme"]) == 1
+        assert problem in capsys.readouterr().err
 
 
 def test_the_list_of_features_loads_nothing_of_them() -> None:

@@ -391,6 +391,23 @@ async def test_another_type_on_a_service_name_is_refused(node: Node, client: Tri
     assert graph.get_service_type("/s") is None
 
 
+async def test_a_service_whose_server_cannot_be_loaded_says_why_at_each_use_until_it_can(graph: Graph) -> None:
+    problems = [ImportError("no module acme"), ImportError("no module acme")]
+
+    async with Node(graph, "late") as node, Node(graph, "other") as other:
+
+        def start() -> None:
+            if problems:
+                raise problems.pop()
+            node.create_service(Trigger, "/one", lambda _: answer())
+
+        node.offer_service("std_srvs/srv/Trigger", "/one", start)
+        for _ in range(2):
+            with pytest.raises(ImportError, match="acme"):
+                await other.create_client(Trigger, "/one").call(Trigger.Request())
+        assert (await other.create_client(Trigger, "/one").call(Trigger.Request())).success
+
+
 async def test_the_types_of_services_are_listed_although_the_first_call_of_one_withdraws_another(graph: Graph) -> None:
     async with Node(graph, "late") as node:
 

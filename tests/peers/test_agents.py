@@ -228,6 +228,7 @@ async def test_an_agent_over_http_may_do_what_its_token_may_and_its_session_outl
         ]
         assert "the right act is missing" in trials["reader"], "it may not know the place"
         assert "set latitude" in trials["agent"], "the home has none"
+        assert "routines.toml" not in trials["agent"], "a temporary file"
         assert found["manager"][2:4] == ["confirmed", proposed.format("manager")]
         assert (len(asked), len(questions)) == ((3, 0) if mode == "auto" else (0, 1))
 

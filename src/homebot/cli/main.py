@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.cli.arguments import HelpFormatter, add_server_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
-from homebot.errors import ConfigError, HomebotError
+from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.support.output import clean_output
 from homebot.version import __version__
 
@@ -147,6 +147,8 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     # For a known command, neither the list of all commands nor similar ones are needed.
     purposes = COMMANDS if argv and argv[0] in COMMANDS else all_commands()
+    if argv and argv[0] not in purposes:
+        _refuse_left_out(argv[0])
     for name in (argv[0],) if argv and argv[0] in purposes else purposes:
         command = add_verb(commands, name, purposes[name])
         if argv is None or name in argv:
@@ -168,6 +170,13 @@ def _verbs() -> "dict[str, Verb]":
     from homebot.feature import all_features  # noqa: PLC0415 - the core's commands start without features
 
     return {name: verb for feature in all_features() for name, verb in feature.verbs.items()}
+
+
+def _refuse_left_out(name: str) -> None:
+    from homebot.feature import find_features  # noqa: PLC0415 - as above
+
+    if problem := find_features().problems.get(name):
+        raise UsageError(f"the feature {name} is left out: {problem}")
 
 
 def has_terminal() -> bool:

@@ -218,8 +218,16 @@ class Node:
         self._offer(EntityKind.SERVICE, ros_type, self.resolve_name(name, "service name"), start)
 
     def _offer(self, kind: EntityKind, ros_type: str, name: str, start: Callable[[], object]) -> None:
+        def start_or_offer_again() -> None:
+            try:
+                start()
+            except Exception:
+                self._offer(kind, ros_type, name, start)  # so that each user learns why
+                raise
+
         self._check_open()
-        offered = OfferedEntity(EndpointInfo(kind, self.full_name, name, ros_type), start, self._withdraw)
+        info = EndpointInfo(kind, self.full_name, name, ros_type)
+        offered = OfferedEntity(info, start_or_offer_again, self._withdraw)
         self.graph.offer(offered)
         self.add_entity(offered)
 

@@ -418,7 +418,8 @@ def _features(config: Config) -> Mapping[str, Any]:
 def _feature_table(key: str, config: Config) -> Any:
     row = feature_tables().get(key)
     if row is None:
-        raise ConfigError(config.source, key, f"is of no feature; left out are {', '.join(find_features().problems)}")
+        left_out = "; ".join(f"{name}: {problem}" for name, problem in find_features().problems.items())
+        raise ConfigError(config.source, key, f"is of no feature; left out are {left_out}")
     return load(row.reader)(config)
 
 

@@ -3,21 +3,28 @@
 import json
 import os
 import sys
-from functools import cache
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Final
 
-from anyio import NamedTemporaryFile, Semaphore, run_process
+import anyio
+from anyio import to_thread
+from anyio.abc import Process
 from mcp.server.mcpserver import MCPServer
 from mcp.types import CallToolResult
 from pydantic import Field
 
-from homebot.bridges.home_api.agent_server import ACTS, READS, HouseApi, Words, tool_answer
+from homebot.bridges.home_api.agent_server import ACTS, READS, HouseApi, RosbridgeAddress, Words, tool_answer
 from homebot.bridges.home_api.shapes import Answer
 from homebot.errors import HomebotError
 from homebot.features.routines.http import ProposalAnswer, RoutineList
 from homebot.features.routines.text import read_routines
 
 _MAX_LINES: Final = 40
+_TEXT, _OUT, _ERRORS = "routines.toml", "out", "errors"
+_ANSWERS_WITHIN: Final = 5.0
+"""Seconds; clients of agents give up on slow tools."""
 
 
 class _Trial(Answer):
@@ -43,14 +50,14 @@ def add_tools(server: MCPServer, api: HouseApi) -> None:
         `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
         """
         answer = json.loads(await api.post("/api/routines", {"text": text}))
-        return tool_answer(json.dumps({**answer, "trial": await _trial(api, text, days)}, ensure_ascii=False))
+        return tool_answer(json.dumps({**answer, "trial": await _TRIALS.lines(api, text, days)}, ensure_ascii=False))
 
     async def try_routine(
         text: Annotated[str, Field(max_length=20_000, description="TOML, as to propose_routine")],
         days: Annotated[float, Field(gt=0.0, le=366.0, description="how many")] = 7.0,
     ) -> Annotated[CallToolResult, _Trial]:
-        """Try a rule on the last days; nothing is sent or proposed."""
-        return tool_answer(_Trial(trial=await _trial(api, text, days)).model_dump_json())
+        """Try a rule on the last days; nothing is sent or proposed. If it goes on, ask the same again later."""
+        return tool_answer(_Trial(trial=await _TRIALS.lines(api, text, days)).model_dump_json())
 
     async def explain_routine(
         name: Annotated[Words, Field(description="empty for all")] = "",
@@ -63,28 +70,82 @@ def add_tools(server: MCPServer, api: HouseApi) -> None:
     server.add_tool(explain_routine, annotations=READS)
 
 
-async def _trial(api: HouseApi, text: str, days: float) -> list[str]:
-    """Return the newest lines of a trial, by a process of its own: it computes for a while."""
-    if api.is_of_house and not api.server.token:
-        return ["no trial: it needs a token"]
-    try:
-        routines = "".join(routine.text for routine in read_routines(text, "the text"))
-    except HomebotError as exc:
-        return [f"no trial: {exc}"]
-    place = api.server
-    where = (
-        f"{'wss' if place.has_tls else 'ws'}://{f'[{place.host}]' if ':' in place.host else place.host}:{place.port}"
-    )
-    env = os.environ | {"HOMEBOT_DOOR_TOKEN": place.token}
-    async with _one_at_a_time(), NamedTemporaryFile(suffix=".toml") as file:
-        await file.write(routines.encode())
-        await file.flush()
-        trial = ("-m", "homebot", "--door", where, "routine", "try", str(file.name), "--on", f"{days * 86_400:.0f}s")
-        done = await run_process((sys.executable, *trial), env=env, check=False)
-    lines = done.stdout.decode(errors="replace").splitlines()
-    return lines[-_MAX_LINES:] if done.returncode == 0 else [f"no trial: {done.stderr.decode(errors='replace')[:500]}"]
+@dataclass(frozen=True, slots=True)
+class _Running:
+    """A trial in a process of its own: it computes for a while.
+
+    Attributes:
+        asked: The rosbridge server with its token, the routines and the days.
+        folder: Its output.
+    """
+
+    asked: tuple[RosbridgeAddress, str, float]
+    process: Process
+    folder: TemporaryDirectory[str]
 
 
-@cache
-def _one_at_a_time() -> Semaphore:
-    return Semaphore(1)
+class Trials:
+    """The trials of all agents, one at a time. One that goes on when its time to answer is over keeps its lines.
+
+    Args:
+        answers_within: Seconds after which :meth:`lines` answers in any case.
+    """
+
+    def __init__(self, answers_within: float) -> None:
+        self._answers_within = answers_within
+        self._running: _Running | None = None
+        self._turn = anyio.Semaphore(1)
+
+    async def lines(self, api: HouseApi, text: str, days: float) -> list[str]:
+        """Return the newest lines of a trial, or that one goes on."""
+        if api.is_of_house and not api.server.token:
+            return ["no trial: it needs a token"]
+        try:
+            routines = "".join(routine.text for routine in read_routines(text, "the text"))
+        except HomebotError as exc:
+            return [f"no trial: {exc}"]
+        asked = api.server, routines, days
+        with anyio.move_on_after(self._answers_within):
+            async with self._turn:
+                if self._running is not None and self._running.asked != asked:
+                    await self._end(self._running)
+                return await self._end(self._running or await self._start(asked))
+        return ["a trial goes on: ask the same again later"]
+
+    async def _start(self, asked: tuple[RosbridgeAddress, str, float]) -> _Running:
+        place, routines, days = asked
+        host = f"[{place.host}]" if ":" in place.host else place.host
+        where = f"{'wss' if place.has_tls else 'ws'}://{host}:{place.port}"
+        env = os.environ | {"HOMEBOT_DOOR_TOKEN": place.token}
+        with anyio.CancelScope(shield=True):  # what was begun is kept
+            folder = await to_thread.run_sync(_folder, routines)
+            file, out, errors = (f"{folder.name}/{name}" for name in (_TEXT, _OUT, _ERRORS))
+            trial = ("-m", "homebot", "--door", where, "routine", "try", file, "--on", f"{days * 86_400:.0f}s")
+            async with await anyio.open_file(out, "wb") as lines, await anyio.open_file(errors, "wb") as problems:
+                streams = {"stdout": lines.wrapped, "stderr": problems.wrapped}
+                process = await anyio.open_process((sys.executable, *trial), env=env, **streams)
+            self._running = _Running(asked, process, folder)
+        return self._running
+
+    async def _end(self, running: _Running) -> list[str]:
+        """Wait for the end of the running trial, and return its lines."""
+        code = await running.process.wait()
+        self._running = None
+        out, errors = await to_thread.run_sync(_read, running.folder)
+        return out.splitlines()[-_MAX_LINES:] if code == 0 else [f"no trial: {errors[:500]}"]
+
+
+def _folder(routines: str) -> TemporaryDirectory[str]:
+    folder = TemporaryDirectory()
+    Path(folder.name, _TEXT).write_text(routines, "utf-8")
+    return folder
+
+
+def _read(folder: TemporaryDirectory[str]) -> tuple[str, str]:
+    """Remove *folder*, and return the output and the errors, which name no file of this computer."""
+    with folder as path:
+        out, errors = (Path(path, name).read_text("utf-8", errors="replace") for name in (_OUT, _ERRORS))
+    return out, errors.replace(f"{path}/{_TEXT}", "the text")
+
+
+_TRIALS: Final = Trials(_ANSWERS_WITHIN)
