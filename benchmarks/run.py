@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from figures import keep_figures
 from homebot.log import configure_logging
 from machine import describe_machine
 from plan import Plan
@@ -109,6 +110,8 @@ def _measured(name: str, plan: Plan) -> list[str]:
         traceback.print_exc()
         return [FAILED]
     print_report(report)
+    if not plan.quick:
+        keep_figures(name, report)
     is_whole = not report.missing and (plan.home_assistant is not None or name not in WITH_HOME_ASSISTANT)
     return [*(() if is_whole else (UNMEASURED,)), *((SHORT,) if report.falls_short else ())]
 

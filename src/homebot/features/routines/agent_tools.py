@@ -71,7 +71,7 @@ def add_tools(server: MCPServer, api: HouseApi) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Running:
+class _RunningTrial:
     """A trial in a process of its own: it computes for a while.
 
     Attributes:
@@ -93,7 +93,7 @@ class Trials:
 
     def __init__(self, answers_within: float) -> None:
         self._answers_within = answers_within
-        self._running: _Running | None = None
+        self._running: _RunningTrial | None = None
         self._turn = anyio.Semaphore(1)
 
     async def lines(self, api: HouseApi, text: str, days: float) -> list[str]:
@@ -112,7 +112,7 @@ class Trials:
                 return await self._end(self._running or await self._start(asked))
         return ["a trial goes on: ask the same again later"]
 
-    async def _start(self, asked: tuple[RosbridgeAddress, str, float]) -> _Running:
+    async def _start(self, asked: tuple[RosbridgeAddress, str, float]) -> _RunningTrial:
         place, routines, days = asked
         host = f"[{place.host}]" if ":" in place.host else place.host
         where = f"{'wss' if place.has_tls else 'ws'}://{host}:{place.port}"
@@ -124,10 +124,10 @@ class Trials:
             async with await anyio.open_file(out, "wb") as lines, await anyio.open_file(errors, "wb") as problems:
                 streams = {"stdout": lines.wrapped, "stderr": problems.wrapped}
                 process = await anyio.open_process((sys.executable, *trial), env=env, **streams)
-            self._running = _Running(asked, process, folder)
+            self._running = _RunningTrial(asked, process, folder)
         return self._running
 
-    async def _end(self, running: _Running) -> list[str]:
+    async def _end(self, running: _RunningTrial) -> list[str]:
         """Wait for the end of the running trial, and return its lines."""
         code = await running.process.wait()
         self._running = None
