@@ -122,10 +122,11 @@ class Trials:
             file, out, errors = (f"{folder.name}/{name}" for name in (_TEXT, _OUT, _ERRORS))
             trial = ("-m", "homebot", "--door", where, "routine", "try", file, "--on", f"{days * 86_400:.0f}s")
             async with await anyio.open_file(out, "wb") as lines, await anyio.open_file(errors, "wb") as problems:
-                streams = {"stdout": lines.wrapped, "stderr": problems.wrapped}
-                process = await anyio.open_process((sys.executable, *trial), env=env, **streams)
-            self._running = _RunningTrial(asked, process, folder)
-        return self._running
+                process = await anyio.open_process(
+                    (sys.executable, *trial), env=env, stdout=lines.wrapped, stderr=problems.wrapped
+                )
+            self._running = running = _RunningTrial(asked, process, folder)
+        return running
 
     async def _end(self, running: _RunningTrial) -> list[str]:
         """Wait for the end of the running trial, and return its lines."""
