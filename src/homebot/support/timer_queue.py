@@ -32,7 +32,7 @@ class TimerQueue(Generic[Key, Item]):
         self.earliest = math.inf
 
     def set(self, key: Key, at: float, item: Item) -> None:
-        """Schedule *item* for the time *at*, replacing the earlier item of *key*."""
+        """Schedule *item* for the time *at*, or never if that is infinite, replacing the earlier item of *key*."""
         self._number = number = self._number + 1
         entry = self._entries[key] = (at, number, key, item)
         if at < self._queued.get(key, math.inf):
@@ -66,6 +66,8 @@ class TimerQueue(Generic[Key, Item]):
                 return first[0]
             if entry is None or self._queued.get(first[2]) != first[0]:
                 heapq.heappop(heap)
+            elif entry[0] == math.inf:
+                del self._queued[heapq.heappop(heap)[2]]
             else:
                 self._queued[first[2]] = entry[0]
                 heapq.heapreplace(heap, entry)
@@ -88,6 +90,6 @@ class TimerQueue(Generic[Key, Item]):
         return len(self._entries)
 
     def _rebuild(self) -> None:
-        self._heap = list(self._entries.values())
-        self._queued = {key: entry[0] for key, entry in self._entries.items()}
+        self._heap = [entry for entry in self._entries.values() if entry[0] < math.inf]
+        self._queued = {key: at for at, _, key, _ in self._heap}
         heapq.heapify(self._heap)
