@@ -1,5 +1,6 @@
 """A bag that is written in a thread: nobody waits for the disk, and what is lost is counted."""
 
+import struct
 from pathlib import Path
 
 from tests.features.bags.bags import words
@@ -44,3 +45,15 @@ def test_after_an_error_of_the_disk_everything_is_dropped(tmp_path: Path) -> Non
     assert "day_1.mcap cannot be written: No such file or directory; `homebot bag recover " in str(bag.error)
     bag.put(messages[0])
     assert bag.dropped == 3
+
+
+def test_an_unexpected_error_ends_the_bag_and_is_told(tmp_path: Path) -> None:
+    """A time that no bag can hold."""
+    first, second, third = words(3)
+    with BagThread(BagWriter(tmp_path / "day")) as bag:
+        for message in (first, second._replace(at=-1), third):
+            bag.put(message)
+    assert bag.dropped == 2
+    assert "day ends early: error: " in str(bag.error)
+    assert bag.error is not None
+    assert isinstance(bag.error.__cause__, struct.error)

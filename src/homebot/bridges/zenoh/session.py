@@ -360,10 +360,12 @@ async def open_session(settings: RosSettings, rights: WireRights) -> AsyncIterat
 
 
 def _close(session: Any, loop: asyncio.AbstractEventLoop, closed: asyncio.Event) -> None:
-    with suppress(zenoh.ZError):  # a peer did not take it in Zenoh's time: the threads end with the program
-        session.close()
-    with suppress(RuntimeError):
-        loop.call_soon_threadsafe(closed.set)
+    try:
+        with suppress(zenoh.ZError):  # a peer did not take it in Zenoh's time: the threads end with the program
+            session.close()
+    finally:  # also after a panic inside Zenoh
+        with suppress(RuntimeError):
+            loop.call_soon_threadsafe(closed.set)
 
 
 def _open(settings: RosSettings, rights: WireRights) -> object:

@@ -7,6 +7,7 @@ from typing import Final, Self, final
 from homebot.errors import UsageError
 from homebot.features.bags.bag_topic import BagMessage
 from homebot.features.bags.bag_writer import BagWriter
+from homebot.support.isolation import error_text
 
 _MAX_BYTES: Final = 64 * 1024 * 1024
 _EACH: Final = 200
@@ -20,11 +21,11 @@ _FLUSHED_AFTER: Final = 5.0
 class BagThread:
     """Writes into *writer*, and closes it at the end of the block.
 
-    Messages beyond 64 MiB that wait are dropped, as is everything after an error of the disk.
+    Messages beyond 64 MiB that wait are dropped, as is everything after an error.
 
     Attributes:
         dropped: The number of messages that were dropped.
-        error: The error of the disk; None without one.
+        error: Why the bag ends early; None if it does not.
     """
 
     def __init__(self, writer: BagWriter, most_bytes: int = _MAX_BYTES) -> None:
@@ -57,7 +58,7 @@ class BagThread:
             self.dropped += self._queue.get() is not None
         try:
             self._writer.close()
-        except (OSError, UsageError) as exc:
+        except Exception as exc:  # noqa: BLE001 - as below
             self.error = self.error or self._explain(exc)
 
     def _run(self) -> None:
@@ -66,14 +67,17 @@ class BagThread:
                 self._writer.write(message)
                 with self._lock:
                     self._waiting -= len(message.data) + _EACH
-        except (OSError, UsageError) as exc:
+        except Exception as exc:  # noqa: BLE001 - no task awaits this thread
             with self._lock:
                 self.error = self._explain(exc)
                 self.dropped += 1
 
-    def _explain(self, exc: OSError | UsageError) -> UsageError:
-        path, why = self._writer.path, exc.strerror if isinstance(exc, OSError) else exc
-        return UsageError(f"{path} ends early: {why}; `homebot bag recover {path} NEW` keeps what is whole")
+    def _explain(self, exc: Exception) -> UsageError:
+        why = exc if isinstance(exc, UsageError) else getattr(exc, "strerror", None) or error_text(exc)
+        path = self._writer.path
+        error = UsageError(f"{path} ends early: {why}; `homebot bag recover {path} NEW` keeps what is whole")
+        error.__cause__ = exc
+        return error
 
     def _next(self) -> BagMessage | None:
         while True:
