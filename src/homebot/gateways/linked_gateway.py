@@ -58,9 +58,10 @@ class LinkedGateway(Gateway):
             tasks.start_soon(run_as, self.node.full_name, self._confirm_devices)
             while True:
                 self._retries.begin()
-                backoff, self.problem = LINK_BACKOFF, self.problem or "the connection was closed"
+                backoff = LINK_BACKOFF
                 try:
                     await self.connect()
+                    self.problem = "the connection was closed"
                 except LinkError as exc:
                     self.problem = str(exc)
                 except WireError as exc:
