@@ -25,6 +25,7 @@ from homebot.devices.places_messages import PlaceDevice
 from homebot.errors import ConfigError, LinkError
 from homebot.feature import all_features
 from homebot.gateways import HostService
+from homebot.gateways.memory import MemoryGateway
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.embedded_broker import embedded_broker
 from homebot.graph import Graph, Node
@@ -36,6 +37,15 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
+
+
+class Crashing(MemoryGateway):
+    """Is ready, and crashes a second later."""
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        task_status.started()
+        await anyio.sleep(1.0)
+        raise RuntimeError("the gateway is ill")
 
 
 def broker_url(runtime: Runtime) -> str:
@@ -164,6 +174,17 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
     ]
     assert nodes["removed"] == nodes["added"][::-1]
     assert JOURNAL.lines == ["first starts", "second starts", "second ends", "first ends"]
+
+
+@pytest.mark.virtual_time
+async def test_a_gateway_an_app_and_a_part_of_homebot_with_one_name_crash_each_for_itself() -> None:
+    gateways = {name: {"class": f"{__name__}:Crashing"} for name in ("control", "steady", "house")}
+    tables = {"gateways": gateways, "apps": {name: app(Steady) for name in ("steady", "house")}}
+    async with Runtime(config(**tables), with_door=False) as runtime:
+        await anyio.sleep(30)
+        crashes = runtime.supervisor.crashes
+        assert sorted(crashes) == ["gateway/control", "gateway/house", "gateway/steady"]
+        assert {crash.last for crash in crashes.values()} == {"RuntimeError: the gateway is ill"}
 
 
 async def test_what_cannot_be_started_ends_the_start_and_everything_stops_again() -> None:

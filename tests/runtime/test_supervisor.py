@@ -48,7 +48,7 @@ async def test_a_crashed_component_is_started_anew_after_a_growing_delay() -> No
 
 async def test_one_traceback_is_shown_of_crashes_in_the_same_place() -> None:
     with capture_logs() as lines:
-        async with Supervisor(LoopClock()).running("fragile", Fragile(crashes=3).work, "app"):
+        async with Supervisor(LoopClock()).running("fragile", Fragile(crashes=3).work, "app fragile"):
             await anyio.sleep(60)
     crashes = [line for line in lines if line["event"] == "runtime.crashed"]
     assert ["exc_info" in line for line in crashes] == [True, False, False]

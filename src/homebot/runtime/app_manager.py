@@ -319,8 +319,8 @@ class AppManager:
     async def _hold(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         watch: asyncio.TimerHandle | None = None
         try:
-            run = partial(self._watch, app)
-            async with self._supervisor.running(app.planned.name, run, "app", retry_after=math.inf):
+            run, title = partial(self._watch, app), f"app {app.planned.name}"
+            async with self._supervisor.running(app.planned.name, run, title, retry_after=math.inf):
                 try:
                     task_status.started()
                     await app.is_stopped.wait()

@@ -372,7 +372,7 @@ class Runtime:
         if not self._start_is_cut:
             self._greet()
             # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
-            await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
+            await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi))
             self._check_rights()
 
     def _components(
@@ -383,14 +383,15 @@ class Runtime:
         if self._session_keeper is not None and not self.is_dry_run:
             yield running("ros2", self._session_keeper.serve)
         for gateway in gateways:
-            work, down = partial(self._gateway, gateway), partial(self._gateway_down, gateway.name)
-            yield running(gateway.name, work, "gateway", down=down)
+            name = gateway.name
+            work, down = partial(self._gateway, gateway), partial(self._gateway_down, name)
+            yield running(f"gateway/{name}", work, f"gateway {name}", down=down)
         if not self._plan.as_other_machine:
             yield from self._house_components()
         if self.with_door:
-            yield running("door", self._serve_rosbridge)
+            yield running("rosbridge_websocket", self._serve_rosbridge, "door")
         if self._house is not None:
-            yield running("house", partial(self._house.serve, self._context, self.graph))
+            yield running("homebot/house", partial(self._house.serve, self._context, self.graph), "house")
 
     def _house_components(self) -> Iterator[AbstractAsyncContextManager[None]]:
         """Yield what a house has once: its index, control, apps and histories, and where its robots are."""
@@ -401,10 +402,11 @@ class Runtime:
         yield from (
             running(feature.name, partial(self._feature, feature)) for feature in all_features() if feature.server
         )
-        yield from (running(name, partial(observe, self._feature_context)) for name, observe in self.observers.items())
+        for name, observe in self.observers.items():
+            yield running(f"homebot/{name}", partial(observe, self._feature_context), name)
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
         if self.watches_apps:
-            yield running("app_watch", self.app_manager.reload_changed)
+            yield running("homebot/app_watch", self.app_manager.reload_changed, "app_watch")
         for feature in all_features():
             if feature.runs and feature.is_wanted(self._feature_context):
                 yield running(feature.name, partial(self._run_feature, feature))

@@ -86,7 +86,7 @@ class Supervisor:
         self,
         name: str,
         work: Work,
-        kind: str = "",
+        title: str = "",
         *,
         retry_after: float = RETRY_AFTER,
         down: Callable[[str], AbstractAsyncContextManager[object]] = nullcontext,
@@ -96,7 +96,8 @@ class Supervisor:
         After 10 s it no longer waits for the component to become ready.
 
         Args:
-            kind: Prefix of its name in the log, such as ``app``.
+            name: Its own name: that of its node, or one that no node can have.
+            title: Its name in the log; by default *name*.
             retry_after: Seconds after which it is tried again once it is given up; infinite for never.
             down: Entered with the reason while it waits for its restart.
 
@@ -105,7 +106,7 @@ class Supervisor:
         """
         start = _Start()
         self._log_state(name, "running again")
-        self._titles[name] = f"{kind} {name}".strip()
+        self._titles[name] = title or name
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._supervise, _Component(name, work, start, retry_after, down))
             await self._wait_for(name, start)
