@@ -254,6 +254,39 @@ async def test_an_agent_over_http_may_do_what_its_token_may_and_its_session_outl
         assert (stream.status_code, stream.headers["allow"]) == (405, "DELETE, POST")
 
 
+async def test_the_session_that_was_idle_for_longest_gives_way_to_a_new_one(tmp_path: Path) -> None:
+    """Many clients begin one for each conversation, and end none."""
+    httpx2: Any = pytest.importorskip("httpx2")
+    hello = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "raw", "version": "1"}}
+    first = {"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": hello}
+    listed = {"jsonrpc": "2.0", "id": 2, "method": "tools/list"}
+    given = {"Accept": "application/json, text/event-stream", "Authorization": bearer("agent")}
+    async with (
+        running_api(tmp_path) as api,
+        httpx2.AsyncClient(headers=given, timeout=PATIENCE, trust_env=False) as connection,
+    ):
+
+        async def status(message: object, session: str) -> int:
+            headers = {"Mcp-Session-Id": session}
+            answer = await connection.post(f"http://127.0.0.1:{api.port}/mcp", json=message, headers=headers)
+            return int(answer.status_code)
+
+        async def begin() -> str:
+            answer = await connection.post(f"http://127.0.0.1:{api.port}/mcp", json=first)
+            assert answer.status_code == 200, answer.text
+            return str(answer.headers["mcp-session-id"])
+
+        sessions = [await begin() for _ in range(16)]
+        assert await status(listed, sessions[0]) == 200
+        sessions += [await begin() for _ in range(40)]
+        alive = [number for number, session in enumerate(sessions) if await status(listed, session) == 200]
+        assert alive == list(range(40, 56))
+        assert await status(listed, sessions[40]) == 200
+        sessions.append(await begin())
+        assert await status(listed, sessions[40]) == 200
+        assert await status(listed, sessions[41]) == 404
+
+
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
 async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_was_renamed_since(mode: str) -> None:
     mcp: Any = pytest.importorskip("mcp.client.client")

@@ -53,7 +53,7 @@ _ASKS_IN_ANSWERS: Final = "2026-07-28"
 _NO_RIGHT: Final = "the right "
 """The beginning of a refusal of a goal because of a missing right."""
 
-_MAX_SESSIONS: Final = 16
+MAX_SESSIONS: Final = 16
 """Sessions of one token at the rosbridge server; one that asks nothing for half an hour ends."""
 
 Words: TypeAlias = Annotated[str, Field(max_length=500)]
@@ -199,7 +199,7 @@ def agent_app(api: HouseApi) -> Any:
     """Return the tools as an ASGI application of ``/mcp``; Host and Origin of its requests are checked already."""
     return house_server(api).streamable_http_app(
         json_response=True,
-        max_sessions=_MAX_SESSIONS,
+        max_sessions=2 * MAX_SESSIONS,  # some begin while others, which give way to them, end
         transport_security=TransportSecuritySettings(enable_dns_rebinding_protection=False),
     )
 

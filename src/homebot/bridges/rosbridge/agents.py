@@ -6,6 +6,7 @@ A request is checked as one to the HTTP API is, and a tool has the rights that i
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -14,7 +15,13 @@ from typing import TYPE_CHECKING, Any, Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.bridges.home_api.agent_server import AgentMistakeError, HouseApi, RosbridgeAddress, agent_app
+from homebot.bridges.home_api.agent_server import (
+    MAX_SESSIONS,
+    AgentMistakeError,
+    HouseApi,
+    RosbridgeAddress,
+    agent_app,
+)
 from homebot.bridges.home_api.routes import ApiRequest, answer
 from homebot.bridges.rosbridge.access import MissingRightError
 from homebot.bridges.rosbridge.goals import SentGoals
@@ -31,6 +38,7 @@ if TYPE_CHECKING:
     from homebot.rights import OfferedService
 
 _METHODS: Final = ("DELETE", "POST")
+_SESSION: Final = "mcp-session-id"
 _MAX_FRAMES: Final = 100
 _MAX_BYTES: Final = 1024 * 1024
 """Frames and bytes of a goal that wait for the agent's client."""
@@ -91,17 +99,44 @@ class HouseOfAgent(HouseApi):
 
 @final
 class _AgentServer:
-    """The server of one token."""
+    """The server of one token. Most clients never end a session, so the one that was idle for longest gives way."""
 
     def __init__(self, house: HouseOfAgent, app: Any) -> None:
         self.house, self.app = house, app
         self.scope = anyio.CancelScope()
+        self._sessions: dict[str, None] = {}  # the last one that was used is the last
+        self._in_work = Counter[str]()
 
     async def run(self, *, task_status: TaskStatus[None]) -> None:
         with self.scope:
             async with self.app.router.lifespan_context(self.app):
                 task_status.started()
                 await anyio.sleep_forever()
+
+    async def answer(self, exchange: HttpExchange) -> None:
+        """Answer a request."""
+        session = exchange.headers.get(_SESSION, "")
+        self._in_work[session] += 1
+        try:
+            await self.app(exchange.scope, exchange.receive, exchange.send)
+        finally:
+            self._in_work -= {session: 1}  # without those at 0
+        self._sessions.pop(session, None)
+        if used := exchange.method == "POST" and exchange.response.headers.get(_SESSION):
+            self._sessions[used] = None
+        idle = [one for one in self._sessions if one not in self._in_work]
+        for one in idle[: max(0, len(self._sessions) - MAX_SESSIONS)]:
+            del self._sessions[one]
+            ending = {"method": "DELETE", "headers": [(_SESSION.encode(), one.encode())]}
+            await self.app(exchange.scope | ending, _no_body, _to_nobody)
+
+
+async def _no_body() -> dict[str, object]:
+    return {"type": "http.request", "body": b""}
+
+
+async def _to_nobody(_: Mapping[str, object]) -> None:
+    pass
 
 
 @final
@@ -134,7 +169,7 @@ class AgentServers:
                 self._servers[key] = server
         server = self._servers[key]
         server.house.client = client
-        await server.app(exchange.scope, exchange.receive, exchange.send)
+        await server.answer(exchange)
 
     def end(self, name: str) -> None:
         """End the sessions of the token *name*."""

@@ -350,7 +350,8 @@ class HttpExchange:
 
     Attributes:
         method: The method of the request.
-        token: The token in its head; empty for none.
+        headers: Its head.
+        token: The token in that; empty for none.
         local_address: The host and port at which it came.
         scope: The request without its body.
         response: The answer so far.
@@ -359,7 +360,8 @@ class HttpExchange:
     def __init__(self, connection: RosbridgeConnection) -> None:
         self._connection, self._is_read = connection, False
         self.response = Response(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops", Headers(_OF_API), b"")
-        posted, headers = connection.posted, Headers() if connection.request is None else connection.request.headers
+        posted = connection.posted
+        self.headers = headers = Headers() if connection.request is None else connection.request.headers
         self.token = token_of(headers.get_all("Authorization"))
         self.local_address: tuple[str, int] = connection.local_address[:2]
         path, _, query = connection.target.partition("?")
