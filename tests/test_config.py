@@ -89,7 +89,9 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
         load_config(tmp_path / "binary")
 
 
-@pytest.mark.parametrize("text", ["home = " + "[" * 100_000, "[home" + ".x" * 5000 + "]"])
+@pytest.mark.parametrize(
+    "text", ["home = " + "[" * 100_000, "[home" + ".x" * 5000 + "]", "home = " + "[" * 70 + "]" * 70]
+)
 def test_a_file_that_is_nested_too_deep_is_told_so(tmp_path: Path, text: str) -> None:
     """Whoever notices first."""
     file = tmp_path / "homebot.toml"

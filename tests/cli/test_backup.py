@@ -253,6 +253,13 @@ def _toml(key: str, value: object) -> Callable[[dict[str, Any]], None]:
         (_named("config/../../outside"), (), "is outside the backup"),
         (_named("config//etc/passwd"), (), "is outside the backup"),
         (_named("config/.bashrc"), (), "is outside the backup"),
+        (_named("config/\x1b[2Jmine.py"), (), r"files.config/\x1b[2Jmine.py"),
+        (_named("config/mine\n.py"), (), r"files.config/mine\n.py"),
+        (
+            lambda one: one.update(home="h\nrestored"),
+            (),
+            "manifest.json: home: Value error, 'h\\nrestored' has control",
+        ),
         (lambda one: one.update(folder="../.."), (), "manifest.json: folder"),
         (lambda one: one.update(format=2), (), "manifest.json: format"),
         (_toml("size", 10**15), (), "is too large: there is only room for"),

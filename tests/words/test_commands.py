@@ -120,3 +120,11 @@ def test_words_joined_by_commas_are_one_command() -> None:
     own = Capability(name="option", settable=True, options=("Cotton, 40 %", "Off"))
     washer = Part(id="", service_type="x_setting", capabilities=(own,))
     assert parse_command_words("Cotton, 40 %", (), washer, "Washer") == {"option": "Cotton, 40 %"}
+
+
+def test_a_command_has_a_length() -> None:
+    """However it is cut into words, a longer one is read for seconds."""
+    lamp = Part(id="", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
+    for command, values in (("on and " * 1000, ()), ("on", (KeyValue(key="level", value="4" * 1001),))):
+        with pytest.raises(RefusedError, match="a command to Lamp .*: it is longer than 1,000 characters"):
+            parse_command_words(command, values, lamp, "Lamp")

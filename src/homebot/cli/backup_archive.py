@@ -10,18 +10,27 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from typing import IO, Annotated, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.errors import UsageError
 from homebot.support.new_file import create_file
+from homebot.support.printable import printable
 
 _MANIFEST: Final = "manifest.json"
 _MAX_MANIFEST: Final = 1_000_000
 _MAX_BYTES: Final = 16 * 2**30
 _BLOCK: Final = 1_048_576
 
+
+def _check_line(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError(f"{text[:100]!r} has control characters")
+    return text
+
+
+_Line = Annotated[str, Field(max_length=500), AfterValidator(_check_line)]
 _Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-_Name = Annotated[str, Field(pattern=r"^(data/[\w.-]+|config/.+)$", max_length=500)]
+_Name = Annotated[_Line, Field(pattern=r"^(data/[\w.-]+|config/.+)$")]
 
 
 class ArchivedFile(BaseModel):
@@ -49,12 +58,12 @@ class Manifest(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal[1] = 1
-    version: str
-    made: str
-    home: str
+    version: _Line
+    made: _Line
+    home: _Line
     folder: Annotated[str, Field(pattern=r"^\w+/\w+$")]
     files: Annotated[dict[_Name, ArchivedFile], Field(max_length=1000)]
-    left_out: tuple[str, ...] = ()
+    left_out: tuple[_Line, ...] = ()
 
 
 def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -> None:
@@ -123,7 +132,7 @@ def _read_manifest(source: Path, tar: tarfile.TarFile) -> Manifest:
     try:
         manifest = Manifest.model_validate_json(content.read() if content else b"")
     except ValidationError as exc:
-        where = ".".join(map(str, exc.errors()[0]["loc"]))
+        where = printable(".".join(map(str, exc.errors()[0]["loc"])))
         raise UsageError(f"{source}: {_MANIFEST}: {where}: {exc.errors()[0]['msg']}") from None
     for name in manifest.files:
         is_hidden = any(part.startswith(".") for part in PurePosixPath(name).parts)

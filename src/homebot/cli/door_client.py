@@ -301,7 +301,7 @@ class DoorClient:
         text = self._text(deadline)
         try:
             frame = json.loads(text) if text[:1] < _FIRST_OF_CBOR else _from_cbor(text)
-        except ValueError as exc:
+        except (ValueError, RecursionError) as exc:
             raise WireError(f"the rosbridge server sent invalid JSON: {_begin(text)!r}") from exc
         if not isinstance(frame, dict):
             raise WireError(f"the rosbridge server sent something other than a rosbridge frame: {_begin(text)!r}")

@@ -195,5 +195,5 @@ def _entry(at: Any, device: object, command: object, text: Any) -> JournalEntry 
         stamp = Time.from_seconds(at).model_dump()
         fields = {**json.loads(text), "at": stamp, "device": device, "command": command}
         return JournalEntry.model_validate_json(json.dumps(fields))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         return None

@@ -14,6 +14,7 @@ TomlTable: TypeAlias = dict[str, object]
 
 _MAX_NUMBER = 2**63
 _MAX_BYTES = 4 * 1024 * 1024
+_MAX_DEPTH = 64
 
 
 def read_toml(path: Path, *, any_text: bool = False, may_be_cut: bool = False) -> TomlTable:
@@ -53,7 +54,7 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
         any_text: Whether texts may contain U+0000, for texts sent to devices.
 
     Raises:
-        ConfigError: It is no TOML, is nested too deep, or holds a number of more than 64 bits or the character U+0000;
+        ConfigError: It is no TOML, is nested deeper than 64 levels, or holds a number of more than 64 bits or the character U+0000;
             names *source*, key and reason.
     """
     try:
@@ -75,12 +76,14 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
     return tables
 
 
-def _check(value: object, source: str, key: str, *, any_text: bool) -> None:
+def _check(value: object, source: str, key: str, left: int = _MAX_DEPTH, *, any_text: bool) -> None:
+    if not left:
+        raise ConfigError(source, "", "is nested too deep")
     for name, item in _items(value):
         inner = f"{key}.{name}" if key else name
         if "\0" in name:
             raise ConfigError(source, inner.replace("\0", "\\u0000"), "has the character U+0000 in its name")
-        _check(item, source, inner, any_text=any_text)
+        _check(item, source, inner, left - 1, any_text=any_text)
     if isinstance(value, str) and "\0" in value and not any_text:
         raise ConfigError(source, key, "contains the character U+0000, which is not allowed")
     if isinstance(value, int) and not -_MAX_NUMBER <= value < _MAX_NUMBER:

@@ -17,7 +17,7 @@ from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
 from homebot.words.amounts import FLAGS, read_amount, read_change, split_commands
 from homebot.words.colors import COLORS, WHITES
-from homebot.words.tokens import has_code
+from homebot.words.tokens import MAX_QUERY, has_code
 
 SET: Final = "set"
 """The command that only sets values."""
@@ -62,6 +62,8 @@ def parse_command_words(
         RefusedError: The part does not take the word, capability or value, or there is none; the message names those
             that it takes. They contradict each other, such as ``off`` with a level of 50, or change an unknown value.
     """
+    if max(map(len, (command, *(text for value in values for text in (value.key, value.value))))) > MAX_QUERY:
+        raise RefusedError(f"a command to {target}", f"it is longer than {MAX_QUERY:,} characters")
     words = _several(command.strip(), part)
     settings: dict[str, PlainValue] = {}
     is_more = len(words) + len(values) > 1 and "on" in words and "off" not in words

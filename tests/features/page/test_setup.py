@@ -116,6 +116,9 @@ async def test_a_step_writes_its_lines_and_an_undo_takes_them_back(tmp_path: Pat
     ("table", "values", "why"),
     [
         (("gateways", "mqtt"), {"url": "mqtt://x"}, "is no value of TOML"),
+        (("gateways", "mqtt"), {"x": "[" * 3000}, "is no value of TOML"),
+        (("gateways", "mqtt"), {"x": "[" * 70 + "]" * 70}, "is no value of TOML"),
+        (("gateways", "mqtt"), {"x": "9" * 400}, "is no value of TOML"),
         (("gateways", "mqtt"), {"class": '"os:system"'}, "class loads a program or a file"),
         (("gateways",), {"spy": '{class = "os:system"}'}, "class loads a program or a file"),
         (("notify",), {"x": '[{deep = {class = "os:system"}}]'}, "class loads a program or a file"),

@@ -167,7 +167,7 @@ def _plain(text: str) -> PlainValue:
     """Return a kept value; None for one that cannot be read."""
     try:
         value = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return float(value) if type(value) is int else value if isinstance(value, bool | float | str) else None
 

@@ -19,7 +19,7 @@ from homebot.conventions.ecosystem import ecosystems
 from homebot.devices.app_messages import Reload, ReloadRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, RELOAD, PairingNames, gateway_of
-from homebot.errors import HomebotError, UsageError
+from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.feature import feature_tables
 from homebot.features.page import CHANGE_SETUP, FIND_UNUSED, GET_BACKUP, READ_TABLE
 from homebot.features.page.backups import Backups
@@ -46,6 +46,7 @@ from homebot.graph import EntityKind, Node
 from homebot.messages.key_value import KeyValue
 from homebot.support.file_access import replace_file
 from homebot.support.toml_edit import REMOVED, edit_toml
+from homebot.support.toml_file import parse_toml
 
 _TABLES: Final = frozenset({"discovery", "gateways", "home", "notify", "places"})
 """The first names of tables of the core that may be changed: none that runs programs, or has rights and policies."""
@@ -326,8 +327,8 @@ def _values(request: ChangeSetupRequest) -> dict[str, object]:
     values: dict[str, object] = dict.fromkeys(request.remove, REMOVED)
     for pair in request.values:
         try:
-            (value,) = tomllib.loads(f"x = {pair.value}").values()
-        except ValueError:  # also for several values
+            (value,) = parse_toml(f"x = {pair.value}", "").values()
+        except (ConfigError, ValueError):  # also for several values
             raise UsageError(f"{pair.key} = {pair.value[:100]} is no value of TOML; texts need quotes") from None
         values[pair.key] = value
     for key in _keys_in(values):
