@@ -51,6 +51,7 @@ from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageErr
 from homebot.feature import FeatureTable, feature_tables, find_features, load
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
+from homebot.support.key_roles import KeyRole, has_password, note_table, role_at
 from homebot.support.names import did_you_mean, unknown_key
 
 Table: TypeAlias = dict[str, object]
@@ -83,6 +84,15 @@ def _in_folder(path: Path, info: ValidationInfo) -> Path:
 
 FilePath: TypeAlias = Annotated[Path, AfterValidator(_in_folder)]
 """The path of a file in a configuration, relative to the folder of the configuration file."""
+
+SecretFile: TypeAlias = Annotated[FilePath, KeyRole.SECRET_FILE]
+"""The same of a file with a secret."""
+
+SecretName: TypeAlias = Annotated[str, KeyRole.SECRET_NAME]
+"""The name of a secret that is kept elsewhere, such as of an environment variable."""
+
+PeerAddress: TypeAlias = Annotated[str, KeyRole.PEER]
+"""The address, or a part of it, to which the secrets of the same table are sent."""
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 T = TypeVar("T")
@@ -313,6 +323,7 @@ def parse_settings(model: type[ModelT], table: object, source: str, key: str, fo
     if not isinstance(table, Mapping):
         reason = _table_reason(key, is_element=key[-1:].isdigit())
         raise ConfigError(source, key, f"{reason}, got {_shorten(table)}")
+    note_table(key, model, table)
     try:
         text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
         if "extra" not in model.model_config:  # a plain BaseModel ignores misspelt keys
@@ -357,7 +368,6 @@ def value_errors() -> Iterator[None]:
         raise ValueError(str(exc)) from exc
 
 
-_SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
 _TYPE_ERRORS = {
     "bool_type": "must be true or false, without quotes",
@@ -389,9 +399,9 @@ def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key:
         reason = f"must be an array of tables, each as in [[{path}]]" if of_tables else "must be an array"
     else:
         reason = _reason(table, error)
-    is_secret = any(word in path.lower() for word in _SECRET_KEYS)
-    shown = "" if is_secret or error["type"] in _COMPLETE_ERRORS else f", got {_shorten(error.get('input'))}"
-    return ConfigError(source, path, f"{reason}{shown}")
+    got = "" if error["type"] in _COMPLETE_ERRORS else f", got {_shorten(error.get('input'))}"
+    is_secret = role_at(model, error["loc"]) is KeyRole.SECRET or has_password(got)
+    return ConfigError(source, path, f"{reason}{'' if is_secret else got}")
 
 
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:

@@ -5,8 +5,9 @@ import json
 import pytest
 from pydantic import BaseModel, SecretStr
 
-from homebot.recording.secrets import is_secret_name, public_settings, without_secrets
+from homebot.recording.secrets import public_settings, without_secrets
 from homebot.replay.replay_people import OWNER_SERVICES
+from homebot.support.key_roles import is_secret_name
 
 
 class AppTable(BaseModel):

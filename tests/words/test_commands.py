@@ -126,5 +126,5 @@ def test_a_command_has_a_length() -> None:
     """However it is cut into words, a longer one is read for seconds."""
     lamp = Part(id="", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
     for command, values in (("on and " * 1000, ()), ("on", (KeyValue(key="level", value="4" * 1001),))):
-        with pytest.raises(RefusedError, match="a command to Lamp .*: it is longer than 1,000 characters"):
+        with pytest.raises(RefusedError, match=r"a command to Lamp .*: it is longer than 1,000 characters"):
             parse_command_words(command, values, lamp, "Lamp")

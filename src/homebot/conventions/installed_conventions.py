@@ -9,6 +9,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 from homebot.conventions.convention import Convention, SlicedConvention, TextConvention
 from homebot.errors import PluginError
 from homebot.plugins import load_plugin, own_plugin_names, plugin_names
+from homebot.support.key_roles import note_table
 from homebot.support.names import unknown_key
 
 GROUP = "homebot.mqtt_conventions"
@@ -77,6 +78,7 @@ def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[I
                 InitErrorDetails(type=kind_of_error if is_convention else "extra_forbidden", loc=(key,), input=table)
             )
             continue
+        note_table(key, models[key], table)
         try:
             _check(models[key], table)
         except ValidationError as exc:

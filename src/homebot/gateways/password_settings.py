@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, model_validator
 
-from homebot.config import FilePath
+from homebot.config import PeerAddress, SecretFile, SecretName
 from homebot.errors import UsageError
 from homebot.support.file_access import check_secret_file as check_secret_file
 from homebot.support.file_access import read_secret
@@ -27,8 +27,8 @@ class PasswordSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-    password_file: FilePath | None = None
-    password_env: str | None = None
+    password_file: SecretFile | None = None
+    password_env: SecretName | None = None
 
     @model_validator(mode="after")
     def _check_one_source(self) -> Self:
@@ -82,7 +82,7 @@ class HttpLoginSettings(PasswordSettings):
         user: The user's name, for ``basic`` and ``digest``.
     """
 
-    host: Annotated[str, Field(min_length=1)]
+    host: Annotated[PeerAddress, Field(min_length=1)]
     scheme: Literal["basic", "digest", "bearer", "apikey"] | None = None
     user: str = ""
 

@@ -1,39 +1,24 @@
 """Removal of secrets from recordings. Pure."""
 
 import json
-import re
 from typing import Final
 
-from pydantic import BaseModel, SecretBytes, SecretStr
+from pydantic import BaseModel
+
+from homebot.support.key_roles import KeyRole, is_secret_name, role_of, without_login
 
 HIDDEN: Final = "***"
 """Replaces a secret."""
 
-_WORDS: Final = frozenset(
-    {
-        *("code", "pin", "password", "passwd", "passphrase", "passcode", "psk", "token", "secret", "credential"),
-        *("credentials", "key", "apikey", "authorization"),
-    }
-)
-_LOGIN: Final = re.compile(r"(?<=://)[^\s/@]+(?=@)")
-"""User and password in a URL."""
-
 _MAX_BYTES: Final = 256 * 1024
-
-
-def is_secret_name(name: str) -> bool:
-    """Return whether the field *name* is named like a secret, such as ``pin`` or ``wifi_password``."""
-    plain = "".join(character if character.isalnum() else "_" for character in name.casefold())
-    return any(part in _WORDS for part in plain.split("_"))
 
 
 def public_settings(settings: BaseModel) -> dict[str, object]:
     """Return *settings* as JSON values, without secrets."""
     public: dict[str, object] = settings.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    hidden = {
-        name for name in settings.model_fields_set if isinstance(getattr(settings, name, None), SecretStr | SecretBytes)
-    }
-    return {name: _clean(value) for name, value in public.items() if name not in hidden and not is_secret_name(name)}
+    fields = {field.alias or name: field for name, field in type(settings).model_fields.items()}
+    hidden = {name for name, field in fields.items() if role_of(name, field) is KeyRole.SECRET}
+    return {name: _clean(value) for name, value in public.items() if name not in hidden}
 
 
 def without_secrets(payload: bytes) -> bytes:
@@ -60,5 +45,5 @@ def _clean(value: object) -> object:
         case list():
             return [_clean(item) for item in value]
         case str():
-            return _LOGIN.sub(HIDDEN, value)
+            return without_login(value, f"{HIDDEN}@")
     return value

@@ -216,7 +216,8 @@ def _grants_left(config: Config, names: Iterable[str]) -> dict[str, tuple[str, .
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     """Return all errors that prevent :func:`make_plan` from planning *config*, table by table."""
     config, left_out = _without_mistakes(config)
-    parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
+    parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values() if read is not _features]
+    parts += [partial(_feature_table, key, config) for key in config.features]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(planned_app, name, table, config) for name, table in config.apps.items()]
     errors: list[ConfigError] = []

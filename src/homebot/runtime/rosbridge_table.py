@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, SecretStr, Validatio
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings, Scope
 from homebot.clock import read_zone
-from homebot.config import Config, FilePath, parse_settings
+from homebot.config import Config, FilePath, SecretFile, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.rights import Right
 from homebot.support.addresses import is_loopback
@@ -25,9 +25,9 @@ class RosbridgeTable(RosbridgeSettings):
         token_file: File with the token in its first line, readable by its owner only.
     """
 
-    token_file: FilePath | None = None
+    token_file: SecretFile | None = None
     certificate: FilePath | None = None
-    key: FilePath | None = None
+    key: SecretFile | None = None
 
 
 def _check_end(text: str) -> str:
@@ -48,7 +48,7 @@ class TokenTable(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-    token_file: FilePath
+    token_file: SecretFile
     scope: Scope
     until: Annotated[str, AfterValidator(_check_end)] = ""
 
@@ -61,8 +61,8 @@ def read_rosbridge_settings(config: Config) -> RosbridgeSettings:
     """
     source = config.source
     table = {key: value for key, value in config.door.items() if key != "tokens"}
-    tokens = _tokens(config.door.get("tokens", {}), config)
     given = parse_settings(RosbridgeTable, table, source, "door", config.folder)
+    tokens = _tokens(config.door.get("tokens", {}), config)
     if given.scope:
         from homebot.words.rights import read_scope  # noqa: PLC0415 - few servers have a scope
 

@@ -54,8 +54,8 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
         any_text: Whether texts may contain U+0000, for texts sent to devices.
 
     Raises:
-        ConfigError: It is no TOML, is nested deeper than 64 levels, or holds a number of more than 64 bits or the character U+0000;
-            names *source*, key and reason.
+        ConfigError: It is no TOML, is nested deeper than 64 levels, or holds a number of more than 64 bits or the
+            character U+0000; names *source*, key and reason.
     """
     try:
         tables = tomllib.loads(text)

@@ -3,7 +3,6 @@
 import argparse
 import filecmp
 import os
-import re
 import shutil
 import sqlite3
 import time
@@ -17,10 +16,11 @@ from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command, set_comman
 from homebot.cli.backup_archive import ArchivedFile, Manifest, extract_archive, write_archive
 from homebot.cli.commands.run import with_environment
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.config import load_config, load_tables
+from homebot.config import load_config, load_tables, parse_config
 from homebot.devices.names import COPY_FILES
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.log import configure_logging
+from homebot.runtime.declared_secrets import secrets_of, texts_of
 from homebot.runtime.home_folder import claim_folder, index_place
 from homebot.runtime.saved_files import SAVED_FILES, check_unused, copy_saved_files
 from homebot.support.data_folder import data_directory
@@ -29,7 +29,7 @@ from homebot.version import __version__
 
 _EXAMPLES = """\
   homebot backup villa.tar
-  homebot backup villa.tar --with-tokens      with passwords and tokens; store it as safely as those
+  homebot backup villa.tar --with-tokens      with all secrets; store it as safely as those
   homebot restore villa.tar
 
 It contains all data of homebot (devices, journal, history, values of apps), homebot.toml and the files that this names
@@ -37,9 +37,10 @@ in its folder. homebot may be running, and writes its pending data first.
 """
 
 _MAX_WAIT_S: Final = 120.0
-_SECRET_FILES: Final = ("password_file", "token_file", "key_file")
-_SECRETS: Final = ("password", "token")
-_URL_WITH_PASSWORD: Final = re.compile(r"\w+://[^/@]*:[^/@]*@")
+_PRIVATE_KEY: Final = b" PRIVATE KEY-----"
+"""In a file with a certificate and its key."""
+
+_BLOCK: Final = 1_048_576
 
 _MODE = 0o755
 """The permissions of a restored file: not writable by others."""
@@ -56,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _back_up, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="the file to write, a tar")
     parser.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")
-    parser.add_argument("--with-tokens", action="store_true", help="with passwords and tokens")
+    parser.add_argument("--with-tokens", action="store_true", help="with passwords, tokens and other secrets")
 
 
 def _back_up(options: argparse.Namespace) -> int:
@@ -78,16 +79,21 @@ def write_backup(path: Path, copies: Path, target: Path, *, with_secrets: bool =
     """
     folder = copies.parent
     try:
-        files, secrets = _config_files(path, load_tables(path), with_secrets=with_secrets)
+        tables = load_tables(path)
+        config = parse_config(tables, str(path), path.parent)
+        secret = secrets_of(config, tables)
+        named = {name: key in secret.files or _has_key(path.parent / name) for key, name in _named_files(path, tables)}
+        every = {path.name: bool(secret.texts), **named}
+        files = {f"config/{name}": path.parent / name for name in every if with_secrets or not every[name]}
         data = {f"data/{copied.name}": copied for copied in sorted(copies.iterdir())}
         archived = {name: ArchivedFile(size=0, sha256="0" * 64, version=_version(name)) for name in (*data, *files)}
         manifest = Manifest(
             version=__version__,
             made=datetime.now(UTC).isoformat(timespec="seconds"),
-            home=load_config(path).home.name,
+            home=config.home.name,
             folder=f"{folder.parent.name}/{folder.name}",
             files=archived,
-            left_out=tuple(secrets),
+            left_out=() if with_secrets else tuple(name for name, is_secret in every.items() if is_secret),
         )
         write_archive(target, manifest, {**data, **files})
     finally:
@@ -131,33 +137,20 @@ def _version(name: str) -> int | None:
     return None if schema is None else schema.version
 
 
-def _config_files(path: Path, tables: Mapping[str, object], *, with_secrets: bool) -> tuple[dict[str, Path], list[str]]:
-    """Return the files of the configuration by name in the archive, and the omitted ones."""
-    has_secret = any(key in _SECRETS or _URL_WITH_PASSWORD.match(value) for key, value in _values(tables))
-    files = {path.name: has_secret, **dict(_named_files(path.parent, tables))}
-    taken = {f"config/{name}": path.parent / name for name, is_secret in files.items() if with_secrets or not is_secret}
-    return taken, [] if with_secrets else [name for name, is_secret in files.items() if is_secret]
-
-
-def _values(tables: object, key: str = "") -> Iterator[tuple[str, str]]:
-    if isinstance(tables, Mapping):
-        for name, value in tables.items():
-            yield from _values(value, name)
-    elif isinstance(tables, list):
-        for value in tables:
-            yield from _values(value, key)
-    elif isinstance(tables, str):
-        yield key, tables
-
-
-def _named_files(folder: Path, tables: Mapping[str, object]) -> Iterator[tuple[str, bool]]:
-    """Yield each file in *folder* that *tables* name, such as an app, and whether it contains a secret."""
-    for key, value in _values(tables):
+def _named_files(config: Path, tables: Mapping[str, object]) -> Iterator[tuple[str, str]]:
+    """Yield each value in *tables* that names a file beside *config*, such as an app, and the file's name there."""
+    folder = config.parent.resolve()
+    for _, value in texts_of(tables):
         name = value.partition(".py:")[0] + ".py" if ".py:" in value else value
         if name and len(name) < 200 and "\0" not in name and (folder / name).is_file():
             path = (folder / name).resolve()
-            if path.is_relative_to(folder.resolve()):
-                yield path.relative_to(folder.resolve()).as_posix(), key in _SECRET_FILES
+            if path.is_relative_to(folder):
+                yield value, path.relative_to(folder).as_posix()
+
+
+def _has_key(path: Path) -> bool:
+    with path.open("rb") as file:
+        return _PRIVATE_KEY in file.read(_BLOCK)
 
 
 def add_restore_arguments(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, SecretStr
 
 from homebot.bridges.zenoh.current_session import CurrentSession
-from homebot.config import FilePath
+from homebot.config import SecretFile
 from homebot.devices import RawCommand, Sighting, SubscribeToTopic
 from homebot.devices.approval_messages import DescribeCommands, DescribeCommandsRequest, DescribeCommandsResponse
 from homebot.devices.capabilities import EVENTS
@@ -166,7 +166,7 @@ class MachineGatewaySettings(GatewaySettings):
 
     machine: str = ""
     gateway: str = ""
-    token_file: FilePath
+    token_file: SecretFile
 
 
 class MachineGateway(Gateway):

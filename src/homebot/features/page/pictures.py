@@ -47,17 +47,18 @@ class PictureSettings(PasswordSettings):
     """The table ``[pictures.NAME]``; NAME is the id or a name of a device, or names a camera that is no device.
 
     Attributes:
-        url: The address of a still picture, ``http`` or ``https``. Redirects to another host are not followed.
+        url: The address of a still picture, ``http`` or ``https``, a secret as many have a password. Redirects to
+            another host are not followed.
         user: The user of the password.
     """
 
-    url: Annotated[str, Field(max_length=2000)]
+    url: Annotated[SecretStr, Field(max_length=2000)]
     user: str = ""
 
     @field_validator("url")
     @classmethod
-    def _is_address(cls, url: str) -> str:
-        scheme, _, rest = url.partition("://")
+    def _is_address(cls, url: SecretStr) -> SecretStr:
+        scheme, _, rest = url.get_secret_value().partition("://")
         if scheme not in {"http", "https"} or not rest or "@" in rest.partition("/")[0]:
             raise ValueError(
                 "the address of a picture is written like http://192.168.1.20/snapshot.jpg, without a user"
@@ -140,7 +141,7 @@ class Pictures:
 
     async def _download(self, name: str, table: PictureSettings) -> PictureResponse:
         async with _client(name, table) as client:
-            return picture_of(name, (await client.get(table.url, accept="image/*")).body)
+            return picture_of(name, (await client.get(table.url.get_secret_value(), accept="image/*")).body)
 
     async def _ask(self, device: Device) -> PictureResponse:
         """Ask the gateways of a device, a camera before a cover."""
@@ -167,7 +168,7 @@ async def _client(name: str, table: PictureSettings) -> AsyncIterator[HttpClient
     from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - likewise
 
     password = await anyio.to_thread.run_sync(table.read_password, f"pictures.{name}.")
-    origin = str(parse_url(table.url).origin())
+    origin = str(parse_url(table.url.get_secret_value()).origin())
     login = None if password is None else HttpLogin(origin, "basic", table.user, SecretStr(password.get_secret_value()))
     async with HttpClient(guard=None, login=login, time_limit=_TIME_LIMIT, max_bytes=MAX_PICTURE_BYTES) as client:
         yield client

@@ -8,13 +8,14 @@ from __future__ import annotations
 import asyncio
 import json
 import tomllib
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple, final
 
 import anyio
 from anyio import to_thread
 
+from homebot.config import Config, parse_config
 from homebot.conventions.ecosystem import ecosystems
 from homebot.devices.app_messages import Reload, ReloadRequest
 from homebot.devices.device_lookup import DeviceLookup
@@ -44,6 +45,7 @@ from homebot.features.page.shown_addresses import hidden_in, shown, stated
 from homebot.gateways.pairing import ListUnpaired, UnpairedRequest
 from homebot.graph import EntityKind, Node
 from homebot.messages.key_value import KeyValue
+from homebot.runtime.declared_secrets import secrets_of
 from homebot.support.file_access import replace_file
 from homebot.support.toml_edit import REMOVED, edit_toml
 from homebot.support.toml_file import parse_toml
@@ -165,7 +167,9 @@ class Setup:
         if names[:1] in _WITH_SECRETS:
             raise UsageError("the table of a gateway has secrets, so a page does not read it")
         _check_table(names)
-        found = shown(_in(tomllib.loads(self._path().read_text("utf-8")), names))
+        path = self._path()
+        tables = tomllib.loads(path.read_text("utf-8"))
+        found = shown(_in(tables, names), _secrets_in(tables, path))
         return found if isinstance(found, dict) else {}
 
     async def _change(self, request: ChangeSetupRequest) -> ChangeSetupResponse:
@@ -191,9 +195,13 @@ class Setup:
         self._last = step
         known = step.before.splitlines()
         lines = [line for line in step.after.splitlines() if line and line not in known]
-        if request.table[:1] not in _WITH_SECRETS:
-            lines = hidden_in(lines, _in(tomllib.loads(step.after), request.table))
+        lines = await to_thread.run_sync(self._hidden, lines, step.after, request.table)
         return ChangeSetupResponse(success=True, message=answer.message, lines=tuple(lines[:_MAX_SHOWN]))
+
+    def _hidden(self, lines: list[str], text: str, table: tuple[str, ...]) -> list[str]:
+        tables = tomllib.loads(text)
+        addresses = {} if table[:1] in _WITH_SECRETS else _in(tables, table)
+        return hidden_in(lines, addresses, _secrets_in(tables, self._path()))
 
     async def _reload(self, *, may_lose: bool) -> Any:
         reload = self._node.create_client(Reload, RELOAD)
@@ -208,7 +216,7 @@ class Setup:
                 raise UsageError("there is nothing to undo, or the file was changed since")
             after, secrets = self._last.before, dict(self._last.secrets)
         else:
-            after, secrets = _edit(text, request, path.parent)
+            after, secrets = _edit(text, request, path)
         kept = {file: file.read_bytes() if file.exists() else None for file in secrets}
         _put_secrets(secrets)
         try:
@@ -264,19 +272,30 @@ def _gateways_in(file: Path | None) -> Mapping[str, object]:
     return tables if isinstance(tables, dict) else {}
 
 
-def _edit(text: str, request: ChangeSetupRequest, folder: Path) -> tuple[str, dict[Path, bytes | None]]:
-    """Return *text* after the change of a table, and the files in *folder* for its secrets with their content."""
+def _edit(text: str, request: ChangeSetupRequest, path: Path) -> tuple[str, dict[Path, bytes | None]]:
+    """Return *text* of the file *path* after a change, and the files for its secrets with their content."""
     table = request.table
     _check_table(table or request.remove[:1])
-    given = _secret_files(request, folder)
+    given = _secret_files(request, path.parent)
     names = {f"{key}_file": file.name for key, (file, _) in given.items()}
-    used = _in(tomllib.loads(text), table)
-    values = {key: value if value is REMOVED else stated(value, used) for key, value in _values(request).items()}
+    tables = tomllib.loads(text)
+    used, secrets = _in(tables, table), _secrets_in(tables, path)
+    values = {
+        key: value if value is REMOVED else stated(value, used, secrets) for key, value in _values(request).items()
+    }
     after = edit_toml(text, table, values | names)
     for key, (file, _) in given.items():
         if file.exists() and used.get(f"{key}_file") != file.name:
             raise UsageError(f"{file} is there already; remove it, or give the gateway another name")
     return after, dict(given.values())
+
+
+def _parsed(tables: Mapping[str, object], path: Path) -> Config:
+    return parse_config(tables, str(path), path.parent)
+
+
+def _secrets_in(tables: Mapping[str, object], path: Path) -> Collection[str]:
+    return secrets_of(_parsed(tables, path), tables).texts
 
 
 def _check_table(table: tuple[str, ...]) -> None:

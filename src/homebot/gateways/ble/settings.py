@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from homebot.config import FilePath
+from homebot.config import SecretFile, SecretName
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
 from homebot.conventions.bluetooth.signal import RSSI_AT_1M
 from homebot.errors import UsageError
@@ -51,8 +51,8 @@ class BleDeviceSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: str = ""
-    bind_key_file: FilePath | None = None
-    bind_key_env: str | None = None
+    bind_key_file: SecretFile | None = None
+    bind_key_env: SecretName | None = None
     rssi_at_1m: Annotated[float, Field(ge=-127, le=20)] | None = None
     profile: str = ""
 

@@ -6,10 +6,11 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
-from homebot.config import FilePath
+from homebot.config import PeerAddress, SecretFile, SecretName
 from homebot.errors import UsageError
 from homebot.gateways.password_settings import read_password
 from homebot.plugins import plugin_names
+from homebot.support.key_roles import KeyRole
 
 PROXIES = "homebot.ble_proxies"
 """The plug-in group of proxies; see :class:`homebot.gateways.ble_proxies.proxy.BleProxy`."""
@@ -31,10 +32,10 @@ class BleProxySettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: str
-    address: Annotated[str, Field(min_length=1, max_length=253)]
-    port: Annotated[int, Field(ge=1, le=65_535)] | None = None
-    key_file: FilePath | None = None
-    key_env: str | None = None
+    address: Annotated[PeerAddress, Field(min_length=1, max_length=253)]
+    port: Annotated[int, Field(ge=1, le=65_535), KeyRole.PEER] | None = None
+    key_file: SecretFile | None = None
+    key_env: SecretName | None = None
     room: Annotated[str, Field(max_length=100)] = ""
 
     @field_validator("kind")

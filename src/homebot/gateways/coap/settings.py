@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
+from homebot.config import PeerAddress, SecretName
 from homebot.conventions.coap.endpoint import check_uri
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
@@ -26,8 +27,8 @@ class CoapCredentials(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    uri: Annotated[str, Field(min_length=1)]
-    oscore: str = ""
+    uri: Annotated[PeerAddress, Field(min_length=1)]
+    oscore: SecretName = ""
     identity: str = ""
     key: SecretStr = SecretStr("")
 

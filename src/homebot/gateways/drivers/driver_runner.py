@@ -18,6 +18,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.drivers import Driver, DriverSettings
 from homebot.plugins import load_plugin, plugin_names
 from homebot.support.backoff import Backoff
+from homebot.support.key_roles import note_table
 
 DRIVERS = "homebot.drivers"
 
@@ -68,6 +69,7 @@ def _load(name: str, table: Mapping[str, object], folder: Path) -> UsableDriver:
     kind = load_plugin(DRIVERS, name)
     if not issubclass(kind, Driver):
         raise PluginError(name, f"{kind.__name__} is not a Driver; derive it from {Driver.__module__}")
+    note_table(f"drivers.{name}", kind.Settings, table)
     try:
         settings = kind.Settings.model_validate(table, context=in_folder(folder))
     except ValidationError as exc:

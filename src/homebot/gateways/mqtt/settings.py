@@ -9,7 +9,7 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from homebot.config import FilePath, value_errors
+from homebot.config import FilePath, PeerAddress, SecretFile, value_errors
 from homebot.conventions.installed_conventions import any_announcing, check_tables, default_conventions
 from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
@@ -76,14 +76,14 @@ class MqttGatewaySettings(PasswordSettings):
 
     model_config = ConfigDict(frozen=True, extra="allow", defer_build=True)
 
-    url: str = EMBEDDED
+    url: PeerAddress = EMBEDDED
     root: str = ""
     delivery: Delivery = "inbox"
     act: bool | None = None
     user: str | None = None
     ca_file: FilePath | None = None
     cert_file: FilePath | None = None
-    key_file: FilePath | None = None
+    key_file: SecretFile | None = None
     client_id: str = Field(
         default_factory=lambda: f"homebot-{secrets.token_hex(4)}",
         repr=False,  # it takes over the session at a broker without passwords

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from homebot.config import FilePath, Table, parse_settings
+from homebot.config import FilePath, SecretFile, Table, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.messages.interfaces.interface_text import parse_interface
 from homebot.messages.interfaces.interfaces import Interfaces
@@ -69,9 +69,9 @@ class RosSettings(BaseModel):
     listen: Annotated[str, AfterValidator(_check_listen)] = ""
     ca: FilePath | None = None
     cert_file: FilePath | None = None
-    key_file: FilePath | None = None
+    key_file: SecretFile | None = None
     user: str = ""
-    password_file: FilePath | None = None
+    password_file: SecretFile | None = None
     machine: str = ""
     domain: Annotated[int, Field(ge=0, le=232)] = 0
     export: _Patterns = ()

@@ -8,7 +8,7 @@ from ipaddress import ip_address
 
 from pydantic import Field, SecretStr, field_validator, model_validator
 
-from homebot.config import FilePath
+from homebot.config import PeerAddress, SecretFile, SecretName
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.drivers.base import DriverSettings
 from homebot.gateways.password_settings import PasswordSettings, read_password
@@ -37,9 +37,9 @@ class EsphomeSecrets(PasswordSettings):
             Give the device a fixed address, and no computer that you do not trust access to its network.
     """
 
-    key_file: FilePath | None = None
-    key_env: str | None = None
-    allow_plaintext_at: str | None = None
+    key_file: SecretFile | None = None
+    key_env: SecretName | None = None
+    allow_plaintext_at: PeerAddress | None = None
 
     @field_validator("allow_plaintext_at")
     @classmethod

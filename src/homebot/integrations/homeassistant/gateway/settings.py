@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator, model_validator
 
-from homebot.config import FilePath
+from homebot.config import PeerAddress, SecretFile, SecretName
 from homebot.gateways.base import GatewaySettings
 from homebot.gateways.password_settings import read_password
 
@@ -26,9 +26,9 @@ class HomeAssistantGatewaySettings(GatewaySettings):
         max_entities: Most known entities; further ones are left out and counted.
     """
 
-    url: str = "http://homeassistant.local:8123"
-    token_file: FilePath | None = None
-    token_env: str | None = None
+    url: PeerAddress = "http://homeassistant.local:8123"
+    token_file: SecretFile | None = None
+    token_env: SecretName | None = None
     max_entities: Annotated[int, Field(ge=1, le=50_000)] = 10_000
 
     @field_validator("url")

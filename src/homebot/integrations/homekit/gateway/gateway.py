@@ -16,7 +16,7 @@ from anyio import to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.config import FilePath
+from homebot.config import SecretFile
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, WireError
@@ -42,7 +42,7 @@ class HomekitGatewaySettings(GatewaySettings):
     """
 
     mdns: str = "mdns"
-    pairings: FilePath | None = None
+    pairings: SecretFile | None = None
 
 
 STATE_WITHIN: Final = 5.0

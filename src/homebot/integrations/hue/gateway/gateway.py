@@ -15,7 +15,7 @@ import anyio.to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel, Field, SecretStr
 
-from homebot.config import FilePath
+from homebot.config import SecretFile
 from homebot.conventions.payload import as_fields, text_of
 from homebot.devices import GatewayNames, Sighting
 from homebot.devices.gateway_messages import Command
@@ -44,7 +44,7 @@ class HueGatewaySettings(GatewaySettings):
 
     bridges: tuple[Annotated[str, Field(pattern=r"^[^/?#@\s]+$")], ...] = ()
     mdns: str = "mdns"
-    pairings: FilePath | None = None
+    pairings: SecretFile | None = None
 
 
 SERVICE_TYPE: Final = "_hue._tcp"
