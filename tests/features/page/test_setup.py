@@ -162,6 +162,60 @@ async def test_a_password_is_kept_in_a_file_of_its_own_until_the_step_is_taken_b
         assert files == {"gateway-hass.token", "gateway-other.token", "homebot.toml"}
 
 
+@pytest.mark.parametrize(
+    ("table", "values", "why"),
+    [
+        (("mqtt",), {"url": '"mqtt://evil:1883"'}, "password_file of [gateways.mqtt] is for the address that is there"),
+        (("mqtt",), {"url": '"mqtt://broker:1883"'}, "give it again with the other one"),  # it is sent in the clear
+        (("ha",), {"url": '"https://evil"'}, "token_env of [gateways.ha] is for the address"),
+        (("dir",), {"credentials": '[{host = "evil", password_env = "DIR"}]'}, "is for the address"),
+        (("mdns", "drivers"), {"shelly": '{password_env = "PATH"}'}, "password_env of [drivers.shelly] names a secret"),
+        ((), {"homeassistant": '{url = "https://evil", token_env = "HA"}'}, "is for the address that is there"),
+    ],
+)
+async def test_a_kept_secret_is_not_sent_to_another_address(
+    tmp_path: Path, table: tuple[str, ...], values: dict[str, str], why: str
+) -> None:
+    (tmp_path / "password").write_text("hunter2")
+    text = """\
+[gateways.mqtt]
+url = "mqtts://broker"
+password_file = "password"
+[gateways.ha]
+class = "homeassistant"
+url = "https://ha:8123"
+token_env = "HA"
+[gateways.dir]
+class = "thing_directory"
+url = "https://dir"
+credentials = [{ host = "dir", scheme = "basic", password_env = "DIR" }]
+[gateways.mdns]
+"""
+    async with wizard(tmp_path) as page:
+        page.file.write_text(text)
+        answer = await page.change("gateways", *table, values=values)
+        assert not answer.success
+        assert why in answer.message
+        assert page.file.read_text() == text
+
+
+async def test_a_secret_that_is_given_with_an_address_is_for_that(tmp_path: Path) -> None:
+    table = ("gateways", "mqtt")
+    async with wizard(tmp_path) as page:
+        first = {"url": '"mqtt://broker"'}
+        assert (await page.change(*table, values=first, secrets={"password": "hunter2"})).success
+        assert (await page.change(*table, values={"act": "true", "root": '"attic"'})).success
+        assert (await page.change(*table, values={"url": '"mqtt://BROKER/"'})).success
+        assert (await page.change(undo=True)).success
+        other = {"url": '"mqtt://other"'}
+        assert not (await page.change(*table, values=other)).success
+        assert (await page.change(*table, values=other, secrets={"password": "hunter3"})).success
+        assert not (await page.change(*table, values=first)).success
+        assert (await page.change(undo=True)).success
+        assert (tmp_path / "gateway-mqtt.password").read_text() == "hunter2\n"
+        assert 'url = "mqtt://broker"' in page.file.read_text()
+
+
 @pytest.mark.rooms("people")
 async def test_people_are_added_changed_and_taken_out(tmp_path: Path) -> None:
     async with wizard(tmp_path) as page:

@@ -9,8 +9,10 @@ import asyncio
 import json
 import tomllib
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final, NamedTuple, final
+from typing import Any, Final, NamedTuple, TypeAlias, final
+from urllib.parse import urlsplit
 
 import anyio
 from anyio import to_thread
@@ -45,8 +47,9 @@ from homebot.features.page.shown_addresses import hidden_in, shown, stated
 from homebot.gateways.pairing import ListUnpaired, UnpairedRequest
 from homebot.graph import EntityKind, Node
 from homebot.messages.key_value import KeyValue
-from homebot.runtime.declared_secrets import secrets_of
+from homebot.runtime.declared_secrets import keys_of_tables, secrets_of
 from homebot.support.file_access import replace_file
+from homebot.support.key_roles import DeclaredKey, KeyRole
 from homebot.support.toml_edit import REMOVED, edit_toml
 from homebot.support.toml_file import parse_toml
 
@@ -284,10 +287,53 @@ def _edit(text: str, request: ChangeSetupRequest, path: Path) -> tuple[str, dict
         key: value if value is REMOVED else stated(value, used, secrets) for key, value in _values(request).items()
     }
     after = edit_toml(text, table, values | names)
+    try:
+        changed = _parsed(tomllib.loads(after), path)
+    except ConfigError as exc:
+        raise UsageError(f"the file is as it was: {exc}") from exc
+    _check_peers(_parsed(tables, path), changed, {*names.values()})
     for key, (file, _) in given.items():
         if file.exists() and used.get(f"{key}_file") != file.name:
             raise UsageError(f"{file} is there already; remove it, or give the gateway another name")
     return after, dict(given.values())
+
+
+def _check_peers(before: Config, after: Config, given: Collection[str]) -> None:
+    """Raise UsageError if a secret of *before* would be sent to another peer, and is not *given* anew for it."""
+    known: dict[str, set[_Peers]] = {}
+    for key, peers in _peers_of_secrets(before):
+        known.setdefault(key.value, set()).add(peers)
+    for key, peers in _peers_of_secrets(after):
+        if key.value in given or peers in known.get(key.value, ()):
+            continue
+        if key.value in known:
+            problem = "is for the address that is there; give it again with the other one"
+        elif key.role is KeyRole.SECRET:  # it came with the change
+            continue
+        else:
+            problem = "names a secret of this computer; only a person writes it into the file"
+        raise UsageError(f"{key.key} of [{'.'.join(key.table)}] {problem}")
+
+
+_Peers: TypeAlias = frozenset[tuple[str, tuple[str, str | None, int | None] | str]]
+
+
+def _peers_of_secrets(config: Config) -> Iterator[tuple[DeclaredKey, _Peers]]:
+    """Yield each secret, or the name of one, with where it is sent."""
+    for keys in keys_of_tables(config):
+        for key in keys:
+            if key.role not in {KeyRole.PUBLIC, KeyRole.PEER}:
+                beside = (one for one in keys if one.table == key.table and one.role is KeyRole.PEER)
+                yield key, frozenset((one.key, _server_of(one.value)) for one in beside)
+
+
+def _server_of(address: str) -> tuple[str, str | None, int | None] | str:
+    """Return scheme, host and port of a URL; another *address* as it is."""
+    with suppress(ValueError):
+        parts = urlsplit(address)
+        if parts.netloc:
+            return parts.scheme, parts.hostname, parts.port
+    return address
 
 
 def _parsed(tables: Mapping[str, object], path: Path) -> Config:
