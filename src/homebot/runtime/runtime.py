@@ -449,7 +449,7 @@ class Runtime:
             all_names = ", ".join(names) or "none"
             problem = f"there is no gateway {name!r}; {did_you_mean(name, names, f'known are {all_names}')}"
             return RestartGatewayResponse(success=False, message=problem)
-        self.supervisor.restart(name)
+        self.supervisor.restart(f"gateway/{name}")
         return RestartGatewayResponse(success=True, message=f"gateway {name} starts again")
 
     def _beside_index(self, name: str) -> Path | None:
