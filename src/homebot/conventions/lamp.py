@@ -19,7 +19,7 @@ from homebot.conventions.command_values import (
     require_transition,
 )
 from homebot.conventions.description import Publications
-from homebot.conventions.light_color import Channels, KelvinRange, from_hue_saturation, to_hue_saturation
+from homebot.conventions.light_color import CHANNELS, Channels, KelvinRange, from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import CapabilityFields, PartBuilder
 from homebot.conventions.payload import Readings, shown
 from homebot.conventions.units import percent_grid
@@ -29,6 +29,9 @@ from homebot.support.numbers import to_number
 
 LIGHT_CAPABILITIES = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 """All capabilities of a lamp."""
+
+PLAIN_MODES = frozenset({"brightness", "onoff", "white"})
+"""Colour modes without a value. Lamps report them that list only modes with one."""
 
 MAX_FADE_S = 6_553.0
 """Longest transition in Home Assistant, and in a Zigbee frame."""
@@ -133,6 +136,15 @@ class LightFeatures:
         if self.has_effect:
             abilities["effect"] = {"options": self.effects}
         return abilities
+
+    def absent_in(self, mode: str) -> Readings:
+        """Return the colours that the lamp does not have in *mode*, as absent: both in one without a value."""
+        readings: dict[str, PlainValue] = {}
+        if self.has_white and mode != "color_temp":
+            readings["color_temperature"] = None
+        if self.color_mode and mode not in CHANNELS:
+            readings["color"] = None
+        return readings
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""

@@ -95,6 +95,13 @@ def test_a_component_reports(
     assert heard(found, "x/events/rpc", {"method": "NotifyStatus", "params": {key: status}}) == expected
 
 
+def test_the_mode_of_a_lamp_rules_what_has_a_value(say: Say) -> None:
+    lamp = part_in(introduce(say, "rgbcct:0", {"mode": "cct"}, {}), "rgbcct:0")
+    said = {"mode": "rgb", "rgb": [255, 0, 0]}
+    assert heard(lamp, "x/status/rgbcct:0", said) == {"color": (0.0, 100.0), "color_temperature": None}
+    assert heard(lamp, "x/status/rgbcct:0", {"mode": "cct", "ct": 2700}) == {"color": None, "color_temperature": 2700.0}
+
+
 BOUNDS = {"min": 0, "max": 10}
 
 

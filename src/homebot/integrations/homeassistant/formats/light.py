@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from homebot.conventions.description import DescribedPart, Publication, Publications
-from homebot.conventions.lamp import LightCommand, LightFeatures
+from homebot.conventions.lamp import PLAIN_MODES, LightCommand, LightFeatures
 from homebot.conventions.light_color import CHANNELS, Channels, kelvin_mired, to_hue_saturation, white_kelvin
 from homebot.conventions.payload import (
     NO_READINGS,
@@ -120,9 +120,11 @@ class _BasicLight:
 
     def _read_mode(self, text: str) -> Readings:
         """Read the mode; the values of the modes come before or after it."""
-        if text not in self.lamp.modes:
+        if text not in self.lamp.modes | PLAIN_MODES:
             return NO_READINGS
         self._mode = text
+        if text in PLAIN_MODES:
+            return self.lamp.absent_in(text)
         reported = self._reported.get(text)
         return NO_READINGS if reported is None else self._report(text, reported)
 
@@ -131,9 +133,8 @@ class _BasicLight:
         self._reported[mode] = value
         if self._has_mode and self._mode not in (None, mode):
             return NO_READINGS
-        if mode == "color_temp":
-            return {"color_temperature": value} | ({"color": None} if self.lamp.color_mode else {})
-        return {"color": value} | ({"color_temperature": None} if self.lamp.has_white else {})
+        name = "color_temperature" if mode == "color_temp" else "color"
+        return {name: value, **self.lamp.absent_in(mode)}
 
     def _read_level(self, text: str) -> Readings:
         value = number_of(text)

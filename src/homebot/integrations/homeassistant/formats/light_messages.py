@@ -7,7 +7,14 @@ import colorsys
 from collections.abc import Callable, Mapping
 
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.lamp import LIGHT_CAPABILITIES, MAX_FADE_S, LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.lamp import (
+    LIGHT_CAPABILITIES,
+    MAX_FADE_S,
+    PLAIN_MODES,
+    LightCommand,
+    LightFeatures,
+    WhiteRange,
+)
 from homebot.conventions.light_color import (
     CHANNELS,
     KelvinRange,
@@ -98,7 +105,7 @@ class JsonLight:
         readings = dict(self._read_switch(message))
         lamp = self.lamp
         mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
-        if isinstance(mode, str) and mode in lamp.modes:
+        if isinstance(mode, str) and mode in lamp.modes | PLAIN_MODES:
             self._add_color(mode, message, readings)
         if lamp.has_effect:
             effect = message.get("effect")
@@ -131,19 +138,18 @@ class JsonLight:
     def _add_color(self, mode: str, message: Mapping[str, object], readings: dict[str, PlainValue]) -> None:
         if mode == "color_temp":
             kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self._in_kelvin)
-            if kelvin is not None:
-                readings["color_temperature"] = kelvin
-                if self.lamp.color_mode:
-                    readings["color"] = None
+            if kelvin is None:
+                return
+            readings["color_temperature"] = kelvin
         elif mode in CHANNELS:
             color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins)
-            if color is not None:
-                readings["color"] = color
-                if self.lamp.has_white:
-                    readings["color_temperature"] = None
+            if color is None:
+                return
+            readings["color"] = color
+        readings.update(self.lamp.absent_in(mode))
 
 
-_MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
+_MODES = PLAIN_MODES | {"color_temp", *CHANNELS}
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9
 _COLOR_FLAGS = ("color_temp", "hs", "rgb", "xy")

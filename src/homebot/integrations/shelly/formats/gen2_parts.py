@@ -151,13 +151,16 @@ def _decode_light(features: LightFeatures, on_key: str, status: Fields) -> Readi
     readings = dict(read_lamp(status, on_key, "brightness"))
     if (effect := text_of(status.get("effect"))) in features.effects:
         readings["effect"] = effect
-    mode = status.get("mode")
     if features.has_white and (kelvin := to_number(status.get("ct"))) is not None:
-        readings["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
+        readings["color_temperature"] = kelvin if kelvin > 0 else None
     rgb = status.get("rgb")
     if features.color_mode and isinstance(rgb, list) and (color := read_rgb(rgb)) is not None:
-        readings["color"] = color if mode != "cct" else None
-    return readings
+        readings["color"] = color
+    mode = _COLOR_MODES.get(text_of(status.get("mode")))
+    return readings if mode is None else {**readings, **features.absent_in(mode)}
+
+
+_COLOR_MODES: Mapping[str, str] = {"cct": "color_temp", "rgb": "rgb"}
 
 
 def _set_light(component: ShellyComponent, command: LightCommand) -> Publications:
