@@ -115,7 +115,7 @@ COVER = {"type": "cover", "features": [feature("enum", "state", 3, values=["OPEN
         ({"state": "CLOSE", "position": 0, "running": True}, {"movement": "closed", "position": 0.0}),
         ({"state": "OPEN", "position": 0, "running": True}, {"movement": "opening", "position": 0.0}),
         ({"state": "OPEN", "position": 60, "running": True}, {"position": 60.0}),  # it may go either way
-        ({"state": "CLOSE", "position": 30, "running": False}, {"movement": "closed", "position": 30.0}),
+        ({"state": "CLOSE", "position": 30, "running": False}, {"movement": "open", "position": 30.0}),
         ({"state": None}, {"movement": None}),
         ({"position": 130}, {"position": 100.0}),
     ],
@@ -123,6 +123,26 @@ COVER = {"type": "cover", "features": [feature("enum", "state", 3, values=["OPEN
 def test_a_cover_reports_position_and_movement(message: dict[str, Any], expected: dict[str, Any]) -> None:
     cover, _motor = built(COVER, MOVING)
     assert said(cover, **message) == expected
+
+
+@pytest.mark.parametrize(
+    ("message", "movement"),
+    [
+        ({"state": "OPEN", "position": 0, "running": False}, "closed"),
+        ({"state": "OPEN", "position": 0, "moving": "STOP"}, "closed"),
+        ({"state": "CLOSE", "position": 100, "moving": "STOP"}, "open"),
+        ({"state": "STOP", "position": 0}, "closed"),
+        ({"state": "STOP", "position": 100}, "open"),
+        ({"state": "STOP", "position": 30}, "stopped"),
+        ({"state": "OFF", "position": 0}, "closed"),
+        ({"state": "OFF", "position": 60}, "stopped"),
+        ({"state": "OFF"}, "stopped"),
+        ({"state": "OPEN", "position": 0, "moving": "UP"}, "opening"),
+    ],
+)
+def test_a_motor_that_stands_is_where_its_position_says(message: dict[str, Any], movement: str) -> None:
+    cover, _motor = built(COVER, MOVING)
+    assert said(cover, **message)["movement"] == movement
 
 
 LOCK = {

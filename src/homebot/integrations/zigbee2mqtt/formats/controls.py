@@ -62,7 +62,8 @@ class _Movement:
 
     The direction of a motor often stays in the message after the arrival, so an end on which state and position agree
     precedes it. If a motor only reports that it runs, the state is the target (Tuya TS0601 covers) or the last end
-    (Aqara curtains): it is used at the end that it names, and elsewhere only if it can only be the direction.
+    (Aqara curtains): it is used at the end that it names, and elsewhere only if it can only be the direction. A motor
+    that stands is where its position says; its state may be that of an earlier movement (Aqara roller shades).
     """
 
     state: str
@@ -84,9 +85,11 @@ class _Movement:
             return {"movement": direction}
         if at is None:
             return unreadable(state, _STATES)
-        if direction is None and message.get(_RUNNING) is True:
-            return self._read_running(at, finite_number(position))
-        return {"movement": at}
+        runs, percent = message.get(_RUNNING), finite_number(position)
+        if direction is None and runs is True:
+            return self._read_running(at, percent)
+        stands = at == "stopped" or runs is False or (isinstance(word, str) and word.lower() in _STANDING)
+        return {"movement": _at_rest(at, percent) if direction is None and stands else at}
 
     def _read_running(self, at: str, position: float | None) -> Readings:
         if position is None or at not in _ENDS or position == _ENDS[at]:
@@ -96,8 +99,20 @@ class _Movement:
         return {"movement": "opening"} if position == _ENDS["closed"] else NO_READINGS
 
 
+def _at_rest(at: str, position: float | None) -> str:
+    """Return the movement of a standing cover; between its ends it is stopped or open."""
+    if position is None:
+        return at
+    if position <= _ENDS["closed"]:
+        return "closed"
+    return "open" if at != "stopped" or position >= _ENDS["open"] else at
+
+
 _RUNNING = "running"
-_STATES: Mapping[str, str] = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
+_STATES: Mapping[str, str] = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped", "OFF": "stopped"}
+_STANDING = frozenset({"stop", "stopped", "pause", "blocked"})
+"""Words for a standing motor."""
+
 _COMMANDS: Mapping[str, str] = {"open": "OPEN", "closed": "CLOSE", "stopped": "STOP"}
 _ENDS: Mapping[str, int] = {"open": 100, "closed": 0}
 _DIRECTIONS: Mapping[str, str] = {
