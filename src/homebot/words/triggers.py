@@ -1,7 +1,7 @@
 """Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -112,9 +112,12 @@ class Press:
     part: str = ""
     words: str = ""
 
-    def is_of(self, part: DevicePart) -> bool:
-        """Return whether *part* of a device is the button."""
-        return not self.part or bool(find_name(self.part, (part.id, part.part.name, part.part.tag)))
+    def buttons(self, parts: Collection[DevicePart]) -> list[DevicePart]:
+        """Return which of *parts*, those of one device, are the button: an id counts before names."""
+        if not self.part:
+            return [*parts]
+        with_id = [part for part in parts if fold(part.id) == self.part]
+        return with_id or [part for part in parts if find_name(self.part, (part.part.name, part.part.tag))]
 
 
 @dataclass(frozen=True, slots=True)

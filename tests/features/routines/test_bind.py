@@ -20,6 +20,7 @@ BUTTONS = {
     "Bell": {"": ""},
     "bell": {"": ""},
     "Remote": {"1": "One", "2": "Two"},
+    "Switch": {"action": "Action", "trigger": "action"},
 }
 
 
@@ -52,6 +53,7 @@ def run(homebot_with: HomebotWith, capsys: pytest.CaptureFixture[str]) -> Run:
         ("Dimmer", "'Dimmer#up', 'Dimmer#down', 'Dimmer#Off'", "Dimmer#down"),
         ("Dimmer#key", "'Dimmer#up', 'Dimmer#down'", "Dimmer#up"),
         ("Remote", "'Remote#One', 'Remote#Two'", "Remote#two"),
+        ("Switch", "'Switch#action', 'Switch#trigger'", "Switch#action"),
         ("Bell", """'id="bell"', 'id="bell_0002"'""", 'id="bell"'),
         ("Bell", "", "bell_0002"),
     ],

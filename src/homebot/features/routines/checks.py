@@ -247,7 +247,7 @@ class HouseChecks:
         """Return that no device that fits has the button, or tells of the event, of *press*; empty if one may."""
         devices = [one.device for one in (await self._ask(press.query, _MAX_DEVICES)).results]
         parts = [[part for part in device.parts if _has_events(part)] for device in devices]
-        buttons = [part for part in chain.from_iterable(parts) if press.is_of(part)]
+        buttons = [*chain.from_iterable(map(press.buttons, parts))]
         if any(parts) and not buttons:
             names = dict.fromkeys(chain.from_iterable(map(button_names, parts)))
             return f"it has no button {press.part!r}; it has {', '.join(names)}"

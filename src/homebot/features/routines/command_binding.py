@@ -16,7 +16,7 @@ from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.words.routine_text import routine_text
 from homebot.words.tokens import quoted
-from homebot.words.triggers import button_names, read_press
+from homebot.words.triggers import Press, button_names, read_press
 
 if TYPE_CHECKING:
     from homebot.devices import DevicePart
@@ -86,11 +86,20 @@ def _button(door: DoorClient, text: str, event: str) -> str:
     found = _buttons(door, query)
     if (own := [one for one in found if fold(one.name) == fold(query)]) and len(own) < len(found):
         found, query = own, f"name={quoted(query)}"
-    named = [one for one in found if press is None or press.is_of(one.part)]
+    devices = groupby(found, key=lambda button: button.device)
+    named = [one for _, group in devices for one in _chosen([*group], press)]
     if not named:
         raise UsageError(f"there is no {text}; name one of {_numbered(found)}")
     _check_event(named, text, event)
     return f"{query}{number}{part}"
+
+
+def _chosen(buttons: list[_Button], press: Press | None) -> list[_Button]:
+    """Return which of *buttons*, those of one device, *press* names."""
+    if press is None:
+        return buttons
+    parts = press.buttons([button.part for button in buttons])
+    return [button for button in buttons if button.part in parts]
 
 
 def _check_event(named: Sequence[_Button], text: str, event: str) -> None:

@@ -221,7 +221,7 @@ def is_press(view: HouseView, press: Press, change: object, query: Query | None 
     if known is None or not change.live or press.value not in {"", value}:
         return False
     device = known.current()
-    is_button = not press.part or any(part.id == change.readings[0].part and press.is_of(part) for part in device.parts)
+    is_button = not press.part or any(part.id == change.readings[0].part for part in press.buttons(device.parts))
     return is_button and fits(
         WordsQuery(press.words, view.devices).query if query is None else query, facets_of(device)
     )
