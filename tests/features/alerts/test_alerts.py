@@ -108,7 +108,6 @@ async def shown(house: VirtualHouse) -> tuple[Finding, ...]:
     [
         ("moisture", "is wet", "is dry again", "HB424"),
         ("smoke", "reports smoke or heat", "no longer reports smoke or heat", "HB421"),
-        ("heat", "reports smoke or heat", "no longer reports smoke or heat", "HB421"),
         ("gas", "reports gas", "no longer reports gas", "HB423"),
         ("carbon_monoxide", "reports carbon monoxide", "no longer reports carbon monoxide", "HB422"),
     ],
@@ -142,7 +141,10 @@ async def test_a_danger_is_told_within_two_seconds_and_once_and_so_is_its_end(
 @pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize(
     ("kind", "wait", "text"),
-    [("tamper", 60, "reports tampering"), ("problem", 300, "reports a problem"), ("safety", 300, "reports a problem")],
+    [
+        ("tamper", 60, "reports tampering"),
+        *((kind, 300, "reports a problem") for kind in ("problem", "safety", "heat")),
+    ],
 )
 @pytest.mark.house(config=NOTIFY)
 async def test_what_is_less_urgent_is_shown_at_once_and_told_later(
@@ -155,6 +157,29 @@ async def test_what_is_less_urgent_is_shown_at_once_and_told_later(
     assert told(house) == []
     await house.run_for("10s")
     assert len(told(house)) == 1
+
+
+FIRE_DETECTOR = {
+    "ieee_address": "0x00158d0001abcdef",
+    "friendly_name": "Loft",
+    "interview_completed": True,
+    "definition": {
+        "model": "HESZB-120",
+        "exposes": [
+            {"type": "binary", "name": "heat", "property": "heat", "access": 1, "value_on": True, "value_off": False}
+        ],
+    },
+}
+
+
+@pytest.mark.rooms("zigbee2mqtt")
+@pytest.mark.house(config=NOTIFY)
+async def test_the_heat_of_a_fire_detector_is_a_fire(house: VirtualHouse) -> None:
+    await house.says("zigbee2mqtt/bridge/devices", json.dumps([FIRE_DETECTOR]))
+    await house.run_for("4s")
+    await house.says("zigbee2mqtt/Loft", json.dumps({"heat": True}))
+    await house.run_for("2s")
+    assert told(house) == ["Alert: Loft reports smoke or heat"]
 
 
 @pytest.mark.rooms("homeassistant")

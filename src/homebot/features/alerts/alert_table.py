@@ -56,7 +56,11 @@ class AlertKind(NamedTuple):
         return And((_parse(self.text), *(Not(GatewayIs(name)) for name in known)))
 
 
-_PROBLEMS = "problem=true or safety=true or freeze=true or lock=jammed or vacuum=error or mower=error"
+_DETECTS_FIRE = "type=smoke_co_alarm"  # other devices tell that they, or what they heat, are hot
+_PROBLEMS = (
+    f"problem=true or safety=true or freeze=true or (heat=true and not {_DETECTS_FIRE})"
+    " or lock=jammed or vacuum=error or mower=error"
+)
 _CHARGED = "not (vacuum or mower or robot or tracker)"  # every day
 _WEAK, _NOT_NEW = f"low battery and {_CHARGED}", f"(low battery or battery below 30) and {_CHARGED}"
 GATEWAY: Final = AlertKind("gateway", FindingKind.GATEWAY, "", "is away", "is back", 120.0)
@@ -64,7 +68,7 @@ ALERTS: Final = (
     AlertKind(
         "smoke",
         FindingKind.SMOKE,
-        "smoke=true or heat=true",
+        f"smoke=true or (heat=true and {_DETECTS_FIRE})",
         "reports smoke or heat",
         "no longer reports smoke or heat",
         urgency="high",

@@ -50,6 +50,9 @@ _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
 _CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CONDITION_NAMES.items() for name in names}
 """Capability of a read-only binary; true is its ``value_on``."""
 
+_DETECTORS = {"battery_charging": "x_battery", "heat": "smoke_co_alarm"}
+"""Service type by capability, where it is not that of any sensor of it: ``heat`` is told by fire detectors."""
+
 _ALARM_OF_ZONE = re.compile(r"(contact|occupancy|smoke|carbon_monoxide|gas|water_leak|vibration|tamper)_alarm_[12]")
 """A binary of a detector with two alarms; each means the same as a single one."""
 
@@ -141,7 +144,7 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
     if expose.type == "binary":
         zone = _ALARM_OF_ZONE.fullmatch(expose.name)
         capability = _CONDITIONS.get(zone[1] if zone else expose.name, "state")
-        service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
+        service_type = _DETECTORS.get(capability) or sensor_type(capability)
         if expose.name in _TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
         tag = expose.name if expose.name == _RADAR else ""
