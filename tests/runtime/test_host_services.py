@@ -3,6 +3,7 @@
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from typing import ClassVar
 
 import anyio
@@ -67,6 +68,15 @@ class RadioGateway(Gateway):
             LINES.append(f"{self.node.name} stops")
 
 
+class DeafGateway(RadioGateway):
+    """Needs another radio, of the same class."""
+
+    @classmethod
+    def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
+        del settings
+        return (HostService(Radio, partial(radio)),)
+
+
 class WatchingGateway(RadioGateway):
     """Needs the radio, and looks at which gateways are configured."""
 
@@ -95,6 +105,12 @@ async def test_a_service_starts_once_for_all_gateways_and_stops_after_them() -> 
     assert LINES[:3] == ["radio on", "first has started", "second has started"]
     assert sorted(LINES[3:5]) == ["first stops", "second stops"]
     assert LINES[5:] == ["radio off"]
+
+
+def test_gateways_share_a_service_only_with_the_same_settings_for_it() -> None:
+    tables = {**config("first").gateways, "second": {"class": f"{__name__}:DeafGateway"}}
+    with pytest.raises(ConfigError, match=r"gateways\.second: it shares what runs with gateways\.first"):
+        Runtime(parse_config({"gateways": tables}, "test"), with_door=False)
 
 
 async def test_a_service_that_is_given_is_used_and_none_is_started() -> None:

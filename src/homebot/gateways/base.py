@@ -92,7 +92,8 @@ class HostService(Generic[ServiceT_co]):
 
     Attributes:
         kind: The class of the running service, its key in a :class:`GatewayContext`.
-        start: Runs it; the context is entered when it is ready, and stops it when left.
+        start: Runs it; the context is entered when it is ready, and stops it when left. Gateways that share the
+            service have the same.
         name: Its name for people; empty for one that several gateways may use.
     """
 

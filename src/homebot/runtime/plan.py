@@ -20,7 +20,7 @@ from homebot.devices.client_rights import CurrentGrants, NodeGrants
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.feature import feature_tables, find_features, load, plugin_tables
-from homebot.gateways import Gateway
+from homebot.gateways import Gateway, HostService
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
@@ -289,11 +289,14 @@ def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
         is_implied = row.implied_by and any(getattr(gateway.kind, row.implied_by) for gateway in gateways)
         if is_implied and key not in config.gateways:
             gateways.append(_gateway(key, {"class": row.plugin}, config))
-    users: dict[str, str] = {}
+    users: dict[type[object], tuple[HostService[object], str]] = {}
     for gateway in gateways:
         for service in gateway.kind.host_services(gateway.settings):
-            if service.name and (first := users.setdefault(service.name, gateway.name)) != gateway.name:
+            shared, first = users.setdefault(service.kind, (service, gateway.name))
+            if first != gateway.name and (service.name or service != shared):
                 problem = f"only one gateway can have {service.name}, and gateways.{first} has them"
+                if not service.name:
+                    problem = f"it shares what runs with gateways.{first}: give both the same address"
                 raise ConfigError(config.source, f"gateways.{gateway.name}", problem)
     return tuple(gateways)
 

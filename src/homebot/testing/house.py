@@ -16,7 +16,7 @@ from homebot.devices.house_view import HouseView
 from homebot.errors import ClosedError, InvalidNameError, PluginError, UsageError
 from homebot.feature import plugin_tables
 from homebot.gateways.mqtt import MqttGateway
-from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
+from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings, embedded_ports
 from homebot.graph import Node
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, MqttSubscription
@@ -99,7 +99,7 @@ def _on_test_broker(name: str, table: Table, root: str, url: str) -> Table:
 
 def _is_here(url: object) -> bool:
     """Return whether *url* is a broker that a test may use; invalid types are refused later, with their key."""
-    return not isinstance(url, str) or (url != EMBEDDED and is_loopback(MqttOptions.from_url(url).host))
+    return not isinstance(url, str) or (embedded_ports(url) is None and is_loopback(MqttOptions.from_url(url).host))
 
 
 def _is_for_mqtt(name: str, table: Table) -> bool:

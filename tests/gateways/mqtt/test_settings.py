@@ -44,6 +44,7 @@ def test_on_the_own_broker_the_own_client_is_the_default(table: dict[str, object
     [
         ({"url": "http://broker"}, "url", "must start with mqtt:// or mqtts://"),
         ({"url": 5}, "url", "must be a text in quotes"),
+        ({"url": "embedded:0"}, "url", "no whole number from 1 to 65535"),
         ({"root": "home/+"}, "root", "wildcard"),
         ({"root": "home/"}, "root", "empty level"),
         ({"delivery": "post"}, "delivery", "'inbox' or 'mirror'"),

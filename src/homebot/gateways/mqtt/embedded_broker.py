@@ -1,14 +1,15 @@
-"""The embedded broker, on the usual port or the next free one."""
+"""The embedded broker, on a chosen port, or on the usual one or the next free one."""
 
 import errno
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
-from functools import partial
+from functools import cache, partial
 
 from homebot.clock import Clock
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.errors import LinkError
 from homebot.gateways.base import HostService
+from homebot.gateways.mqtt.settings import USUAL_PORTS
 from homebot.graph import Graph, Node
 from homebot.mqtt.broker import Broker, PortTakenError
 from homebot.mqtt.clients import HostedBroker
@@ -16,25 +17,29 @@ from homebot.support.logger import get_logger
 
 STARTED = "runtime.broker_started"
 
-USUAL_PORTS = range(1883, 1903)
-
 _log = get_logger(node="/homebot")
 
 
-@asynccontextmanager
-async def _host(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
-    async with embedded_broker(graph, clock) as broker:
-        yield HostedBroker(broker.url)
+@cache
+def hosted_broker(ports: tuple[int, ...]) -> HostService[HostedBroker]:
+    """Return the service that runs the embedded broker on one of *ports*; the same object for the same ones."""
 
+    @asynccontextmanager
+    async def start(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
+        async with embedded_broker(graph, clock, ports=ports) as broker:
+            yield HostedBroker(broker.url)
 
-EMBEDDED_BROKER = HostService(HostedBroker, _host)
+    return HostService(HostedBroker, start)
 
 
 @asynccontextmanager
 async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = USUAL_PORTS) -> AsyncIterator[Broker]:
-    """Run the embedded broker on 127.0.0.1 and log its port: the first free one of *ports*, or else any free one.
+    """Run the embedded broker on 127.0.0.1 and log its port: the first free one of *ports*, of which 0 is any.
 
     The service ``/broker/health`` reports its counters and recent losses.
+
+    Raises:
+        LinkError: None of *ports* is free.
     """
     broker = await _start(clock, ports)
     try:
@@ -56,7 +61,7 @@ def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
 
 
 async def _start(clock: Clock, ports: Sequence[int]) -> Broker:
-    for port in (*ports, 0):  # 0 is any free one
+    for port in ports:
         broker = Broker(port=port, clock=clock)
         try:
             await broker.start()
@@ -67,4 +72,5 @@ async def _start(clock: Clock, ports: Sequence[int]) -> Broker:
                 raise LinkError(f"the embedded broker cannot listen: {exc.strerror}") from exc
             continue
         return broker
-    raise LinkError("no TCP port is free for the embedded broker")
+    listed = f"port {ports[0]} is" if len(ports) == 1 else "all ports are"
+    raise LinkError(f"the embedded broker cannot listen: {listed} taken")

@@ -25,10 +25,10 @@ from homebot.errors import ClosedError, RefusedError
 from homebot.gateways.base import UNAVAILABLE, Gateway, GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.command_publisher import Responses
-from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
+from homebot.gateways.mqtt.embedded_broker import hosted_broker
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.registry import TopicReaders
-from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
+from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.graph import Node, QoSProfile
 from homebot.log import LogLimit
 from homebot.mqtt.client import MqttClient, MqttSubscription
@@ -195,14 +195,14 @@ class MqttGateway(Gateway):
         if isinstance(settings, MqttGatewaySettings):
             find_conventions(settings.conventions, settings.tables, settings.root)
             settings.check_files()
-            if settings.url != EMBEDDED:
+            if settings.embedded is None:
                 settings.options()
                 client_maker(settings.client or "aiomqtt")  # loaded now, while nothing waits for it
 
     @classmethod
     async def reach(cls, settings: BaseModel) -> None:
         """Log in to the configured broker, with a client id other than that of the gateway, which may be running."""
-        if isinstance(settings, MqttGatewaySettings) and settings.url != EMBEDDED:
+        if isinstance(settings, MqttGatewaySettings) and settings.embedded is None:
             options = replace(settings.options(), client_id=f"homebot-{secrets.token_hex(4)}", session_expiry=0)
             async with client_maker(settings.client or "aiomqtt")(options).connected():
                 pass
@@ -210,7 +210,8 @@ class MqttGateway(Gateway):
     @classmethod
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
         """Return the embedded broker if no address is given."""
-        return (EMBEDDED_BROKER,) if isinstance(settings, MqttGatewaySettings) and settings.url == EMBEDDED else ()
+        ports = settings.embedded if isinstance(settings, MqttGatewaySettings) else None
+        return () if ports is None else (hosted_broker(ports),)
 
     @classmethod
     def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:
@@ -223,7 +224,7 @@ class MqttGateway(Gateway):
         if context.random is not None:
             settings = settings.with_client_id(f"homebot-{context.random.getrandbits(32):08x}")
         hosted = context.service(HostedBroker)
-        if hosted is None or settings.url != EMBEDDED:
+        if hosted is None or settings.embedded is None:
             return settings
         act = not settings.share if settings.act is None else settings.act
         return settings.model_copy(update={"url": hosted.url, "act": act, "client": settings.client or "native"})
@@ -233,7 +234,7 @@ class MqttGateway(Gateway):
         """Return whether a gateway with *settings* sends no commands: the default for all but the embedded broker."""
         if not isinstance(settings, MqttGatewaySettings):
             return False
-        return settings.url != EMBEDDED or bool(settings.share) if settings.act is None else not settings.act
+        return settings.embedded is None or bool(settings.share) if settings.act is None else not settings.act
 
     @classmethod
     def home(cls, settings: BaseModel) -> str:
@@ -242,9 +243,11 @@ class MqttGateway(Gateway):
 
     @classmethod
     def network(cls, settings: BaseModel) -> str:
-        """Return the broker's host and port, without credentials; ``embedded`` for the embedded broker."""
-        if not isinstance(settings, MqttGatewaySettings) or settings.url == EMBEDDED:
-            return EMBEDDED
+        """Return the broker's host and port, without credentials; ``embedded[:port]`` for the embedded broker."""
+        if not isinstance(settings, MqttGatewaySettings):
+            return ""
+        if settings.embedded is not None:
+            return settings.url
         options = MqttOptions.from_url(settings.url)
         return f"{options.host.lower()}:{options.port}"
 

@@ -23,6 +23,26 @@ from homebot.units import DURATION, Seconds
 
 EMBEDDED = "embedded"
 
+USUAL_PORTS = (*range(1883, 1903), 0)
+"""Ports that the embedded broker tries; 0 is any free one."""
+
+
+def embedded_ports(url: str) -> tuple[int, ...] | None:
+    """Return the ports that the embedded broker may have by *url*; None for another broker.
+
+    Raises:
+        UsageError: It names no port from 1 to 65535.
+    """
+    name, _, port = url.partition(":")
+    if name != EMBEDDED:
+        return None
+    if url == EMBEDDED:
+        return USUAL_PORTS
+    if not (port.isdecimal() and port.isascii() and 1 <= int(port[:6]) <= 65535):
+        raise UsageError(f"the port of {url!r} is no whole number from 1 to 65535")
+    return (int(port),)
+
+
 RECEIVE_MAXIMUM = 2048
 """Messages that may wait for our acknowledgement.
 
@@ -39,7 +59,8 @@ class MqttGatewaySettings(PasswordSettings):
     """The settings of the MQTT gateway: its broker, and its treatment of messages.
 
     Attributes:
-        url: ``mqtt://[user[:password]@]host[:port]``, ``mqtts://…``, or ``embedded`` for homebot's own broker.
+        url: ``mqtt://[user[:password]@]host[:port]``, ``mqtts://…``, or ``embedded[:port]`` for homebot's own broker,
+            by default on the first free port of 1883 to 1902.
         root: The home: first level of its topics. If it is empty, announced devices of all homes are found, and
             devices of plain text of the home with the name in ``[home]``.
         delivery: ``inbox`` puts raw messages into the one inbox of each node that asked for them; ``mirror`` gives each
@@ -100,6 +121,11 @@ class MqttGatewaySettings(PasswordSettings):
     share: str = ""
 
     @property
+    def embedded(self) -> tuple[int, ...] | None:
+        """The ports of :func:`embedded_ports`."""
+        return embedded_ports(self.url)
+
+    @property
     def tables(self) -> dict[str, object]:
         """The tables of conventions, by their names."""
         return self.model_extra or {}
@@ -107,8 +133,8 @@ class MqttGatewaySettings(PasswordSettings):
     @field_validator("url")
     @classmethod
     def _check_url(cls, url: str) -> str:
-        if url != EMBEDDED:
-            with value_errors():
+        with value_errors():
+            if embedded_ports(url) is None:
                 MqttOptions.from_url(url)
         return url
 
