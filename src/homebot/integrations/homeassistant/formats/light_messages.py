@@ -169,13 +169,14 @@ def _hue_saturation(mode: str, color: object, white: KelvinRange) -> tuple[float
 
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:
-    """Return the range of whites, in kelvin or mired in the config."""
+    """Return the range of whites, in kelvin or mired in the config, where lower and upper end may be swapped."""
     if _WHITE_FIELDS.isdisjoint(config.values):
         return _USUAL_WHITE
     most = config.integer("max_mireds", 0, least=0, most=_MAX_WHITE)
     least = config.integer("min_mireds", 0, least=0, most=_MAX_WHITE)
-    low = config.integer("min_kelvin", _USUAL_WHITE.kelvins[0], least=1, most=_MAX_WHITE)
-    high = config.integer("max_kelvin", _USUAL_WHITE.kelvins[1], least=1, most=_MAX_WHITE)
+    least, most = sorted((least, most)) if least and most else (least, most)
+    ends = zip(("min_kelvin", "max_kelvin"), _USUAL_WHITE.kelvins, strict=True)
+    low, high = sorted(config.integer(key, usual, least=1, most=_MAX_WHITE) for key, usual in ends)
     return WhiteRange(
         kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
         bounds=(
