@@ -23,6 +23,9 @@ _WITHIN: Final = Verdict(NAME, allowed=True)
 
 _NAMELESS: Final = issuer_of_client(LOCAL_CLIENT)
 
+_FLASHES: Final = 3
+_ADVICE: Final = "; with a token (`homebot token new`) a program may more often"
+
 _POWER: Final = "power_state"
 """Name for the power of a part, whichever capability switches it."""
 
@@ -35,7 +38,7 @@ class RateLimitSettings(PolicyTable):
 
     Attributes:
         changes: How many turns of a value are allowed within *seconds*; to a program without a token at most as many as
-            *seconds*.
+            *seconds*, and three within any second, as WCAG 2.2 (2.3.1) allows flashes.
     """
 
     changes: int = Field(default=30, ge=1, le=1000)
@@ -43,18 +46,22 @@ class RateLimitSettings(PolicyTable):
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Refuse a command that turns a value more often than allowed."""
+        limits = {self.seconds: self.changes}
+        if command.issuer == _NAMELESS and command.trigger.kind == "program":
+            limits |= {1.0: _FLASHES, self.seconds: math.ceil(self.seconds)}
         timeline = facts.timeline_of(command.device, command.part)
-        sent, since, changes, advice = timeline.sent, facts.monotonic - self.seconds, self.changes, ""
-        if command.issuer == _NAMELESS and command.trigger.kind == "program" and self.seconds < changes:
-            changes, advice = math.ceil(self.seconds), "; with a token (`homebot token new`) a program may more often"
-        if len(sent) <= changes or sent[-changes].at <= since:
-            return _WITHIN  # as nearly always
-        turns = count_turns(timeline, command, facts.monotonic, self.seconds)
-        if turns < changes:
-            return _WITHIN
-        used = FactUsed(f"changes of {command.target} in {self.seconds:g} s", float(turns))
-        reason = f"{command.label} was switched back and forth {turns} times within {self.seconds:g} s{advice}"
-        return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
+        sent, now = timeline.sent, facts.monotonic
+        for seconds, most in limits.items():
+            changes = min(most, self.changes)
+            if len(sent) <= changes or sent[-changes].at <= now - seconds:
+                continue  # as nearly always
+            turns = count_turns(timeline, command, now, seconds)
+            if turns >= changes:
+                used = FactUsed(f"changes of {command.target} in {seconds:g} s", float(turns))
+                advice = _ADVICE if changes < self.changes else ""
+                reason = f"{command.label} was switched back and forth {turns} times within {seconds:g} s{advice}"
+                return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
+        return _WITHIN
 
 
 def count_turns(timeline: PartTimeline, command: IssuedCommand, now: float, seconds: float) -> int:
