@@ -134,7 +134,7 @@ def test_a_button_is_found_by_a_name_after_an_article() -> None:
     press = read_press("Remote#the left press double")
     assert press is not None
     part = DevicePart(id="l", part=Part(id="l", service_type="generic_switch", name="Left"), routes=())
-    assert press.is_of(part)
+    assert press.buttons([part]) == [part]
 
 
 @pytest.mark.parametrize("text", ["temperature rises above 25 °C in hall", "temperature in hall rises above 25 °C"])

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple, TypeAlias
 from homebot.conventions.capability_row import CapabilityRow
 from homebot.conventions.command_values import require_bool, require_number, require_true
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import clean_text, read_progress
 from homebot.conventions.units import Quantity, number_grid
 from homebot.devices.part import CodeKind
 from homebot.devices.value import PlainValue
@@ -128,6 +128,15 @@ def push_row(name: str, command: Fields, when: Callable[[Fields], object] | None
 def quantity_of_entity(info: Fields) -> Quantity:
     """Return the quantity that a sensor measures, by its class and unit."""
     return quantity_of(class_of(info), text_of(info, "unit_of_measurement"))
+
+
+def progress_rows(installing: str, percent: str) -> tuple[EntityRow, ...]:
+    """Return the rows of the installation of an update, of which two fields tell; see :func:`read_progress`."""
+
+    def read(name: str, _info: Fields, state: Fields) -> PlainValue:
+        return read_progress(state, installing, percent).get(name)
+
+    return tuple(EntityRow(name, partial(read, name)) for name in ("running", "update_progress"))
 
 
 def quantity_row(read: ReadField, when: Callable[[Fields], object] | None = None) -> EntityRow:

@@ -337,6 +337,16 @@ def percent_of(value: object) -> float | None:
     return number if number is not None and 0 <= number <= 100 else None
 
 
+def read_progress(fields: Mapping[str, object], installing: str, percent: str) -> Readings:
+    """Return whether an update is being installed, and how far; a percentage stands for true. Empty without fields."""
+    if installing not in fields and percent not in fields:
+        return NO_READINGS
+    said = fields.get(installing)
+    share = percent_of(fields.get(percent) if isinstance(said, bool | None) else said)
+    runs = said if isinstance(said, bool) else True if share is not None else None
+    return {"running": runs, "update_progress": share if runs else None}
+
+
 def number_of(value: object) -> float | None:
     """Return the number in a text or a JSON value; None for none. As in Python, true is 1."""
     return float(value) if isinstance(value, bool) else to_number(value)

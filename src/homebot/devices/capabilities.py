@@ -239,6 +239,7 @@ _SETTINGS = (
     CapabilityType("raw", "text", "raw payload that could not be decoded"),
     CapabilityType("version", "text", "installed version", 0x0028),
     CapabilityType("latest_version", "text", "latest available version", 0x002A),
+    CapabilityType("update_progress", "number", "how far the installation of an update is", 0x002A, "%", _PERCENT),
     CapabilityType("image", "text", "a picture is available; it is not transmitted on the graph"),
     CapabilityType("place", "text", "location: home, not_home or a zone"),
     CapabilityType("session", "text", "who has a lift, such as a robot; empty for nobody"),

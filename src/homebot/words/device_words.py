@@ -151,7 +151,7 @@ class DeviceWords:
         for text in (f"{button} press {value}", f'{button} press "{value}"'):
             read = _read(text)
             if isinstance(read, Press) and read.value == value.casefold() and fits(read.query, facets_of(device)):
-                return text if [button.id for button in buttons if read.is_of(button)] == [part] else ""
+                return text if [button.id for button in read.buttons(buttons)] == [part] else ""
         return ""
 
     def command(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:

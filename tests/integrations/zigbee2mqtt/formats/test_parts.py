@@ -356,8 +356,14 @@ def test_a_device_with_firmware_reports_updates() -> None:
         "version": "100",
         "latest_version": None,
         "update_available": True,
+        "running": False,
+        "update_progress": None,
     }
     assert said(update, state="ON") == {}
+    assert said(update, update={"state": "updating", "progress": 13.37, "remaining": 219})["update_progress"] == 13.37
+    for state, available, runs in (("updating", True, True), ("scheduled", True, False), ("idle", False, False)):
+        found = said(update, update={"state": state})
+        assert (found["update_available"], found["running"], found["update_progress"]) == (available, runs, None)
 
 
 def test_the_scenes_in_a_device_are_parts() -> None:

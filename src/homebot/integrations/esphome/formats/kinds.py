@@ -32,6 +32,7 @@ from homebot.conventions.entity_rows import (
     number_component,
     opening_type,
     options_of,
+    progress_rows,
     push_row,
     quantity_of_entity,
     quantity_row,
@@ -427,6 +428,7 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
             EntityRow("version", read_text("current_version")),
             EntityRow("latest_version", read_text("latest_version")),
             EntityRow("update_available", _read_update),
+            *progress_rows("in_progress", "progress"),
         ),
     ),
 }

@@ -15,7 +15,16 @@ from functools import lru_cache, partial
 
 from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.device_classes import condition_of, is_quantity, quantity_of
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, meaning_reader, read_number, shown
+from homebot.conventions.payload import (
+    NO_READINGS,
+    Readings,
+    clean_text,
+    fields_of,
+    meaning_reader,
+    read_number,
+    read_progress,
+    shown,
+)
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity
 from homebot.conventions.unreadable import unreadable
@@ -231,6 +240,8 @@ def build_update(config: DiscoveryConfig) -> DescribedPart:
     entity.add_capability("version", readable=has_state)
     entity.add_capability("update_available", readable=has_state)
     entity.add_capability("latest_version", readable=has_state or has_latest)
+    entity.add_capability("running", readable=has_state)
+    entity.add_capability("update_progress", readable=has_state, unit="%")
     entity.remembers()
     return entity.build()
 
@@ -246,7 +257,8 @@ class _Versions:
         if text.lstrip().startswith("{"):
             message = fields_of(text)
             versions = {name: _version(message.get(key)) for name, key in _VERSION_KEYS.items()}
-            return self._found({name: version for name, version in versions.items() if version is not None})
+            known = {name: version for name, version in versions.items() if version is not None}
+            return {**self._found(known), **read_progress(message, "in_progress", "update_percentage")}
         return self._found({"version": _version(text)} if text else {})
 
     def read_latest(self, text: str) -> Readings:

@@ -11,7 +11,7 @@ from functools import partial
 from homebot.conventions.command_values import push_writer
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import with_own_ids
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, read_progress
 from homebot.conventions.secrets import names_secret
 from homebot.devices.part import payload_digest
 from homebot.integrations.zigbee2mqtt.formats.bridge_device import BridgeDevice
@@ -101,8 +101,9 @@ class _PartsBuilder:
         if self._device.has_updates and self._exposes:
             part = Zigbee2MqttPart(self._topics, "update", "x_update", advertised="update", category="diagnostic")
             part.read_from(self._topics.state, _read_update)
-            for capability in ("version", "latest_version", "update_available"):
+            for capability in ("version", "latest_version", "update_available", "running"):
                 part.add_capability(capability)
+            part.add_capability("update_progress", unit="%")
             yield part.build()
         for number, name in self._device.scenes.items():
             part = Zigbee2MqttPart(
@@ -236,7 +237,12 @@ def _read_update(message: JsonMessage) -> Readings:
     versions = {"version": update.get("installed_version"), "latest_version": update.get("latest_version")}
     known = {name: None if value in (None, -1) else text_of(value) for name, value in versions.items()}
     state = update.get("state")
-    return {**known, "update_available": state == "available" if isinstance(state, str) else None}
+    is_known = isinstance(state, str)
+    progress = read_progress({**update, "updating": state == "updating" if is_known else None}, "updating", "progress")
+    return {**known, "update_available": state in _AVAILABLE if is_known else None, **progress}
+
+
+_AVAILABLE = frozenset({"available", "scheduled", "updating"})
 
 
 def _unknown(topics: Zigbee2MqttTopics) -> DescribedPart:

@@ -24,6 +24,7 @@ from homebot.conventions.entity_rows import (
     number_component,
     opening_type,
     options_of,
+    progress_rows,
     push_row,
     quantity_of_entity,
     quantity_row,
@@ -393,6 +394,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             EntityRow("version", read_text("installed_version")),
             EntityRow("latest_version", read_text("latest_version")),
             EntityRow("update_available", read_state({"on": True, "off": False})),
+            *progress_rows("in_progress", "update_percentage"),
         ),
     ),
 }
