@@ -172,6 +172,26 @@ FIRE_DETECTOR = {
 }
 
 
+@pytest.mark.rooms("homie")
+@pytest.mark.house(config=NOTIFY)
+async def test_a_homie_device_in_alert_has_a_problem(house: VirtualHouse) -> None:
+    for attribute, text in (
+        ("$homie", "4.0.0"),
+        ("$name", "Well"),
+        ("$nodes", "pump"),
+        ("pump/$name", "Pump"),
+        ("pump/$properties", "on"),
+        ("pump/on/$datatype", "boolean"),
+        ("$state", "alert"),
+    ):
+        await house.says(f"homie/well/{attribute}", text)
+    await house.run_for("4s")
+    assert [one.code for one in await shown(house)] == ["HB427"]
+    await house.says("homie/well/$state", "ready")
+    await house.run_for("2s")
+    assert await shown(house) == ()
+
+
 @pytest.mark.rooms("zigbee2mqtt")
 @pytest.mark.house(config=NOTIFY)
 async def test_the_heat_of_a_fire_detector_is_a_fire(house: VirtualHouse) -> None:

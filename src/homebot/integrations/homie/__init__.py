@@ -12,5 +12,5 @@ homie5-device-profiles, draft; Valetudo 2021.10 to 2025, ``backend/lib/mqtt``.
 Tested against: messages of the library Homie4 0.4.0, the documents of convention 5, a robot by Valetudo that announces
 itself to Home Assistant too, hostile documents, and simulated devices of Homie 5 (``dialect = "homie"``).
 
-Not done: broadcasts to all devices, and the alerts of Homie 5.
+Not done: broadcasts to all devices, and the alerts of Homie 5, which are topics of their own.
 """

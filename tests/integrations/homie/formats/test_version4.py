@@ -39,7 +39,7 @@ def test_attributes_make_a_device(say: Say) -> None:
     device = device_in(tell(say, LAMP))
     assert device.key == BASE
     assert device.name == "Hall lamp"
-    (part,) = device.parts
+    part, _alert = device.parts
     assert part.part.service_type == "light"
     assert {one.name for one in part.part.capabilities} == {"on_off", "color", "level"}
     assert part.codec.write("on_off", True) == (Publication(f"{BASE}/light/on/set", b"true", 2),)
@@ -92,7 +92,7 @@ def described_at_last(say: Say, attributes: Mapping[str, str]) -> CommandDescrip
     """Say all attributes, and return what an approval of the only part is bound to after the last of them."""
     *_, device = tell(say, attributes)
     device = device_in([device])
-    (part,) = device.parts
+    part, _alert = device.parts
     return CommandDescription.of(part.part, device.identifiers)
 
 
@@ -114,7 +114,7 @@ def test_a_ready_device_is_found_when_the_format_of_its_only_property_comes_last
         "speed/speed/$datatype": "enum",
         "speed/speed/$format": "OFF,LOW,HIGH",
     }
-    (part,) = device_in(tell(say, late)).parts
+    part, _alert = device_in(tell(say, late)).parts
     (capability,) = part.part.capabilities
     assert capability.options == ("OFF", "LOW", "HIGH")
 
@@ -134,7 +134,7 @@ def test_retained_may_be_spelt_as_python_spells_it(say: Say) -> None:
         "light/press/$retained": "False",
     }
     kept = {name: value for name, value in LAMP.items() if not name.startswith(("light/on", "light/color", "$state"))}
-    (part,) = device_in(tell(say, {**kept, **button, "$state": "ready"})).parts
+    part, _alert = device_in(tell(say, {**kept, **button, "$state": "ready"})).parts
     assert [one.name for one in part.part.capabilities] == ["press"]
 
 
@@ -149,6 +149,13 @@ def test_a_property_of_version_3_without_datatype_is_a_text(say: Say) -> None:
     rest = {name: value for name, value in LAMP.items() if name not in {"light/on/$datatype", "$state"}}
     found = part_in(tell(say, {**rest, "$homie": "3.0.1", "$state": "ready"}), "light/on")
     assert heard(found, f"{BASE}/light/on", "true") == {"text": "true"}
+
+
+def test_one_in_alert_has_a_problem_until_it_is_ready(say: Say) -> None:
+    *_, alert = device_in(tell(say, LAMP)).parts
+    for state, problem in (("alert", True), ("ready", False)):
+        assert alert.codec.read(f"{BASE}/$state", state.encode(), retained=True) == {"problem": problem}
+    assert alert.codec.read(f"{BASE}/$state", b"lost", retained=False) == {}
 
 
 def test_a_starting_one_is_awaited(say: Say) -> None:
@@ -188,10 +195,10 @@ def test_an_array_of_version_3_is_as_many_nodes(say: Say) -> None:
         "$state": "ready",
     }
     device = device_in(tell(say, relays, "homie/relays"))
-    assert [(one.part.id, one.part.name) for one in device.parts] == [("relay_0", ""), ("relay_1", "Pump")]
+    assert [(one.part.id, one.part.name) for one in device.parts[:-1]] == [("relay_0", ""), ("relay_1", "Pump")]
     assert device.parts[1].part.writes == ("homie/relays/relay_1/on/set",)
     (named,) = say("homie/relays/relay/$name", "Relay")
-    assert [one.part.name for one in device_in((named,)).parts] == ["Relay 0", "Pump"]
+    assert [one.part.name for one in device_in((named,)).parts[:-1]] == ["Relay 0", "Pump"]
 
 
 def test_an_illegal_property_is_left_out(homie: Homie, say: Say) -> None:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.conventions.units import sensor_type
 from homebot.devices.always_ask import BREAKER
 from homebot.devices.part import Category, payload_digest
@@ -24,7 +25,7 @@ from homebot.integrations.homie.formats.controls import (
     build_vacuum,
     find_vacuum,
 )
-from homebot.integrations.homie.formats.model import HomieDevice, HomieNode, HomieProperty
+from homebot.integrations.homie.formats.model import STATES, HomieDevice, HomieNode, HomieProperty
 from homebot.integrations.homie.formats.properties import add_properties, add_property, node_part
 from homebot.integrations.homie.formats.roles import (
     CONTROLS,
@@ -63,6 +64,20 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     formats = [(prop.topic, prop.datatype, prop.unit, prop.range, prop.options) for prop in settable]
     digest = payload_digest(formats) if formats else ""
     return tuple(part.build(digest=digest) for part in (*controls, *others))
+
+
+def build_alert(device: HomieDevice) -> DescribedPart:
+    """Return the part that tells that *device*, of version 3 or 4, needs a person: its state is ``alert``."""
+    part = BytesPart("$state", sensor_type("problem"), name="alert", category="diagnostic")
+    part.read_from(f"{device.topic}/$state", _read_alert)
+    part.add_capability("problem")
+    return part.build()
+
+
+def _read_alert(payload: bytes) -> Readings:
+    """Read the state; of a device that is away, the last problem stays."""
+    state = payload.decode(errors="replace")
+    return {"problem": state == "alert"} if STATES.get(state) else NO_READINGS
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})

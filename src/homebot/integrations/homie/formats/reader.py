@@ -12,7 +12,7 @@ Arrays.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
@@ -29,7 +29,7 @@ from homebot.integrations.homie.formats.model import (
     availability_of,
 )
 from homebot.integrations.homie.formats.node_reader import optional, read_device
-from homebot.integrations.homie.formats.parts import build_parts
+from homebot.integrations.homie.formats.parts import build_alert, build_parts
 
 
 @dataclass(slots=True)
@@ -47,9 +47,12 @@ class Registry(Generic[DeviceT]):
     """At most *most* devices by topic, of *memory* characters together; described ones are never dropped.
 
     Attributes:
+        has_alert: Whether a state tells that a device needs a person.
         ignored: Number of invalid nodes and properties.
         refused: Number of refused attributes and documents.
     """
+
+    has_alert: ClassVar[bool] = False
 
     def __init__(self, most: int, memory: int) -> None:
         self.ignored = 0
@@ -65,7 +68,7 @@ class Registry(Generic[DeviceT]):
     def announce(self, device: DeviceT, whole: HomieDevice, domain: str, state: str) -> tuple[AnnouncementEvent, ...]:
         """Return the description of *device*, or its withdrawal if it has no parts."""
         self.ignored += whole.ignored
-        described = _describe(whole, domain, is_alive=bool(STATES[state]))
+        described = _describe(whole, domain, is_alive=bool(STATES[state]), has_alert=self.has_alert)
         if described is None:
             return self.withdraw(device, whole.topic, "it no longer has any nodes")
         self.devices.pin(whole.topic)
@@ -89,7 +92,7 @@ class Registry(Generic[DeviceT]):
         return True
 
 
-def _describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:
+def _describe(device: HomieDevice, domain: str, *, is_alive: bool, has_alert: bool) -> DeviceAnnounced | None:
     """Return the description of *device*; None if it has no parts itself, as a bridge.
 
     Its identifier is its id in its domain, with a hardware address if the id ends with one. The ``$mac`` of version 4
@@ -98,6 +101,8 @@ def _describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnno
     parts = build_parts(device)
     if not parts:
         return None
+    if has_alert:
+        parts = (*parts, build_alert(device))
     return DeviceAnnounced(
         key=device.topic,
         convention="homie",
@@ -198,6 +203,8 @@ class Version4(Registry[_Homie4Device]):
 
     Of more than 2,000 devices the oldest incomplete one is dropped; of more than 16 million characters the newest.
     """
+
+    has_alert = True
 
     def __init__(self) -> None:
         super().__init__(_MAX_DEVICES_4, _MAX_CHARACTERS)
