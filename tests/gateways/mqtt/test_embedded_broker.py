@@ -11,7 +11,8 @@ from homebot.clock import LoopClock
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.errors import LinkError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.embedded_broker import USUAL_PORTS, embedded_broker
+from homebot.gateways.mqtt.embedded_broker import embedded_broker
+from homebot.gateways.mqtt.settings import USUAL_PORTS
 from homebot.graph import Graph, Node
 from homebot.mqtt.clients import HostedBroker
 

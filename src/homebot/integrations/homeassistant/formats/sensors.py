@@ -257,7 +257,7 @@ class _Versions:
         if text.lstrip().startswith("{"):
             message = fields_of(text)
             versions = {name: _version(message.get(key)) for name, key in _VERSION_KEYS.items()}
-            known = {name: version for name, version in versions.items() if version is not None}
+            known: dict[str, PlainValue] = {name: text for name, text in versions.items() if text is not None}
             return {**self._found(known), **read_progress(message, "in_progress", "update_percentage")}
         return self._found({"version": _version(text)} if text else {})
 
