@@ -97,6 +97,8 @@ class DescribedPart(NamedTuple):
             messages again.
         availability: Its own availability; None if it is that of the device.
         sends_code: Whether its commands may contain a code, so that no states are read on their topics.
+        refusal: Returns why the device refuses the messages of a command, by what the codec read last; empty if it does
+            not. None if its reports do not say. Never raises.
     """
 
     part: Part
@@ -106,6 +108,7 @@ class DescribedPart(NamedTuple):
     remembers: bool = False
     availability: Availability | None = None
     sends_code: bool = False
+    refusal: Callable[[Publications], str] | None = None
 
 
 class AvailabilitySource(Protocol):

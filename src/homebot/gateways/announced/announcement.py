@@ -10,10 +10,11 @@ from itertools import starmap
 from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
-from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, TextEndpoint
+from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, Publications, TextEndpoint
 from homebot.conventions.unreadable import Unreadable
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.capabilities import EVENTS, MOMENTARY
+from homebot.devices.gateway_messages import Command
 from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
@@ -79,6 +80,7 @@ class AnnouncedPart(PartTexts):
         names: The capabilities of its last short state; states with the same capabilities share the tuple.
         is_plain: Whether it has only ever reported numbers and flags, and no events.
         unreadable: The payloads that it could not read; None for none.
+        sent: The last command with its messages, whose refusal its reports may tell; None for none.
     """
 
     stored: StoredAnnouncement
@@ -89,6 +91,7 @@ class AnnouncedPart(PartTexts):
     names: tuple[str, ...] = field(default=(), init=False)
     is_plain: bool = field(default=True, init=False)
     unreadable: UnreadableCount | None = field(default=None, init=False)
+    sent: tuple[Command, Publications] | None = field(default=None, init=False)
 
     def reports(self, capability: str) -> bool:
         """Return whether it reports *capability* as a lasting value, which can confirm a command."""
@@ -269,7 +272,7 @@ class StoredAnnouncement:
         for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
                 announced_part.copy_texts(old)
-                announced_part.unreadable = old.unreadable
+                announced_part.unreadable, announced_part.sent = old.unreadable, old.sent
 
     def detach(self) -> None:
         """Drop its parts, which refer back to it, so that it is freed without the garbage collector."""

@@ -1,16 +1,17 @@
 """The publisher of a gateway's messages about devices."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from operator import attrgetter
 
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Reading, SetBy, Value
-from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
+from homebot.gateways.announced.announcement import AnnouncedPart, SightingKind, StoredAnnouncement
 from homebot.gateways.base import Gateway
+from homebot.graph import Publisher
 from homebot.messages import Time
 
 REFRESH = 1.0
@@ -96,6 +97,29 @@ class DeviceReporter:
                 set_by=set_by,
             )
         )
+
+    @cached_property
+    def _answers(self) -> Publisher[CommandAnswer]:
+        return self._gateway.node.create_publisher(CommandAnswer, self._gateway.names.answers, _EVENTS)
+
+    def publish_refusal(self, part: AnnouncedPart) -> None:
+        """Publish that the device refuses the last command of *part*, if its last report says so."""
+        if part.sent is None or part.described.refusal is None:
+            return
+        command, messages = part.sent
+        if why := part.described.refusal(messages):
+            part.sent = None
+            self._answers.publish(
+                CommandAnswer(
+                    gateway=self._gateway_name,
+                    key=command.key,
+                    part=command.part,
+                    capability=command.capability,
+                    command_id=command.id,
+                    success=False,
+                    message=why,
+                )
+            )
 
     def publish_readings(
         self,

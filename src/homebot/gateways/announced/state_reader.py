@@ -200,6 +200,8 @@ class StateReader:
                 values = described.codec.read(address, payload, retained=retained)
                 if FOUND:
                     self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
+                if part.sent is not None and not retained:
+                    self._reporter.publish_refusal(part)
                 if not values:
                     continue
                 of_part = part.readings(values)

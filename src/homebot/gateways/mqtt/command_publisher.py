@@ -168,6 +168,8 @@ class CommandPublisher:
             publications = tuple(
                 publication._replace(retain=False) for publication in publications
             )  # no code stays on the broker
+        if command.id and announced_part.described.refusal is not None:
+            announced_part.sent = command, publications
         is_heard = await self._publish(command, publications)
         if announced_part.described.part.members:
             self._ask_members(announced_part, publications)
