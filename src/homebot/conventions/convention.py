@@ -132,6 +132,14 @@ class ProblemReportingConvention(Protocol):
 
 
 @runtime_checkable
+class HintingConvention(Protocol):
+    """A convention that knows its devices also where it does not look for them."""
+
+    def hint(self, topic: str) -> str:
+        """Return the setting with which it would read *topic*, for the user; empty for a topic of others."""
+
+
+@runtime_checkable
 class PublishingConvention(Protocol):
     """A convention that can also publish."""
 

@@ -77,6 +77,18 @@ async def test_beside_a_known_device_the_second_level_is_told() -> None:
         assert "dev/b (10)," in note
 
 
+async def test_a_topic_whose_convention_knows_it_is_told_by_the_setting_that_reads_it_however_rare() -> None:
+    async with looking() as (census, program):
+        await publish(program, "fleet/v3/kit/1/state", times=1)
+        await publish(program, "frigate/stats")
+
+        def hint(topic: str) -> str:
+            return "set interfaces" if topic.startswith("fleet/") else ""
+
+        hinted, busy = unread_notes(census.counts, USED.__contains__, USED, (), [hint])
+        assert (hinted, "fleet" in busy, "frigate (5)" in busy) == ("set interfaces", False, True)
+
+
 async def test_few_messages_and_pictures_are_left_out() -> None:
     async with looking() as (census, program):
         await publish(program, "rare/x", times=2)

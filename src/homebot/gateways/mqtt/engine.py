@@ -13,7 +13,7 @@ from typing import TypeVar
 import anyio
 import anyio.lowlevel
 
-from homebot.conventions.convention import Convention, ProblemReportingConvention, TextConvention
+from homebot.conventions.convention import Convention, HintingConvention, ProblemReportingConvention, TextConvention
 from homebot.conventions.description import begin_message
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
@@ -320,7 +320,8 @@ class AnnouncedDevices:
         )
         troubles = tuple(trouble for convention in troubled for trouble in convention.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
-        notes = tuple(unread_notes(self.census.counts, self.route, self._used_topics(), self.filters))
+        hints = [convention.hint for convention in self._conventions if isinstance(convention, HintingConvention)]
+        notes = tuple(unread_notes(self.census.counts, self.route, self._used_topics(), self.filters, hints))
         return HealthResponse(
             counts=(*Count.each(counts), *losses, *responses), troubles=(*rivals, *troubles), notes=notes
         )

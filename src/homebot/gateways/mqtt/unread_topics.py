@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
 from typing import Final
 
 _BUSY, _MAX_SHOWN = 3, 5
@@ -13,20 +14,25 @@ def unread_notes(
     is_read: Callable[[str], object],
     used: Iterable[str],
     announced: Iterable[str],
+    hints: Iterable[Callable[[str], str]] = (),
 ) -> Iterator[str]:
-    """Yield a note on the busiest topics of *counts* that nothing reads, by their first levels.
+    """Yield a note on the busiest topics of *counts* that nothing reads, by their first levels, after the hints.
 
     Args:
         is_read: Returns whether a topic is read.
         used: All topics and filters that are read or commanded.
         announced: The filters of announcements.
+        hints: Each returns what would read a topic; empty if it does not know.
     """
     programs = {_OWN, *(topic_filter.partition("/")[0] for topic_filter in announced)}
     levels = {level for topic in used for level in _levels(topic)}
     groups: Counter[str] = Counter()
-    for topic, count in counts.items():
+    unread = {topic: count for topic, count in counts.items() if not is_read(topic)}
+    hinted = {topic: text for hint in hints for topic in unread if (text := hint(topic))}
+    yield from islice(dict.fromkeys(hinted.values()), _MAX_SHOWN)
+    for topic, count in unread.items():
         first, second = _levels(topic)
-        if first not in programs and second not in levels and not is_read(topic):
+        if first not in programs and second not in levels and topic not in hinted:
             groups[second if first in levels else first] += count  # of two levels if others are used below the first
     busy = [(group, count) for group, count in groups.most_common() if count >= _BUSY]
     if busy:
