@@ -14,6 +14,7 @@ class FleetRobot:
     """A robot that stands on a node until it gets an order, and reaches one node of it with each :meth:`drive`.
 
     Attributes:
+        closed: Nodes to which it takes no orders.
         refused: Why it refused orders, in the order of these.
     """
 
@@ -31,6 +32,7 @@ class FleetRobot:
     actions: list[dict[str, str]] = field(default_factory=list)
     errors: list[dict[str, Any]] = field(default_factory=list)
     stop: str = "NONE"
+    closed: tuple[str, ...] = ()
     refused: list[str] = field(default_factory=list)
     sent: int = 0
 
@@ -40,9 +42,14 @@ class FleetRobot:
         return f"{self.interface}/v{self.major}/KIT/0001"
 
     def connection(self, state: str = "ONLINE") -> Publication:
-        """What it says when it connects, and as its last will ``CONNECTIONBROKEN``."""
+        """What it says when it connects; see :attr:`last_will`."""
         payload = json.dumps(self._header() | {"connectionState": state}).encode()
         return Publication(f"{self.base}/connection", payload, 1, retain=True)
+
+    @property
+    def last_will(self) -> Publication:
+        """What the broker says when its connection breaks."""
+        return self.connection("CONNECTIONBROKEN" if self.major == 2 else "CONNECTION_BROKEN")
 
     def factsheet(self) -> Publication:
         """What it says about its make."""
@@ -105,15 +112,24 @@ class FleetRobot:
     def _take_order(self, order: dict[str, Any]) -> None:
         if order["orderId"] == self.order.get("orderId"):
             return  # sent again
-        first = order["nodes"][0]
+        first, goal = order["nodes"][0], order["nodes"][-1]["nodeId"]
         if self.ahead:
-            self.refused.append("it has an order")
+            self._refuse(order, "it has an order")
         elif self.charging:
-            self.refused.append("it charges")
+            self._refuse(order, "it charges")
         elif first["nodeId"] != self.node:
-            self.refused.append(f"it does not stand on {first['nodeId']}")
+            self._refuse(order, f"it does not stand on {first['nodeId']}")
+        elif goal in self.closed:
+            self._refuse(order, f"no way to {goal}")
         else:
-            self.order, self.ahead = order, order["nodes"][1:]
+            self.order, self.ahead, self.errors = order, order["nodes"][1:], []
+
+    def _refuse(self, order: dict[str, Any], why: str) -> None:
+        self.refused.append(why)
+        about = [{"referenceKey": "orderId", "referenceValue": order["orderId"]}]
+        self.errors = [
+            {"errorType": "orderError", "errorLevel": "WARNING", "errorDescription": why, "errorReferences": about}
+        ]
 
     def _act(self, action: dict[str, Any]) -> None:
         match action["actionType"]:

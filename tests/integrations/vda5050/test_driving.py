@@ -170,6 +170,12 @@ async def test_a_drive_that_the_robot_does_not_finish_says_why() -> None:
             assert "of dock, Hall, N17 none is Attic" in ended[0]
 
 
+async def test_an_order_that_the_robot_refuses_ends_at_once_with_its_reason() -> None:
+    async with fleet(FleetRobot(closed=("N17",))) as peer, driving(peer, "kitchen") as ended:
+        assert peer.orders == ["N17"]
+        assert ended == [f"{ended[0].partition(':')[0]}: contradicted: orderError (warning): no way to N17"]
+
+
 async def test_a_robot_that_is_driven_by_hand_refuses() -> None:
     async with fleet(FleetRobot(mode="MANUAL")) as peer, driving(peer, "kitchen") as ended:
         await anyio.sleep(10)

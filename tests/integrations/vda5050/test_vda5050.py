@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import pytest
@@ -10,9 +11,11 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from tests.integrations.vda5050.robot import FleetRobot
 
+from homebot.clock import home_time
 from homebot.conventions.convention import Convention
-from homebot.conventions.description import DeviceAnnounced, Publication, Publications
+from homebot.conventions.description import DeviceAnnounced, DeviceRequest, Publication, Publications
 from homebot.conventions.robot_pose import StatedPose
+from homebot.conventions.unreadable import FOUND
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.integrations.vda5050.formats import Vda5050, Vda5050Settings
@@ -28,7 +31,7 @@ def convention(**table: object) -> Vda5050:
 
 
 def told(found: Convention, said: Publication) -> DeviceAnnounced:
-    (device,) = found.read_message(said.topic, said.payload, retained=said.retain)
+    device, *_ = found.read_message(said.topic, said.payload, retained=said.retain)
     assert isinstance(device, DeviceAnnounced)
     return device
 
@@ -79,9 +82,144 @@ def test_its_last_will_says_that_it_cannot_be_reached(major: int) -> None:
     assert availability is not None
     (source,) = availability.sources
     assert source.topic == f"{robot.base}/connection"
-    states = {"ONLINE": True, "OFFLINE": False, "CONNECTIONBROKEN": False, "HIBERNATING": False, "SOON": None}
-    assert {state: source.read(robot.connection(state).payload) for state in states} == states
+    assert source.read(robot.last_will.payload) is False
     assert [source.read(payload) for payload in (b"", b"{", b"[]", b'{"connectionState": []}')] == [None] * 4
+
+
+MEANINGS: dict[str, dict[str, object]] = {
+    "connectionState": {
+        "ONLINE": True,
+        **dict.fromkeys(("OFFLINE", "CONNECTIONBROKEN", "CONNECTION_BROKEN", "HIBERNATING"), False),
+    },
+    "operatingMode": {
+        **dict.fromkeys(("AUTOMATIC", "SEMIAUTOMATIC"), "idle"),
+        **dict.fromkeys(("MANUAL", "SERVICE", "TEACHIN", "TEACH_IN", "STARTUP", "INTERVENED"), "manual"),
+    },
+    "actionStatus": {
+        **dict.fromkeys(("WAITING", "INITIALIZING", "RUNNING", "PAUSED", "RETRIABLE"), "working"),
+        **dict.fromkeys(("FINISHED", "FAILED"), "idle"),
+    },
+    "errorLevel": {"WARNING": "idle", "URGENT": "idle", "CRITICAL": "error", "FATAL": "error"},
+    "eStop": {"NONE": "idle", **dict.fromkeys(("AUTOACK", "MANUAL", "REMOTE"), "error")},
+}
+"""What homebot makes of each word in an enumeration."""
+
+_SECOND = {
+    "connectionState": "ONLINE OFFLINE CONNECTIONBROKEN",
+    "operatingMode": "AUTOMATIC SEMIAUTOMATIC MANUAL SERVICE TEACHIN",
+    "actionStatus": "WAITING INITIALIZING RUNNING FINISHED FAILED",
+    "errorLevel": "WARNING FATAL",
+    "eStop": "AUTOACK MANUAL REMOTE NONE",
+}
+SCHEMAS = {
+    "2.0.0": _SECOND,
+    "2.1.0": _SECOND | {"actionStatus": "WAITING INITIALIZING RUNNING PAUSED FINISHED FAILED"},
+    "3.0.0": {
+        "connectionState": "ONLINE OFFLINE HIBERNATING CONNECTION_BROKEN",
+        "operatingMode": "STARTUP AUTOMATIC SEMIAUTOMATIC INTERVENED MANUAL SERVICE TEACH_IN",
+        "actionStatus": "WAITING INITIALIZING RUNNING RETRIABLE PAUSED FINISHED FAILED",
+        "errorLevel": "WARNING URGENT CRITICAL FATAL",
+        "eStop": "MANUAL REMOTE NONE",
+    },
+}
+"""The enumerations of ``connection.schema`` and ``state.schema``, github.com/VDA5050/VDA5050; 3.0 has another key for
+``eStop``."""
+
+
+@pytest.mark.parametrize(
+    ("version", "name", "word"),
+    [(version, name, word) for version, names in SCHEMAS.items() for name in names for word in names[name].split()],
+)
+def test_each_word_that_a_schema_allows_has_its_meaning(version: str, name: str, word: str) -> None:
+    robot, meaning = FleetRobot(int(version[0])), MEANINGS[name][word]
+    match name:
+        case "connectionState":
+            availability = told(convention(), robot.connection()).availability
+            assert availability is not None
+            assert availability.sources[0].read(robot.connection(word).payload) is meaning
+            return
+        case "operatingMode":
+            robot.mode = word
+        case "actionStatus":
+            robot.actions = [{"actionId": "lift", "actionStatus": word}]
+        case "errorLevel":
+            robot.errors = [{"errorType": "lost", "errorLevel": word}]
+        case "eStop":
+            robot.stop = word
+    assert Fleet(robot).read()[".option"] == meaning
+
+
+@VERSIONS
+def test_a_robot_says_why_it_refuses_an_order_or_an_action(major: int) -> None:
+    fleet = Fleet(FleetRobot(major, closed=("Hall",)))
+    refusal = fleet.device.parts[0].refusal
+    assert refusal is not None
+    fleet.read()
+    order = fleet.command("Hall", "destination")
+    assert refusal(order) == ""
+    fleet.read()
+    assert refusal(order) == "orderError (warning): no way to Hall"
+    pause = fleet.command("paused")
+    fleet.robot.actions[-1] |= {"actionType": "startPause", "actionStatus": "FAILED", "resultDescription": "not now"}
+    fleet.read()
+    assert refusal(pause) == "startPause failed: not now"
+    assert refusal(fleet.command("Hall", "destination")) == ""
+
+
+def test_an_error_of_an_order_that_the_robot_drives_is_no_refusal() -> None:
+    fleet = Fleet(FleetRobot())
+    fleet.read()
+    order = fleet.command("Hall", "destination")
+    about = [{"referenceKey": "orderId", "referenceValue": json.loads(order[0].payload)["orderId"]}]
+    fleet.robot.errors = [{"errorType": "slow", "errorLevel": "WARNING", "errorReferences": about}]
+    fleet.read()
+    refusal = fleet.device.parts[0].refusal
+    assert refusal is not None
+    assert refusal(order) == ""
+
+
+@VERSIONS
+def test_a_state_that_was_overtaken_is_dropped_and_counted_and_one_after_a_restart_counts(major: int) -> None:
+    fleet = Fleet(FleetRobot(major, x=1.0))
+    late = fleet.robot.told()
+    fleet.robot.x = 2.0
+    fleet.read()
+    FOUND.clear()
+    assert fleet.read(late) == {}
+    (found,) = FOUND
+    assert "expects a headerId after" in found.why()
+    again = {"headerId": 0, "timestamp": "2026-11-30T11:00:00.000Z"}
+    assert fleet.read(fleet.robot.told() | again)["x.measurement"] == 2.0
+
+
+def test_the_ids_of_actions_are_unique_over_restarts() -> None:
+    robot, ids = FleetRobot(), set[str]()
+    state = robot.told()
+    at = datetime(2026, 11, 30, 12, tzinfo=UTC)
+    for start in range(3):
+        token = home_time.set(lambda start=start: at + timedelta(seconds=start))  # type: ignore[misc]
+        found = convention()
+        _, asked = found.read_message(robot.connection().topic, robot.connection().payload, retained=True)
+        assert isinstance(asked, DeviceRequest)
+        fleet = Fleet(robot)
+        fleet.read(state)
+        sent = *asked.publications, *fleet.command("paused"), *fleet.command("paused")
+        ids |= {json.loads(one.payload)["actions"][0]["actionId"] for one in sent}
+        home_time.reset(token)
+    assert len(ids) == 9
+
+
+@VERSIONS
+def test_a_robot_that_does_not_know_where_it_is_gets_no_order_and_one_that_never_tells_gets_one(major: int) -> None:
+    fleet, key = Fleet(FleetRobot(major)), "agvPosition" if major == 2 else "mobileRobotPosition"
+    state = fleet.robot.told()
+    fleet.read(state | {key: {"x": 0, "y": 0, "mapId": "", "positionInitialized": False, "localized": False}})
+    with pytest.raises(RefusedError, match="does not know where it is"):
+        fleet.command("Hall", "destination")
+    del state[key]
+    fleet.read(state)
+    (order,) = fleet.command("Hall", "destination")
+    assert ["nodePosition" in node for node in json.loads(order.payload)["nodes"]] == [False, False]
 
 
 @VERSIONS
@@ -261,9 +399,11 @@ def test_a_robot_stops_charging_before_it_takes_an_order(major: int) -> None:
 def test_a_robot_of_the_house_states_its_pose_by_its_state(major: int) -> None:
     poses, robot = Vda5050Poses(), FleetRobot(major, x=3.0, y=4.0)
     assert poses.read(robot.state().payload) == StatedPose(MapPose(3.0, 4.0), 35.0)
+    late = json.dumps(robot.told() | {"driving": True}).encode()
     lost = robot.told()
     lost["agvPosition" if major == 2 else "mobileRobotPosition"] |= {"positionInitialized": False, "localized": False}
     assert poses.read(json.dumps(lost).encode()) == StatedPose(None, 35.0)
+    assert poses.read(late) == StatedPose(None, 35.0)
     assert poses.read(json.dumps(lost | {"driving": True}).encode()) == StatedPose(None)
     assert [poses.read(other) for other in (b'{"x": 1, "y": 2}', b"[]", b"{", b"")] == [None] * 4
 
@@ -310,6 +450,15 @@ def test_other_fleets_have_other_topics() -> None:
     found = convention(interfaces=["plant/agvs"])
     assert found.filters()[0] == "plant/agvs/+/+/+/connection"
     assert told(found, FleetRobot(interface="plant/agvs").connection()).key == "KIT/0001"
+
+
+def test_robots_below_other_first_levels_are_hinted_at() -> None:
+    found = convention()
+    assert found.filters()[3] == "vda5050/+/+/+/connection"
+    hint = 'to find it: vda5050.interfaces = ["uagv", "vda5050", "plant/agvs"]'
+    assert found.hint("plant/agvs/v3/KIT/0001/state").endswith(hint)
+    for known in ("uagv/v2/KIT/0001/visualization", "plant/agvs/v3/KIT/0001/order", "plant/agvs/x/KIT/0001/state"):
+        assert found.hint(known) == ""
 
 
 def test_ten_thousand_robots_do_not_push_out_the_first() -> None:

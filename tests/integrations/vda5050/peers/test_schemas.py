@@ -5,10 +5,10 @@ import subprocess
 
 import pytest
 from tests.integrations.vda5050.robot import FleetRobot
-from tests.integrations.vda5050.test_vda5050 import Fleet
+from tests.integrations.vda5050.test_vda5050 import Fleet, convention
 from tests.peers.other_python import python_with
 
-from homebot.conventions.description import Publication
+from homebot.conventions.description import DeviceRequest, Publication
 
 CHECK = """
 import json
@@ -37,13 +37,15 @@ def problems(python: str, *said: Publication) -> list[str]:
 
 def test_what_the_simulated_robot_says_is_valid(python: str) -> None:
     robot = FleetRobot()
-    said = robot.connection(), robot.connection("CONNECTIONBROKEN"), robot.state()
+    said = robot.connection(), robot.last_will, robot.state()
     assert problems(python, *said) == ["connection", "connection", "state"]
 
 
 def test_orders_and_instant_actions_are_valid(python: str) -> None:
     fleet = Fleet(FleetRobot(node="Hall"), charger="dock")
-    sent: list[Publication] = [*fleet.device.parts[0].state_requests]
+    (_, asked) = convention().read_message(*fleet.robot.connection()[:2], retained=True)
+    assert isinstance(asked, DeviceRequest)
+    sent: list[Publication] = [*asked.publications]
     for value, part in (("charging", ""), ("idle", ""), ("lift", "destination"), ("paused", ""), ("working", "")):
         fleet.read()
         sent += fleet.command(value, part)

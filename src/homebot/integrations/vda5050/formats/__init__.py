@@ -5,8 +5,9 @@ Source: VDA 5050 2.1 and 3.0, "MQTT topic levels".
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, ClassVar, Final, Self, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 
@@ -26,6 +27,7 @@ def _check_position(position: tuple[float, ...]) -> tuple[float, ...]:
 
 _Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 _Position: TypeAlias = Annotated[tuple[_Metres, ...], AfterValidator(_check_position)]
+_ROBOT_TOPIC: Final = re.compile(r"(.+)/v\d{1,3}/[^/]+/[^/]+/(?:connection|factsheet|state|visualization)")
 _Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
 
 
@@ -39,7 +41,7 @@ class Vda5050Settings(ConventionSettings):
         charger: The node where robots charge; empty for robots that charge where they stand.
     """
 
-    interfaces: tuple[TopicPrefix, ...] = ("uagv",)
+    interfaces: tuple[TopicPrefix, ...] = ("uagv", "vda5050")
     nodes: Annotated[Mapping[_Name, _Position], Field(max_length=1000)] = Field(default_factory=dict)
     charger: str = ""
 
@@ -60,6 +62,14 @@ class Vda5050(LazyConvention[Vda5050Settings, "Vda5050Reader"]):
         """Return the filters of the messages of robots."""
         topics = ("connection", "factsheet", "state")
         return tuple(f"{interface}/+/+/+/{topic}" for interface in self.settings.interfaces for topic in topics)
+
+    def hint(self, topic: str) -> str:
+        """Return how the robot that publishes on *topic* is found, if it does so below other first levels."""
+        found = _ROBOT_TOPIC.fullmatch(topic)
+        if found is None or found[1] in self.settings.interfaces:
+            return ""
+        known = ", ".join(f'"{interface}"' for interface in (*self.settings.interfaces, found[1][:100]))
+        return f"a robot of VDA 5050 may publish below {found[1][:100]}; to find it: vda5050.interfaces = [{known}]"
 
     def load_reader(self) -> Vda5050Reader:
         """Return a reader of the messages of robots."""

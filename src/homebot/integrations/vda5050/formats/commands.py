@@ -4,15 +4,15 @@ Source: VDA 5050 2.1 and 3.0, ``order.schema``, ``instantActions.schema`` and "P
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC
 from typing import Final, final
 
 from homebot.clock import home_time
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.payload import compact_json
+from homebot.conventions.payload import JsonMessage, compact_json, parse_object
 from homebot.errors import RefusedError
-from homebot.integrations.vda5050.formats.state import RobotState
+from homebot.integrations.vda5050.formats.state import RobotState, entries_of, reference_of
 
 _DEVIATION: Final = 0.5
 """Metres around the position of a robot in which it stands on the first node of its order."""
@@ -72,7 +72,12 @@ class RobotCommands:
 
     def request(self) -> Publications:
         """Return the request to tell the state now, as a robot may be silent about it for 30 seconds."""
-        return self._instantly("stateRequest", RobotState({}))
+        return self._instantly("stateRequest", self.state or RobotState({}))
+
+    def refusal(self, sent: Publications) -> str:
+        """Return why the robot refuses the order or action that was *sent*, by its last state; empty if it does not."""
+        known = {} if self.state is None else self.state.refusals
+        return next((known[name] for one in sent for name in _ids(parse_object(one.payload)) if name in known), "")
 
     def _known(self, capability: str, wanted: str) -> RobotState:
         if self.state is None:
@@ -88,6 +93,8 @@ class RobotCommands:
     def _order(self, target: str, capability: str, *, charge: bool = False) -> Publications:
         state = self._known(capability, target)
         self._require_free(state, capability, target)
+        if state.is_lost:
+            raise RefusedError(f"{capability} {target!r}", "the robot does not know where it is; localize it first")
         if state.charging and not charge:
             return self._instantly("stopCharging")  # it takes no order before; sent again, the command is the order
         order_id = f"homebot {state.timestamp} {target}"  # the same for the same state: sent again, it acts once
@@ -97,7 +104,7 @@ class RobotCommands:
             position = state.position
             start["nodePosition"] = self._position(state, (position.x, position.y), _DEVIATION)
         end: dict[str, object] = {"nodeId": target, "sequenceId": 2, "released": True, "actions": []}
-        if place := self._nodes[target]:
+        if (place := self._nodes[target]) and state.position is not None:  # else it needs the node alone
             end["nodePosition"] = self._position(state, place)
         if charge:
             end["actions"] = [_action("startCharging", f"{order_id} charge", "HARD")]
@@ -124,9 +131,9 @@ class RobotCommands:
         return position
 
     def _instantly(self, action: str, state: RobotState | None = None) -> Publications:
-        number = self._sent.get("instantActions", 0)
+        number = self._sent.get("instantActions", -1) + 1
         state = state or self._known("option", action)
-        named = _action(action, f"homebot {state.timestamp} {action} {number}", "NONE")
+        named = _action(action, f"homebot {self._now(state)} {action} {number}", "NONE")
         # 2.0 and its schema have two names for the list
         keys = (
             ("actions", "instantActions") if (state.version or f"{self._major}.0").startswith("2.0") else ("actions",)
@@ -135,18 +142,29 @@ class RobotCommands:
 
     def _message(self, topic: str, content: Mapping[str, object], state: RobotState | None = None) -> Publications:
         state = state or self._known(topic, "")
-        now = home_time.get()
-        told_at = state.timestamp if now is None else now().astimezone(UTC).isoformat(timespec="milliseconds")
         number = self._sent[topic] = self._sent.get(topic, -1) + 1
         maker, serial = self._base.rsplit("/", 2)[1:]
         header = {
             "headerId": number,
-            "timestamp": told_at.replace("+00:00", "Z"),
+            "timestamp": self._now(state),
             "version": state.version or f"{self._major}.0.0",
             "manufacturer": maker,
             "serialNumber": serial,
         }
         return (Publication(f"{self._base}/{topic}", compact_json({**header, **content}).encode()),)
+
+    @staticmethod
+    def _now(state: RobotState) -> str:
+        now = home_time.get()
+        told_at = state.timestamp if now is None else now().astimezone(UTC).isoformat(timespec="milliseconds")
+        return told_at.replace("+00:00", "Z")
+
+
+def _ids(message: JsonMessage) -> Iterator[str]:
+    """Yield the ids of an order and of its actions, or of instant actions."""
+    yield reference_of(message.get("orderId"))
+    for holder in (message, *entries_of(message, "nodes")):
+        yield from (reference_of(action.get("actionId")) for action in entries_of(holder, "actions"))
 
 
 def _action(name: str, action_id: str, blocking: str) -> dict[str, object]:
