@@ -10,7 +10,7 @@ from structlog.testing import capture_logs
 from tests.graph.test_topic import text
 
 from homebot.errors import UsageError
-from homebot.graph import OTHERS, DurabilityPolicy, Graph, Node, QoSProfile
+from homebot.graph import OTHERS, DurabilityPolicy, Graph, GraphEntity, Node, QoSProfile
 from homebot.messages import String
 
 
@@ -256,3 +256,23 @@ async def test_it_ends_with_the_subscription_once_all_is_taken(node: Node) -> No
     subscription.close()
     await subscription.run_batches(lambda some: got.extend([one.data for one in some]))
     assert got == ["1"]
+
+
+@pytest.mark.parametrize("lifespan", [0.0, 60.0])
+async def test_a_reader_that_asks_learns_who_sent_each_message_and_whether_that_is_gone(
+    node: Node, lifespan: float
+) -> None:
+    senders: dict[str, GraphEntity | None] = {}
+    qos = QoSProfile(lifespan=lifespan, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    early, late = (node.create_publisher(String, "t", qos) for _ in "ab")
+    early.publish(text(1))
+    plain = node.create_subscription(String, "t", None, qos)
+    asking = node.create_subscription(
+        String, "t", lambda message: senders.update({message.data: asking.sender}), qos, names_sender=True
+    )
+    late.publish(text(2))
+    early.close()
+    await anyio.wait_all_tasks_blocked()
+    assert senders == {"1": early, "2": late}
+    assert (early.is_closed, late.is_closed) == (True, False)
+    assert [plain.take(), plain.take(), plain.sender] == [text(1), text(2), None]

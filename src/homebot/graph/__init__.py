@@ -5,6 +5,7 @@ from homebot.graph.endpoint import ActionInfo as ActionInfo
 from homebot.graph.endpoint import EndpointInfo as EndpointInfo
 from homebot.graph.endpoint import EntityKind as EntityKind
 from homebot.graph.endpoint import GraphChange as GraphChange
+from homebot.graph.endpoint import GraphEntity as GraphEntity
 from homebot.graph.graph import Graph as Graph
 from homebot.graph.mailbox import Mailbox as Mailbox
 from homebot.graph.node import Node as Node

@@ -130,6 +130,7 @@ class Node:
         concurrent: bool = False,
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
+        names_sender: bool = False,
     ) -> Subscription[MessageT]:
         """Return a subscription to *topic*: iterate over it, or give a *callback*.
 
@@ -140,6 +141,7 @@ class Node:
             from_node: Full name of the only publishing node to receive from; empty for all nodes, `OTHERS` for all but
                 this one.
             queue: A custom queue; by default it has the depth of *qos_profile*.
+            names_sender: Whether to record the :attr:`Subscription.sender` of each message.
 
         Raises:
             QosError: *qos_profile* contradicts itself.
@@ -150,7 +152,16 @@ class Node:
         on_close = partial(self._leave_topic, channel)
         on_failure = partial(self._record_failure, f"handler of {channel.name}", "its message is lost")
         subscription = Subscription(
-            channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, from_node, queue
+            channel.name,
+            msg_type,
+            self.full_name,
+            qos,
+            self.graph.clock,
+            on_close,
+            on_failure,
+            from_node,
+            queue,
+            names_sender=names_sender,
         )
         channel.add_subscription(subscription)
         self.add_entity(subscription)

@@ -63,7 +63,8 @@ class Publisher(GraphEntity, Generic[MessageT]):
         self._subscriptions: tuple[Subscription[MessageT], ...] = ()
         self._mailboxes: tuple[Mailbox[MessageT | Expiring[MessageT]], ...] = ()
         self._history = _history(message_type, qos) if history is None else history
-        self._is_plain = not (qos.lifespan or qos.deadline or qos.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC)
+        self._is_watched = bool(qos.lifespan or qos.deadline or qos.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC)
+        self._is_plain = not self._is_watched
         self.on_failure = on_failure
         self.watchers: tuple[EventWatcher[Any], ...] = ()
         self._asserted_at = -math.inf
@@ -189,6 +190,8 @@ class Publisher(GraphEntity, Generic[MessageT]):
         before, self._subscriptions = self._subscriptions, subscriptions
         self._mailboxes = tuple([subscription.mailbox for subscription in subscriptions])
         self.subscription_count = len(subscriptions)
+        are_asked = [subscription for subscription in subscriptions if subscription.names_sender]
+        self._is_plain = not (self._is_watched or are_asked or self.is_closed)
         if self.watchers or [subscription for subscription in (*before, *subscriptions) if subscription.watchers]:
             for subscription in before:
                 if subscription not in subscriptions:
@@ -208,18 +211,18 @@ class Publisher(GraphEntity, Generic[MessageT]):
         mailbox = subscription.mailbox
         lost = mailbox.lost
         for item in self._kept():
-            mailbox.put(item)
+            subscription.put(item, self)
         mailbox.lost = lost  # a queue shorter than the history does not count as loss
 
     def _publish_watched(self, message: MessageT) -> None:
-        """Publish *message* with a lifespan, a deadline or a liveliness assertion."""
+        """Publish *message* with a lifespan, a deadline, a liveliness assertion, or to who asks for its sender."""
         self._check_open()
         lifespan = self.qos.lifespan
         item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message
         if self._history is not None:
             self._history.append(item)
-        for mailbox in self._mailboxes:
-            mailbox.put(item)
+        for subscription in self._subscriptions:
+            subscription.put(item, self)
         self._record_activity(is_message=True)
 
     def _record_activity(self, *, is_message: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Awaitable, Callable, Hashable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -40,10 +41,11 @@ Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
 @final
 @dataclass(frozen=True, slots=True)
 class Expiring(Generic[T]):
-    """A queued message with a lifespan."""
+    """A queued message with a lifespan, or for a reader that asks who sent it."""
 
     message: T
     expires_at: float
+    sender: GraphEntity | None = None
 
     def __getattr__(self, name: str) -> object:
         """Return a field of the message, so that keys can be read as if from the message itself."""
@@ -60,6 +62,9 @@ class Subscription(GraphEntity, Generic[MessageT]):
     Attributes:
         from_node: Full name of the only publishing node that it receives from; empty for all nodes, :data:`OTHERS` for
             all but its own.
+        names_sender: Whether it records who sent each message.
+        sender: The publisher of the message that was taken last, until the next one is; None unless recorded. It is
+            closed once the node, or the client outside, that published is gone.
         expired: The number of messages not delivered because their lifespan had passed.
         unbegun: The number of received messages whose task has not begun.
         slowest: The longest run of its sequential callback in seconds, including waits; None if not measured.
@@ -76,11 +81,15 @@ class Subscription(GraphEntity, Generic[MessageT]):
         on_failure: Callable[[BaseException], None],
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
+        *,
+        names_sender: bool = False,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_subscription` instead."""
         super().__init__(EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos), on_close)
         self.qos = qos
         self.from_node = from_node
+        self.names_sender = names_sender
+        self.sender: GraphEntity | None = None
         self.incompatible_qos_count = 0
         self.expired = 0
         self.unbegun = 0
@@ -275,7 +284,15 @@ class Subscription(GraphEntity, Generic[MessageT]):
         if self.is_closed:
             self.mailbox.clear()
 
+    def put(self, item: MessageT | Expiring[MessageT], sender: GraphEntity) -> None:
+        """Queue what *sender* published; called by it."""
+        if self.names_sender:
+            until = item.expires_at if isinstance(item, Expiring) else math.inf
+            item = Expiring(item.message if isinstance(item, Expiring) else item, until, sender)
+        self.mailbox.put(item)
+
     def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:
+        self.sender = item.sender
         if self._clock.monotonic() < item.expires_at:
             return item.message
         self.expired += 1

@@ -69,12 +69,20 @@ class MutedNode(Node):
         concurrent: bool = False,
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
+        names_sender: bool = False,
     ) -> Subscription[MessageT]:
         """Return a subscription, see :class:`Node`; on a topic below the node's own name it receives nothing."""
         if self.resolve_name(topic).startswith(f"{self.full_name}/"):
             queue = _Nothing()
         return super().create_subscription(
-            msg_type, topic, callback, qos_profile, concurrent=concurrent, from_node=from_node, queue=queue
+            msg_type,
+            topic,
+            callback,
+            qos_profile,
+            concurrent=concurrent,
+            from_node=from_node,
+            queue=queue,
+            names_sender=names_sender,
         )
 
     def create_service(
