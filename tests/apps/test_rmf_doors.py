@@ -47,6 +47,45 @@ async def ask(requests: Any, requester: str, door: str, value: int, seconds: flo
     await anyio.sleep(seconds)
 
 
+@pytest.mark.parametrize("settings", [{}, {"supervised": True}])
+async def test_a_door_closes_when_the_connection_of_its_last_requester_ends(settings: dict[str, Any]) -> None:
+    config = {"places": PLACES, "apps": {"rmf_doors": settings}}
+    topic = "/door_requests" if settings else "/adapter_door_requests"
+    async with (
+        virtual_house_of(world=parse_world(HOUSE, "test"), config=config) as house,
+        Node(house.runtime.graph, "fleet") as fleet,
+    ):
+        modes: list[int] = []
+        fleet.create_subscription(STATE, "/door_states", lambda state: modes.append(state.current_mode.value))
+        await house.run_for(10)
+        robots = {name: fleet.create_publisher(REQUEST, topic) for name in ("rosie", "anna")}
+        for name, requests in robots.items():
+            await ask(requests, name, "Inner", OPEN, 5.0)
+        robots["rosie"].close()
+        await house.run_for(30)
+        assert modes[-1] == OPEN
+        robots["anna"].close()
+        with capture_logs() as lines:
+            await house.run_for(10)
+        assert "the hold of anna on Inner ends: its connection has ended" in [line.get("message") for line in lines]
+        assert modes[-1] == CLOSED
+
+
+async def test_a_request_with_another_mode_is_refused_in_words() -> None:
+    config = {"places": PLACES, "apps": {"rmf_doors": {}}}
+    async with (
+        virtual_house_of(world=parse_world(HOUSE, "test"), config=config) as house,
+        Node(house.runtime.graph, "fleet") as fleet,
+    ):
+        await house.run_for(10)
+        requests = fleet.create_publisher(REQUEST, "/adapter_door_requests")
+        with capture_logs() as lines:
+            await ask(requests, "rosie", "Inner", 7)
+        assert [line["message"] for line in lines] == [
+            "a request of rosie for Inner was refused: its mode is 7, not 0 (closed) or 2 (open)"
+        ]
+
+
 async def announce(house: VirtualHouse, kind: str, config: dict[str, str]) -> None:
     name = config["unique_id"]
     await house.says(f"homeassistant/{kind}/{name}/config", json.dumps(config))

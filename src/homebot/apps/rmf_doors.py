@@ -1,5 +1,6 @@
 """Doors for Open-RMF: their states, and requests of robots to hold them open."""
 
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import groupby
 from typing import Any, Final, TypeAlias
@@ -13,7 +14,7 @@ from homebot.devices.handles.sensors import ContactSensor
 from homebot.devices.names import GET_PLACES
 from homebot.devices.places_messages import GetPlaces, GetPlacesRequest
 from homebot.errors import RefusedError, ServiceError
-from homebot.graph import Node
+from homebot.graph import GraphEntity, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.interfaces import find_message
 from homebot.messages.message import Message
@@ -38,13 +39,27 @@ class RmfDoorsSettings(AppSettings):
     """The keys of the table of :class:`RmfDoors`.
 
     Attributes:
-        held_for: Seconds after which a request that is not repeated no longer holds a door open: a robot that died
-            leaves none unlocked.
+        held_for: Seconds after which a request that is not repeated no longer holds a door open, although its requester
+            is connected.
         supervised: True if a door supervisor of Open-RMF runs: it hears robots, and its ``/door_requests`` are served.
     """
 
     held_for: Seconds = 3600.0
     supervised: bool = False
+
+
+@dataclass(eq=False, slots=True)
+class _DoorHold:
+    """The hold of one requester on one door.
+
+    Attributes:
+        since: The time of its first request.
+        sender: Who published its last request.
+    """
+
+    since: Time
+    scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)
+    sender: GraphEntity | None = None
 
 
 class RmfDoors(App[RmfDoorsSettings]):
@@ -55,7 +70,8 @@ class RmfDoors(App[RmfDoorsSettings]):
 
     A door in the plan is represented by its lock or motor, else by its contact. Locks, motors and contacts that are in
     no plan are doors under their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester;
-    ``MODE_CLOSED`` releases the requester's hold, and locks or closes the door after the last one.
+    ``MODE_CLOSED``, or the end of the requester's connection, releases its hold, and locks or closes the door after the
+    last one.
     """
 
     def __init__(self, node: Node, settings: RmfDoorsSettings) -> None:
@@ -63,13 +79,15 @@ class RmfDoors(App[RmfDoorsSettings]):
         self._held_for = settings.held_for
         self._places = node.create_client(GetPlaces, GET_PLACES)
         self._doors: dict[str, _Part | None] = {}
-        self._holds: dict[tuple[str, str], tuple[anyio.CancelScope, Time]] = {}
+        self._holds: dict[tuple[str, str], _DoorHold] = {}
         self._state_type: Any = find_message("rmf_door_msgs/msg/DoorState")
         self._mode_type: Any = find_message("rmf_door_msgs/msg/DoorMode")
         self._states = node.create_publisher(self._state_type, "/door_states", 100)
         self._tasks: TaskGroup | None = None
         requests = "/door_requests" if settings.supervised else "/adapter_door_requests"
-        node.create_subscription(find_message("rmf_door_msgs/msg/DoorRequest"), requests, self._request)
+        self._requests = node.create_subscription(
+            find_message("rmf_door_msgs/msg/DoorRequest"), requests, self._request, names_sender=True
+        )
         self._beat_type: Any = find_message("rmf_door_msgs/msg/SupervisorHeartbeat")
         self._beats = (
             None if settings.supervised else node.create_publisher(self._beat_type, "/door_supervisor_heartbeat")
@@ -83,6 +101,10 @@ class RmfDoors(App[RmfDoorsSettings]):
                     self._doors = await self._find_doors()
                 except ServiceError as exc:
                     self._warn(str(exc))
+                for (door, requester), hold in self._holds.items():
+                    if hold.sender is not None and hold.sender.is_closed and not hold.scope.cancel_called:
+                        self._warn(f"the hold of {requester} on {door} ends: its connection has ended")
+                        hold.scope.cancel()
                 time = Time.from_seconds(self.node.graph.clock.now())
                 for name, part in self._doors.items():
                     mode = self._mode_type(value=_mode(part))
@@ -97,7 +119,7 @@ class RmfDoors(App[RmfDoorsSettings]):
         return tuple(
             sessions(
                 door_name=door,
-                sessions=tuple(session(request_time=self._holds[key][1], requester_id=key[1]) for key in keys),
+                sessions=tuple(session(request_time=self._holds[key].since, requester_id=key[1]) for key in keys),
             )
             for door, keys in groupby(sorted(self._holds), lambda key: key[0])
         )
@@ -124,22 +146,25 @@ class RmfDoors(App[RmfDoorsSettings]):
         stated: Any = request
         name = next((door for door in self._doors if fold(door) == fold(stated.door_name)), "")
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
+        hold, mode = self._holds.get(key), stated.requested_mode.value
         if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
             all_doors = did_you_mean(stated.door_name[:100], self._doors, "/door_states lists all doors")
             hint = "its device is only a contact, or is not known yet" if name else all_doors
             problem = f"{stated.door_name[:100]!r} is not a door with a lock or motor; {hint}"
             self._warn(f"a request for a door was refused: {problem if key[1] else 'no requester is stated'}")
             return
-        if stated.requested_mode.value == _OPEN:
-            deadline = anyio.current_time() + self._held_for
-            if key in self._holds:
-                self._holds[key][0].deadline = deadline
-            elif len(self._holds) < _MAX_HOLDERS:
-                scope = anyio.CancelScope(deadline=deadline)
-                self._holds[key] = (scope, stated.request_time)
-                self._tasks.start_soon(partial(self._hold, key, part, scope))
-        elif stated.requested_mode.value == _CLOSED and key in self._holds:
-            self._holds[key][0].cancel()
+        if mode not in {_CLOSED, _OPEN}:
+            self._warn(f"a request of {key[1]} for {name} was refused: its mode is {mode}, not 0 (closed) or 2 (open)")
+        elif mode == _CLOSED:
+            if hold is not None:
+                hold.scope.cancel()
+        elif hold is None and len(self._holds) >= _MAX_HOLDERS:
+            self._warn(f"a request of {key[1]} for {name} was refused: {_MAX_HOLDERS} others hold doors")
+        else:
+            if hold is None:
+                hold = self._holds[key] = _DoorHold(stated.request_time)
+                self._tasks.start_soon(partial(self._hold, key, part, hold.scope))
+            hold.scope.deadline, hold.sender = anyio.current_time() + self._held_for, self._requests.sender
 
     async def _hold(self, key: tuple[str, str], part: Closure | DoorLock, scope: anyio.CancelScope) -> None:
         """Hold a door open until *scope* ends; close it after the last holder."""

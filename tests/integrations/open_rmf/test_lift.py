@@ -72,6 +72,10 @@ class Lift:
         self._requests.publish(REQUEST(lift_name=lift, request_time=time, **fields))
         await anyio.sleep(1)
 
+    def leave(self) -> None:
+        """End the connection of the robots."""
+        self._requests.close()
+
     def now(self) -> tuple[str, str, int, int, str]:
         """Return where the lift is, where it goes, its door, its motion, and who has it."""
         state = self.states[-1]
@@ -141,6 +145,17 @@ async def test_a_robot_that_is_not_heard_any_more_loses_the_lift_and_the_next_on
         assert lift.now() == ("Ground", "Ground", OPEN, STOPPED, "anna")
         await lift.house.run_for(70)
         assert lift.now() == ("Ground", "Ground", CLOSED, STOPPED, "")
+
+
+async def test_a_robot_whose_connection_ends_loses_the_lift_and_the_next_one_gets_it() -> None:
+    async with lift_of() as lift, Node(lift.house.runtime.graph, "other_fleet") as other:
+        await lift.ask("anna", "First")
+        await Lift(lift.house, other, "/adapter_lift_requests").ask("rosie", "Attic")
+        await lift.house.run_for(20)
+        assert lift.now() == ("First", "First", OPEN, STOPPED, "anna")
+        lift.leave()
+        await lift.house.run_for(20)
+        assert lift.now() == ("Attic", "Attic", OPEN, STOPPED, "rosie")
 
 
 async def test_others_cannot_send_the_lift_away_while_a_robot_has_it() -> None:
@@ -223,12 +238,14 @@ async def test_a_wrong_request_is_refused_with_its_reason() -> None:
             await lift.ask("rosie", "Atic")
             await lift.ask(" ", "Attic")
             await lift.ask("rosie", "Attic", kind=7)
+            await lift.ask("rosie", "Attic", HUMAN, 7)
             await lift.ask("rosie", "Attic", lift="Other")
             await lift.ask("rosie", kind=END)
         assert [line["message"] for line in lines] == [
             "Main: a request of rosie was refused: 'Atic' is no floor; did you mean Attic?",
             "Main: a request was refused: no session is stated",
             "Main: a request of rosie was refused: its request_type is 7, not 0, 1 or 2",
+            "Main: a request of rosie was refused: its door_state is 7, not 0 or 2",
         ]
         assert lift.now()[4] == ""
 

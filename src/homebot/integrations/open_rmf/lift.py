@@ -16,7 +16,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.lift import DOOR, is_open, why_it_stays
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.graph import Node
+from homebot.graph import GraphEntity, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.interfaces import find_message
 from homebot.messages.message import Message
@@ -58,7 +58,7 @@ class LiftSettings(AppSettings):
         door: The motor of its door, or a contact of a door that moves by itself; by default that of the device, if it
             has one.
         doors: Those of floors with a door of their own, by floor.
-        held_for: Seconds after which a session ends without a further request: the robot may have died.
+        held_for: Seconds after which a session ends without a further request, although its robot is connected.
         supervised: True if a lift supervisor of Open-RMF runs: it hears robots, and its ``/lift_requests`` are served.
     """
 
@@ -86,6 +86,7 @@ class _LiftSession:
 
     Attributes:
         scope: The scope in which it is served; its end ends the session.
+        sender: Who published its last request.
     """
 
     id: str
@@ -93,15 +94,16 @@ class _LiftSession:
     is_open: bool
     ends_at: float
     scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)
+    sender: GraphEntity | None = None
 
 
 @final
 class RmfLift(App[LiftSettings]):
     """Publishes ``/lift_states`` of one lift, and serves requests for it.
 
-    The first session has the lift until its ``REQUEST_END_SESSION``; others wait in the order of their first requests.
-    Meanwhile the floor and the door are held for it: the lift is sent to its floor with the door closed, and the door
-    is open while it is there.
+    The first session has the lift until its ``REQUEST_END_SESSION``, or the end of its connection; others wait in the
+    order of their first requests. Meanwhile the floor and the door are held for it: the lift is sent to its floor with
+    the door closed, and the door is open while it is there.
     """
 
     def __init__(self, node: Node, settings: LiftSettings) -> None:
@@ -115,7 +117,9 @@ class RmfLift(App[LiftSettings]):
         self._state_type: Any = find_message("rmf_lift_msgs/msg/LiftState")
         self._states = node.create_publisher(self._state_type, "/lift_states", 100)
         requests = "/lift_requests" if settings.supervised else "/adapter_lift_requests"
-        node.create_subscription(find_message("rmf_lift_msgs/msg/LiftRequest"), requests, self._request)
+        self._requests = node.create_subscription(
+            find_message("rmf_lift_msgs/msg/LiftRequest"), requests, self._request, names_sender=True
+        )
 
     async def run(self) -> None:
         """Publish the state once a second, and serve one session after the other."""
@@ -128,8 +132,10 @@ class RmfLift(App[LiftSettings]):
             tasks.start_soon(self._serve)
             while True:
                 for session in tuple(self._sessions.values()):
-                    if session.ends_at <= anyio.current_time():
-                        self._warn(f"the session of {session.id} ends: it was not heard for too long")
+                    is_gone = session.sender is not None and session.sender.is_closed
+                    if is_gone or session.ends_at <= anyio.current_time():
+                        why = "its connection has ended" if is_gone else "it was not heard for too long"
+                        self._warn(f"the session of {session.id} ends: {why}")
                         self._end(session.id)
                 self._wake()
                 self._states.publish(self._state())
@@ -244,11 +250,15 @@ class RmfLift(App[LiftSettings]):
         elif not floor:
             hint = did_you_mean(stated.destination_floor[:100], floors, f"it has {', '.join(floors) or 'none yet'}")
             self._warn(f"a request of {name} was refused: {stated.destination_floor[:100]!r} is no floor; {hint}")
-        elif name in self._sessions or len(self._sessions) < _MAX_SESSIONS:
+        elif stated.request_type == _HUMAN and stated.door_state not in {_CLOSED, _OPEN}:
+            self._warn(f"a request of {name} was refused: its door_state is {stated.door_state}, not 0 or 2")
+        elif name not in self._sessions and len(self._sessions) >= _MAX_SESSIONS:
+            self._warn(f"a request of {name} was refused: {_MAX_SESSIONS} others wait")
+        else:
             is_open = stated.request_type == _AGV or stated.door_state == _OPEN
             session = self._sessions.setdefault(name, _LiftSession(name, floor, is_open, 0.0))
             session.floor, session.is_open = floor, is_open
-            session.ends_at = anyio.current_time() + self._settings.held_for
+            session.sender, session.ends_at = self._requests.sender, anyio.current_time() + self._settings.held_for
         self._wake()
 
     def _end(self, name: str) -> None:
