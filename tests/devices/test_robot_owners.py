@@ -15,6 +15,7 @@ from homebot.messages.tf2_msgs import TFMessage
 from homebot.words.rights import read_scope
 
 ONE = RobotOwners({"rosie": ()})
+ONE_AND_A_GUEST = RobotOwners({"rosie": ()}, ["bob", "rosie"])
 TWO = RobotOwners({"rosie": (), "bob": ("gripper",)})
 
 
@@ -44,6 +45,10 @@ def tf(*frames: str) -> TFMessage:
         (TWO, "/robot/pose", "?"),
         (TWO, "/bob/pose", "bob"),
         (RobotOwners(), "/robot/pose", "robot"),
+        (RobotOwners(guests=["bob"]), "/robot/pose", "bob"),
+        (RobotOwners(guests=["bob", "rosie"]), "/robot/pose", "?"),
+        (ONE_AND_A_GUEST, "/amcl_pose", "rosie"),
+        (ONE_AND_A_GUEST, "/bob/pose", "bob"),
     ],
 )
 def test_a_robot_owns_what_is_below_its_name_and_a_sole_one_the_plain_pose_topics(

@@ -2,10 +2,11 @@
 
 import sys
 from collections import Counter
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from itertools import pairwise
 from types import FrameType
+from typing import Any
 
 import anyio
 import pytest
@@ -19,6 +20,7 @@ from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import RobotPose, RobotRoom, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.robot_owners import RobotOwners
 from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile, Subscription
+from homebot.graph.actions import ActionServer
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import (
     Point,
@@ -31,13 +33,16 @@ from homebot.messages.geometry_msgs import (
     TwistWithCovariance,
     Vector3,
 )
+from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 from homebot.messages.nav_msgs import Odometry
 from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places import HousePlan, HouseRoom
+from homebot.robots.drive import drive
 from homebot.robots.settings import RobotSettings
 from homebot.robots.tracker import RobotTracker
+from homebot.words.steps import SendRobot
 
 pytestmark = pytest.mark.virtual_time
 
@@ -80,10 +85,13 @@ class House:
 
 @asynccontextmanager
 async def house(
-    *robots: str, settings: dict[str, RobotSettings] | None = None, clock: Clock | None = None
+    *robots: str,
+    guests: Iterable[str] = (),
+    settings: dict[str, RobotSettings] | None = None,
+    clock: Clock | None = None,
 ) -> AsyncIterator[House]:
     graph = Graph(clock or PassingClock(1_750_000_000.0))
-    owners = RobotOwners(dict.fromkeys(robots or ("rosie",), ()))
+    owners = RobotOwners(dict.fromkeys(robots or ("rosie",), ()), guests)
     async with Node(graph, "robots") as node, Node(graph, "a_robot") as robot, anyio.create_task_group() as tasks:
         tracker = RobotTracker(node, owners, lambda: HOUSE, settings)
         await tasks.start(tracker.serve)
@@ -362,6 +370,25 @@ async def test_two_robots_by_namespace_and_by_prefixed_frames() -> None:
         assert (await one.ask("rosi")).is_mistake
         for name in ("ROSIE", "the Rosie", '"rosie"'):
             assert (await one.ask(name)).pose[0].robot == "rosie"
+
+
+async def test_a_robot_that_only_a_token_names_is_none_before_its_first_sign_of_life() -> None:
+    async def dock(goal: Any) -> None:
+        goal.succeed()
+
+    async with house("robot", guests=["rosie"]) as one:
+        ActionServer(one.robot, find_action("nav2_msgs/action/DockRobot"), "/dock_robot", dock)
+        await one.say("/amcl_pose", amcl(1, 2))
+        answer = await one.ask()
+        assert (answer.success, answer.robot, answer.is_sole) == (True, "robot", True)
+        await drive(one.robot, SendRobot("", "robot", "dock"))
+        await one.say("/rosie/pose", stamped(5, 2))
+        assert (await one.ask()).message == "say which robot: robot, rosie"
+        assert [(known.robot, known.is_sole) for known in [await one.ask(name) for name in ("robot", "rosie")]] == [
+            ("robot", True),
+            ("rosie", False),
+        ]
+        await drive(one.robot, SendRobot("", "robot", "dock"))
 
 
 async def test_in_a_doorway_the_robot_stays_in_its_room(one: House) -> None:

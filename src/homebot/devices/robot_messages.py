@@ -66,11 +66,15 @@ class WhereIsRobotResponse(ServiceAnswer):
         pose: The last pose; none if there was none.
         age: Seconds since it was received.
         is_mistake: Whether there is no such robot.
+        robot: Its full name; empty if there is no such robot.
+        is_sole: Whether names of topics and actions without a namespace are its.
     """
 
     pose: tuple[RobotPose, ...] = ()
     age: float = 0.0
     is_mistake: bool = False
+    robot: str = ""
+    is_sole: bool = False
 
 
 WhereIsRobot = ServiceType("homebot/srv/WhereIsRobot", WhereIsRobotRequest, WhereIsRobotResponse)

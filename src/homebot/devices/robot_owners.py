@@ -49,16 +49,21 @@ class RobotOwners:
     """The robots of a house, with their topics and frames.
 
     Args:
-        frames: The frames on ``/tf`` of each robot that do not begin with its name, by robot.
+        frames: The frames on ``/tf`` of each robot of the house that do not begin with its name, by robot.
+        guests: Robots that may come, as a token names them.
 
     Attributes:
-        names: The names of the robots, sorted.
-        sole: The name of the only robot; empty if there are several.
+        names: The names of all robots, sorted.
+        guests: Those of robots that only a token names.
+        sole: The only robot of the house, or else the only one that may come; empty if there are several.
     """
 
-    def __init__(self, frames: Mapping[str, Iterable[str]] | None = None) -> None:
-        self.names = tuple(sorted(frames or ())) or (DEFAULT_ROBOT,)
-        self.sole = self.names[0] if len(self.names) == 1 else ""
+    def __init__(self, frames: Mapping[str, Iterable[str]] | None = None, guests: Iterable[str] = ()) -> None:
+        own = frames or {}
+        self.guests = frozenset(guests) - own.keys()
+        self.names = tuple(sorted({*own, *self.guests})) or (DEFAULT_ROBOT,)
+        first, *others = sorted(own) or self.names
+        self.sole = "" if others else first
         self._by_frame = {frame: robot for robot, names in (frames or {}).items() for frame in names}
 
     def of_topic(self, topic: str) -> str | None:

@@ -63,7 +63,7 @@ async def check_move(node: Node, move: SendRobot | RobotArrival) -> None:
 
 
 async def _robot_called(node: Node, robot: str) -> tuple[str, bool]:
-    """Return the full name of *robot*, and whether it is the sole one.
+    """Return the full name of *robot*, and whether names without a namespace are its.
 
     Raises:
         UsageError: There is no such robot.
@@ -74,8 +74,7 @@ async def _robot_called(node: Node, robot: str) -> tuple[str, bool]:
         answer = await where.call(WhereIsRobotRequest(robot=robot))
         if answer.is_mistake:
             raise UsageError(answer.message)
-        is_sole = not (await where.call(WhereIsRobotRequest())).is_mistake
-        return answer.pose[0].robot if answer.pose else robot, is_sole
+        return answer.robot, answer.is_sole
 
 
 async def _action_of(node: Node, robot: str, action: str) -> str:

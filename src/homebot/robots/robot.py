@@ -97,6 +97,11 @@ class TrackedRobot:
         else:
             self._on_change()
 
+    @property
+    def has_lived(self) -> bool:
+        """True after its first sign of life."""
+        return self.alive_at > -math.inf
+
     def add_life(self, age: float = 0.0) -> None:
         """Record a sign of life of the robot *age* seconds ago."""
         self.alive_at = max(self.alive_at, self.now() - age)

@@ -90,17 +90,20 @@ class RobotTracker:
         self._changed.set()
 
     def _where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
-        is_any = fold(request.robot) in {"robot", ""}
-        name = find_name(request.robot, self._robots) or (is_any and self._owners.sole) or request.robot
-        robot = self._robots.get(name)
-        known = ", ".join(self._owners.names)
-        if robot is None:
-            problem = no_such("robot", name[:100], self._owners.names) if name else f"say which robot: {known}"
-            return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
         self._topics.read()
+        is_any = fold(request.robot) in {"robot", ""}
+        present = [one.name for one in self._robots.values() if one.has_lived or one.name not in self._owners.guests]
+        sole = self._owners.sole if len(present) < 2 else ""
+        name = find_name(request.robot, self._robots) or (is_any and sole) or request.robot
+        robot = self._robots.get(name)
+        if robot is None:
+            which = f"say which robot: {', '.join(present or self._owners.names)}"
+            problem = no_such("robot", name[:100], self._owners.names) if name else which
+            return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
+        found = WhereIsRobotResponse(success=False, robot=name, is_sole=name == self._owners.sole)
         if (best := robot.best()) is None:
             problem = f"the position of {name} is not known yet"
-            return WhereIsRobotResponse(success=False, message=self._with_refusal(problem, name))
+            return found.model_copy(update={"message": self._with_refusal(problem, name)})
         pose, received_at = self._completed(robot, best), best.received_at.to_seconds()
         age = max(0.0, robot.now() - received_at)
         problem = "" if pose.is_sure else f"{name} is not sure where it is: {robot.unsure_because}"
@@ -110,7 +113,7 @@ class RobotTracker:
             )
         if not pose.limit:
             problem = f"{name} is no longer where it was {age:.0f} s ago, by {pose.source}"
-        return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)
+        return found.model_copy(update={"success": pose.counts, "message": problem, "pose": (pose,), "age": age})
 
     def _with_refusal(self, problem: str, robot: str, since: float = -math.inf) -> str:
         return "; ".join(filter(None, (problem, self._topics.refusal(robot, since))))

@@ -101,7 +101,7 @@ class Family:
             message = f"there is no robot {request.robot!r}; robots are rosie"
             return WhereIsRobotResponse(success=False, message=message, is_mistake=True)
         pose = RobotPose(robot="rosie", room=self.room, received_at=Time(sec=0, nanosec=0), limit=math.inf)
-        return WhereIsRobotResponse(success=True, pose=(pose,))
+        return WhereIsRobotResponse(success=True, pose=(pose,), robot=pose.robot, is_sole=True)
 
     async def _drive(self, goal: Any) -> None:
         room = ROOMS[int(goal.request.pose.pose.position.x // METRES)]

@@ -168,12 +168,13 @@ class ClientAccess:
         robot = "" if name in _REQUESTS else self.owners.of_topic(name)
         if right is Right.RAW or robot is None:
             return right
-        if robot == _SEVERAL:
+        if robot != _SEVERAL and self.rights.may_be(robot):
+            return Right.ROBOT
+        is_plain = bool(robot) and not name.startswith(f"/{robot}/")
+        if robot == _SEVERAL or (is_plain and len(self.owners.names) > 1):
             problem = f"this house has several robots ({', '.join(self.owners.names)}); publish below /NAME"
             raise MissingRightError(Right.ROBOT, problem)
-        if not self.rights.may_be(robot):
-            raise MissingRightError(Right.ROBOT, self._problem(Right.ROBOT, robot))
-        return Right.ROBOT
+        raise MissingRightError(Right.ROBOT, self._problem(Right.ROBOT, robot))
 
     def _problem(self, right: Right, robot: str = "") -> str:
         wanted = {Right.ACT: "act: harmless", Right.ROBOT: f"robot: {robot or self.owners.sole or 'NAME'}"}.get(

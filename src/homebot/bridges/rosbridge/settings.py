@@ -171,7 +171,7 @@ class RosbridgeSettings(AccessSettings):
         """Return the robots that tokens may represent or that have *tables*, with their topics and frames."""
         from homebot.devices.robot_owners import RobotOwners  # noqa: PLC0415 - with the first client
 
-        return RobotOwners({**dict.fromkeys(self.robots(), ()), **tables})
+        return RobotOwners(tables, self.robots())
 
     def rights(self, local: ClientRights, *, has_owner: bool = False) -> Mapping[str, ClientRights]:
         """Return the rights of clients by name; without ``local`` if every client must send a token."""
