@@ -52,6 +52,18 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     secret("token", b"hunter2\n")
 
 
+def test_a_router_for_robots_is_told_with_who_may_log_in_and_what_is_missing(capsys: Text) -> None:
+    token = '[door.tokens.rosie]\ntoken_file = "token"\nscope = ["robot: rosie"]\n'
+    Path("homebot.toml").write_text(f'[ros]\nlisten = "tcp/127.0.0.1:7447"\n{token}')
+    assert main(["config", "check"]) == 0
+    users, nobody, rosie = capsys.readouterr().out.splitlines()[-3:]
+    assert users == "  ROS 2:     tcp/127.0.0.1:7447; may log in: none"
+    assert nobody.lstrip().startswith("no robot may log in at tcp/127.0.0.1:7447; that takes import = {NAME")
+    assert rosie.lstrip() == "the token rosie is no login at tcp/127.0.0.1:7447: import of [ros] names no rosie"
+    assert main(["doctor", "--offline"]) == 0
+    assert "import of [ros] names no rosie" in capsys.readouterr().out
+
+
 def test_a_good_file_is_told_in_four_lines(capsys: Text) -> None:
     Path("homebot.toml").write_text(VILLA)
     assert main(["config", "check"]) == 0

@@ -12,7 +12,8 @@ from anyio import to_thread
 from anyio.abc import TaskStatus
 from pydantic import SecretStr
 
-from homebot.bridges.zenoh.rights import WireRights, token_of
+from homebot.bridges.zenoh.logins import login_notes, token_of
+from homebot.bridges.zenoh.rights import WireRights
 from homebot.bridges.zenoh.session import open_session
 from homebot.devices.client_rights import OWNER_CLIENT
 from homebot.errors import UsageError
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from homebot.support.owner_token import OwnerToken
 
 NOT_LINKED = "ros2.not_linked"
+LISTENING = "ros2.listening"
 
 _AGAIN: Final = 30.0
 """Seconds after which a link that could not be opened again is tried anew."""
@@ -115,6 +117,10 @@ class SessionKeeper:
         async with open_session(settings, rights) as session:
             opened = OpenSession(self._graph, plan, settings, session)
             self._current.session = session
+            if settings.listen and not settings.connect:
+                users = ", ".join(rights.passwords) or "nobody"
+                told = f"router for robots listening on {settings.listen}; may log in: {users}"
+                _log.info(LISTENING, message="; ".join([told, *login_notes(settings, plan.door)]))
             try:
                 with ungrouped(UsageError):
                     async with anyio.create_task_group() as tasks:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from homebot.bridges.rosbridge import ClientToken, RosbridgeSettings
+from homebot.bridges.zenoh.logins import login_notes, logins_of
 from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import ConfigError, PeerError, UsageError
 from homebot.features.ros2.robots import RobotsOnWire
@@ -30,6 +31,41 @@ def test_what_comes_from_a_robot_has_the_rights_of_its_token() -> None:
 def test_a_robot_needs_a_token() -> None:
     with pytest.raises(UsageError, match="homebot token new bob --scope read --scope 'robot: bob'"):
         RobotsOnWire.of({"bob": ("/bob/**",)}, door("rosie"), OWNERS)
+
+
+@pytest.mark.parametrize(
+    ("table", "scopes", "logins", "missing"),
+    [
+        ({"import": {"rosie": ["/rosie/**"]}}, {"rosie": ["read", "robot: rosie"]}, ("rosie",), []),
+        ({}, {"rosie": ["read"]}, (), ["no robot may log in at tcp/127.0.0.1:7447; that takes import = "]),
+        (
+            {"import": {"bob": ["/bob/**"]}},
+            {"bob": ["robot: bob"], "rosie": ["read", "robot: rosie"], "tablet": ["read"]},
+            ("bob",),
+            [
+                "bob sees nothing of export at tcp/127.0.0.1:7447: its token lacks the right read",
+                "the token rosie is no login at tcp/127.0.0.1:7447: import of [ros] names no rosie",
+            ],
+        ),
+        (
+            {"import": {"bob": ["/bob/**"]}},
+            {"bob": ["read", "robot: bob"], "second": ["read", "robot: bob"]},
+            ("bob",),
+            ["the token second is no login at tcp/127.0.0.1:7447: bob logs in as bob"],
+        ),
+    ],
+)
+def test_who_may_log_in_at_the_router_and_what_is_missing_is_told(
+    table: dict[str, object], scopes: dict[str, tuple[str, ...]], logins: tuple[str, ...], missing: list[str]
+) -> None:
+    listen = {"listen": "tcp/127.0.0.1:7447", "export": ["/map"]}
+    settings = RosSettings.model_validate(listen | table)
+    tokens = {name: ClientToken(token=f"secret of {name}", scope=scope) for name, scope in scopes.items()}
+    door = RosbridgeSettings(tokens=tokens)
+    assert logins_of(settings, door) == logins
+    found = [*login_notes(settings, door)]
+    assert [one[: len(start)] for one, start in zip(found, missing, strict=True)] == missing
+    assert [*login_notes(settings.model_copy(update={"listen": ""}), door)] == []
 
 
 def test_the_rights_end_with_the_token() -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, Self, TypeAlias
 import zenoh
 
 from homebot.bridges.zenoh.bridge_tokens import ALL_BRIDGE_TOKENS, BRIDGED_ENTITY, CACHE, READ_KINDS, SLASH
+from homebot.bridges.zenoh.logins import token_of
 from homebot.bridges.zenoh.tokens import ALL_TOKENS
 from homebot.devices.client_rights import OWNER_CLIENT
 from homebot.errors import UsageError
@@ -209,13 +210,6 @@ def _chunk(pattern: str, slash: str = "%") -> str:
 
 def _below(*names: str) -> str:
     return f"/{'/'.join(map(escape_token, names))}/**"
-
-
-def token_of(robot: str, rosbridge: RosbridgeSettings) -> str | None:
-    """Return the name of the token of *robot*: the first with the right to be it; None without one."""
-    return next(
-        (name for name, settings in rosbridge.tokens.items() if robot in read_scope(settings.scope).robots), None
-    )
 
 
 def check_apart(settings: RosSettings) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import anyio
 
+from homebot.bridges.zenoh.logins import login_notes, logins_of
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.cli.commands.run import config_errors, with_environment
 from homebot.config import load_config, load_tables
@@ -52,6 +53,10 @@ def _check(options: argparse.Namespace) -> int:
     print(f"  gateways:  {_list(map(_gateway_text, plan.gateways))}")
     print(f"  apps:      {_list(app.name for app in plan.apps)}")
     print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
+    if plan.link is not None and plan.link.listen:
+        print(f"  ROS 2:     {plan.link.listen}; may log in: {_list(logins_of(plan.link, plan.door))}")
+        for note in login_notes(plan.link, plan.door):
+            print(f"             {note}")
     return 0
 
 
@@ -99,6 +104,8 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
         yield from _finding(FindingKind.FOLDER, _folder_problem(folder))
         yield from _finding(FindingKind.FILE, _unreadable_files(folder))
         yield from _finding(FindingKind.NOTE, (("", text) for text in unused_folders(folder)), "homebot")
+    if plan.link is not None:
+        yield from _finding(FindingKind.NOTE, (("", text) for text in login_notes(plan.link, plan.door)), "homebot")
     if reaches:
         yield from _finding(FindingKind.NETWORK, anyio.run(_unreachable, plan))
 

@@ -32,14 +32,16 @@ class LinkHealth:
             return
         self._node.log.warning(event, subject=subject[:200], problem=problem[:500], held_back=held_back)
 
-    def serve(self, lost: Callable[[], int], problems: Callable[[], Iterable[str]]) -> None:
-        """Offer the service, with the counts of *lost* messages and the present *problems*."""
+    def serve(
+        self, lost: Callable[[], int], problems: Callable[[], Iterable[str]], notes: tuple[str, ...] = ()
+    ) -> None:
+        """Offer the service, with the counts of *lost* messages, the present *problems*, and *notes* on the setup."""
 
         def answer(_request: HealthRequest) -> HealthResponse:
             troubles = sorted(problems())
             more = [f"{len(troubles) - _MAX_SHOWN} more do not pass"] if len(troubles) > _MAX_SHOWN else []
             refused = {event.removeprefix("ros2."): count for event, count in self._refused.items()}
             counts = (*Count.each(refused, Severity.FAULT), *Count.each({"lost": lost()}, Severity.LOSS))
-            return HealthResponse(counts=counts, troubles=(*troubles[:_MAX_SHOWN], *more))
+            return HealthResponse(counts=counts, troubles=(*troubles[:_MAX_SHOWN], *more), notes=notes[:_MAX_SHOWN])
 
         self._node.create_service(GetHealth, "~/health", answer)

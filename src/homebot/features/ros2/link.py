@@ -11,6 +11,7 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.zenoh.bridge_tokens import ALL_BRIDGE_TOKENS
 from homebot.bridges.zenoh.entities import OwnEntities
+from homebot.bridges.zenoh.logins import login_notes
 from homebot.bridges.zenoh.tokens import ALL_TOKENS
 from homebot.features.ros2.exports import Exports
 from homebot.features.ros2.health import LinkHealth
@@ -34,7 +35,8 @@ async def serve(opened: OpenSession, *, task_status: TaskStatus[None]) -> None:
     revoked = () if plan.link is None else plan.link.imports.keys() - imports.keys()
     robots = RobotsOnWire.of(imports, plan.door, plan.robot_owners(), opened.graph.clock.now, sorted(revoked))
     async with Node(opened.graph, "ros2") as node:
-        await serve_link(node, opened.session, opened.settings, robots, task_status=task_status)
+        notes = () if plan.link is None else tuple(login_notes(plan.link, plan.door))
+        await serve_link(node, opened.session, opened.settings, robots, notes, task_status=task_status)
 
 
 async def serve_link(
@@ -42,6 +44,7 @@ async def serve_link(
     session: ZenohSession,
     settings: RosSettings,
     robots: RobotsOnWire,
+    notes: tuple[str, ...] = (),
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
@@ -58,7 +61,7 @@ async def serve_link(
         if settings.connect and session.is_alone:
             yield f"no router at {', '.join(settings.connect)} lets it in: does it run, and does it know the login?"
 
-    health.serve(lambda: session.lost, problems)
+    health.serve(lambda: session.lost, problems, notes)
     with closing(imports), node.graph.watch() as changes:
         exports.refresh_all()
         every = (ALL_TOKENS.format(domain=settings.domain), ALL_BRIDGE_TOKENS)

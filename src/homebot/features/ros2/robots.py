@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, final
 
 from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.bridges.zenoh.rights import token_of
+from homebot.bridges.zenoh.logins import token_of
 from homebot.errors import PeerError, UsageError
 from homebot.support.name_patterns import fits_any
 from homebot.words.rights import read_scope
