@@ -1,10 +1,13 @@
-"""A robot's way: hold the door, have the lamp of the next room on, drive in, release; a second robot waits."""
+"""A robot's way: hold the door open and the lamps of the next room on, drive in, release; a second robot waits."""
 
 import asyncio
+from contextlib import AsyncExitStack
 
-from homebot import App, Device, Light, RawMessage, WindowCovering
+import anyio
 
-ROOM = "kitchen"
+from homebot import App, Device, Light, WindowCovering
+
+ROOM, MOST_S = "kitchen", 300.0  # a robot that has not arrived after these seconds lets go of the door and the lamps
 
 
 class RobotWay(App):
@@ -17,23 +20,21 @@ class RobotWay(App):
 
     async def drive(self, robot: Device) -> None:
         arrived = asyncio.Event()
-
-        def hear(message: RawMessage) -> None:
-            if message.text() == ROOM:
-                arrived.set()
-
-        await self.devices.listen(robot, hear)
+        await self.devices.listen(robot, lambda message: arrived.set() if message.text() == ROOM else None)
         door = (await anext(self.devices.follow(WindowCovering, area=ROOM))).handle
-        async with self.doorway, door.hold("open", by=robot.id) as hold:  # a second robot waits here
+        async with self.doorway, AsyncExitStack() as held:  # a second robot waits here
+            hold = await held.enter_async_context(door.hold("open", by=robot.id))
             if not hold.succeeded:
                 self.say(f"{robot.id} stays: {hold.outcome.text}")
                 return
-            for outcome in await self.each(Light.turn_on, await self.devices.find(Light, area=ROOM, on=False)):
-                self.say(f"before {robot.id} drives: {outcome.text}")
+            for lamp in await self.devices.find(Light, area=ROOM):  # so that nobody turns one off meanwhile
+                lit = await held.enter_async_context(lamp.hold("on", by=robot.id))
+                self.say(f"before {robot.id} drives: {lit.outcome.text}")
             arrived.clear()
             await self.devices.tell(robot, f"go {ROOM}")
-            await arrived.wait()
-            self.say(f"{robot.id} is in the {ROOM}")
+            with anyio.move_on_after(MOST_S):
+                await arrived.wait()
+            self.say(f"{robot.id} {'is' if arrived.is_set() else 'has not arrived'} in the {ROOM}")
 
     def say(self, text: str) -> None:
         self.node.log.info("robot_way", message=text)

@@ -1,6 +1,14 @@
 import pytest
 
+from homebot import Devices, Light
 from homebot.house import family_world
+
+
+def slow_world():
+    world = family_world()
+    for robot in ("rosie", "robot"):
+        world.device(robot).speed = 1e-6  # type: ignore[attr-defined]
+    return world
 
 
 @pytest.mark.house("robot_way:RobotWay", world=family_world)
@@ -19,3 +27,12 @@ async def test_the_lamps_are_on_and_the_door_open_before_a_robot_drives_in_and_t
     places = [happened.index(step) for step in steps]
     assert places == sorted(places)
     assert places[2] > happened.index("worktop_lamp says on")
+
+
+@pytest.mark.house("robot_way:RobotWay", world=slow_world)
+async def test_no_lamp_goes_out_before_a_robot_that_drives_in_and_one_that_dies_lets_go(house):
+    await house.run_for("1m")
+    lamps = await Devices(house.runtime.app_host.running["robot_way"].node).find(Light, area="kitchen")
+    assert [(await lamp.turn_off()).kind for lamp in lamps] == ["refused"] * len(lamps)
+    await house.run_for("12m")  # both have had their time
+    assert all([(await lamp.turn_off()).succeeded for lamp in lamps])
