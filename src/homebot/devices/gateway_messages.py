@@ -168,6 +168,19 @@ class CommandAnswer(Message):
     success: bool
     message: str = ""
 
+    @classmethod
+    def to(cls, command: Command, gateway: str, problem: str = "") -> "CommandAnswer":
+        """Return the answer to *command* of *gateway*: a refusal with its *problem*, or that the device took it."""
+        return cls(
+            gateway=gateway,
+            key=command.key,
+            part=command.part,
+            capability=command.capability,
+            command_id=command.id,
+            success=not problem,
+            message=problem,
+        )
+
 
 class SendCommandResponse(ServiceAnswer):
     """The gateway's result for a command; it does not prove that the device obeyed.

@@ -109,17 +109,7 @@ class DeviceReporter:
         command, messages = part.sent
         if why := part.described.refusal(messages):
             part.sent = None
-            self._answers.publish(
-                CommandAnswer(
-                    gateway=self._gateway_name,
-                    key=command.key,
-                    part=command.part,
-                    capability=command.capability,
-                    command_id=command.id,
-                    success=False,
-                    message=why,
-                )
-            )
+            self._answers.publish(CommandAnswer.to(command, self._gateway_name, why))
 
     def publish_readings(
         self,

@@ -86,18 +86,7 @@ class Responses:
             self.counters.responses_late += 1
             return
         self.counters.responses += 1
-        problem = problem_of(message.payload)
-        self._publish(
-            CommandAnswer(
-                gateway=self._gateway,
-                key=command.key,
-                part=command.part,
-                capability=command.capability,
-                command_id=command.id,
-                success=not problem,
-                message=problem,
-            )
-        )
+        self._publish(CommandAnswer.to(command, self._gateway, problem_of(message.payload)))
 
 
 def problem_of(response: bytes) -> str:
