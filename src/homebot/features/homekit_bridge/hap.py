@@ -12,38 +12,40 @@ from __future__ import annotations
 import asyncio
 import io
 import json
-import os
-import secrets
 import string
 from collections.abc import Awaitable, Callable, Coroutine, Iterable, Mapping
 from functools import partial
-from hashlib import blake2b, sha512
+from hashlib import blake2b
+from http import HTTPStatus
 from typing import Any, Final, TypeAlias, cast
+from urllib.parse import urlparse
 
 import anyio
 import anyio.lowlevel
 import segno
 from anyio.abc import TaskStatus
 from anyio.streams.memory import MemoryObjectSendStream
+from cryptography.exceptions import InvalidSignature
 from pyhap import tlv
 from pyhap.accessory import Accessory, Bridge, get_topic
-from pyhap.accessory_driver import AccessoryDriver, AccessoryMDNSServiceInfo, AsyncZeroconf
+from pyhap.accessory_driver import AccessoryDriver, AccessoryMDNSServiceInfo
 from pyhap.characteristic import Characteristic
 from pyhap.encoder import AccessoryEncoder
 from pyhap.hap_handler import HAP_TLV_STATES, HAP_TLV_TAGS, HAPResponse, HAPServerHandler, UnprivilegedRequestException
 from pyhap.hap_protocol import HAPServerProtocol
 from pyhap.hap_server import HAPServer
-from pyhap.hsrp import Server as SrpServer
 from pyhap.iid_manager import IIDManager
 from pyhap.loader import get_loader
-from pyhap.params import get_srp_context
-from pyhap.util import generate_pincode, generate_setup_id
+from pyhap.util import from_hap_json, generate_pincode, generate_setup_id
+from zeroconf import ServiceInfo
+from zeroconf.asyncio import AsyncZeroconf
 
 from homebot.clock import Clock
 from homebot.devices.names import OWN_MODEL
 from homebot.errors import LinkError, WireError
 from homebot.features.homekit_bridge.messages import HomekitBridgeInfo
 from homebot.features.homekit_bridge.services import HapValue, PartService, Written
+from homebot.features.homekit_bridge.setup_code import SetupCodeCheck
 from homebot.support.listening import stop_accepting
 from homebot.support.own_addresses import own_addresses
 
@@ -63,12 +65,25 @@ _TRY_EVERY_S: Final = 0.1
 """Between two steps of pairings: each takes some milliseconds of arithmetic."""
 
 _PREPARED_S: Final = 60.0
-_BUSY_ERROR, _TRIES_ERROR = b"\x07", b"\x05"
+_UNKNOWN_ERROR, _TRIES_ERROR, _PAIRED_ERROR, _BUSY_ERROR = b"\x01", b"\x05", b"\x06", b"\x07"
+"""Errors of a pairing (table 5-5)."""
+
 _BASE36: Final = string.digits + string.ascii_uppercase
 _BRIDGE_BY_IP: Final = 2 << 4 | 2
 """The category, and the flag of IP, of a setup payload (4.2.2.1)."""
 
 _MAX_JSON_INT: Final = 1 << 53
+
+_BREAKS_RULES: Final = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    InvalidSignature,
+    LookupError,
+    TypeError,
+    ValueError,
+)
+"""What a request raises in the library or here that breaks the rules of HAP: a step out of order, a wrong type."""
 
 OnWrite: TypeAlias = Callable[[Mapping[str, Written]], Awaitable[Mapping[str, int]]]
 """Carries out what was written to services of an accessory, by their keys, and returns HAP's status of each."""
@@ -239,12 +254,13 @@ class HapBridge:
                 await responder.async_close()
 
 
-def _info(driver: AccessoryDriver) -> AccessoryMDNSServiceInfo:
-    class Info(AccessoryMDNSServiceInfo):  # type: ignore[misc]
-        def _get_advert_data(self) -> dict[str, str]:
-            return {**super()._get_advert_data(), "md": OWN_MODEL}
-
-    return Info(driver.accessory, driver.state)
+def _info(driver: AccessoryDriver) -> ServiceInfo:
+    info = AccessoryMDNSServiceInfo(driver.accessory, driver.state)
+    facts = {**info.properties, b"md": OWN_MODEL}
+    addresses = driver.state.addresses
+    return ServiceInfo(
+        info.type, info.name, info.port, properties=facts, server=info.server, parsed_addresses=addresses
+    )
 
 
 def read_library() -> None:
@@ -336,35 +352,10 @@ class _BridgedAccessory(Accessory):  # type: ignore[misc]
             characteristic.notify()
 
 
-class _SrpServer(SrpServer):  # type: ignore[misc]
-    """The arithmetic of the setup code, as RFC 5054 wants it, which HAP-python 5.0.0 does not do.
-
-    A controller whose public key is 0 would know the key of the session without the code. The shared secret has all
-    its bytes, as in aiohomekit and HAP-NodeJS.
-    """
-
-    def __init__(self, code: bytes, lost: dict[str, int]) -> None:
-        super().__init__(get_srp_context(3072, sha512, 16), b"Pair-Setup", code)
-        self._lost, self._is_proven = lost, False
-        while self.B.bit_length() <= self.N.bit_length() - 8:  # a byte of 0 in front would be left out
-            self.b = secrets.randbits(512)
-            self.B: int = self._derive_B()
-            self.Bb = self.B.to_bytes(self.N_len // 8)
-
-    def _get_K(self) -> int:  # noqa: N802 - the library's name
-        return int(self._hexdigest_int16(self._padN(self.Sb)))
-
-    def verify(self, M: bytes) -> bytes | None:  # noqa: N803 - the library's name
-        self._is_proven = self.A % self.N != 0 and secrets.compare_digest(self.M, M)
-        if not self._is_proven:
-            self._lost["codes"] += 1
-        return self.HAMK if self._is_proven else None
-
-    def get_session_key(self) -> int:
-        return int(self.K) if self._is_proven else int.from_bytes(os.urandom(64))
-
-
 class _HapDriver(AccessoryDriver):  # type: ignore[misc]
+    srp_verifier: SetupCodeCheck | None = None
+    """The try that has begun; a property of the library, which has one for itself."""
+
     def __init__(self, bridge: HapBridge, address: str, port: int, clock: Clock) -> None:
         super().__init__(
             address=address,
@@ -387,7 +378,11 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
 
     def setup_srp_verifier(self) -> None:
         """Begin a try of the setup code."""
-        self.srp_verifier = _SrpServer(self.state.pincode, self.bridge.lost)
+        self.srp_verifier = SetupCodeCheck(self.state.pincode)
+
+    def register_failed_pairing_attempt(self) -> None:
+        """Count a wrong code; the limits are those of :meth:`_Handler.handle_pairing`."""
+        self.bridge.lost["codes"] += 1
 
     def prepare(self, prepare_query: Any, client_addr: Any) -> dict[str, int]:
         """Remember one write to come for each connection."""
@@ -415,13 +410,14 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
             if self.to_write is not None:
                 self.to_write.send_nowait(partial(self._write, request, client, response, future))
         except (anyio.WouldBlock, anyio.ClosedResourceError):
-            future.cancel()
+            self.bridge.lost["answers"] += 1
+            future.cancel()  # which is answered as a failure
         return future
 
     async def _write(self, request: Any, client: Any, response: HAPResponse, body: asyncio.Future[bytes]) -> None:
         try:
             rows = await self._written(request, client)
-        except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError):  # the request breaks the rules
+        except _BREAKS_RULES:
             response.status_code, response.reason = 400, "Bad Request"
             rows = []
         if any(row["status"] for row in rows):
@@ -482,37 +478,67 @@ class _HapDriver(AccessoryDriver):  # type: ignore[misc]
 
 
 class _Server(HAPServer):  # type: ignore[misc]
+    def __init__(self, place: tuple[str, int], driver: _HapDriver) -> None:
+        super().__init__(place, driver)
+        self._place = place
+
     async def async_start(self, loop: asyncio.AbstractEventLoop) -> None:
         self.loop = loop
         connect = partial(_Protocol, loop, self.connections, self.accessory_handler)
-        self.server = await loop.create_server(connect, *self._addr_port)
+        self.server = await loop.create_server(connect, *self._place)
         self.async_cleanup_connections()
 
 
 class _Handler(HAPServerHandler):  # type: ignore[misc]
+    def dispatch(self, request: Any, body: bytes | None = None) -> HAPResponse:
+        """Answer a request; one that breaks the rules is refused and counted, and is no failure of the bridge."""
+        self.response = response = HAPResponse()
+        self.request_body = body
+        try:
+            self.parsed_url = urlparse(request.target.decode())
+            handle = self.HANDLERS.get(request.method.decode(), {}).get(self.parsed_url.path)
+            if handle is None:
+                self.send_response_with_status(HTTPStatus.NOT_FOUND, MISSING)
+            else:
+                getattr(self, handle)()
+        except UnprivilegedRequestException:
+            self.send_response_with_status(HTTPStatus.UNAUTHORIZED, REFUSED)
+        except _BREAKS_RULES:
+            self.accessory_handler.bridge.lost["requests"] += 1
+            self.send_response_with_status(HTTPStatus.BAD_REQUEST, INVALID)
+        self.response = None
+        return response
+
     def handle_set_characteristics(self) -> None:
         """Begin a write; the answer is that of its outcome."""
         if not self.is_encrypted:
             raise UnprivilegedRequestException
-        request = json.loads(self.request_body)
+        request = from_hap_json(self.request_body)
         self.response.status_code, self.response.reason = 204, "No Content"
         self.response.task = self.accessory_handler.begin_write(request, self.client_address, self.response)
 
     def handle_pairing(self) -> None:
-        """Take a step of a pairing, at a limited rate."""
+        """Take a step of a pairing: in its order, and at a limited rate."""
         driver, now = self.accessory_handler, self.accessory_handler.clock.monotonic()
-        step = tlv.decode(self.request_body).get(HAP_TLV_TAGS.SEQUENCE_NUM)
-        error = b""
-        if not self.state.paired and driver.bridge.lost["codes"] >= MAX_TRIES:
+        step = tlv.decode(self.request_body)[HAP_TLV_TAGS.SEQUENCE_NUM]
+        code_check = driver.srp_verifier
+        error, status = b"", HTTPStatus.OK
+        if self.state.paired:
+            error = _PAIRED_ERROR
+        elif driver.bridge.lost["codes"] >= MAX_TRIES:
             error = _TRIES_ERROR
         elif step == HAP_TLV_STATES.M1:
             error = _BUSY_ERROR if now < driver.next_try else b""
             driver.next_try = max(driver.next_try, now + _TRY_EVERY_S)
-        elif step == HAP_TLV_STATES.M3 and getattr(driver.srp_verifier, "A", 0) is not None:
+        elif code_check is None or step not in {HAP_TLV_STATES.M3, HAP_TLV_STATES.M5}:
+            error, status = _UNKNOWN_ERROR, HTTPStatus.BAD_REQUEST
+        elif step == HAP_TLV_STATES.M3 and code_check.is_used:
             error = _BUSY_ERROR  # one try for each beginning
         if error:
-            data = (HAP_TLV_TAGS.SEQUENCE_NUM, HAP_TLV_STATES.M2, HAP_TLV_TAGS.ERROR_CODE, error)
-            self._send_tlv_pairing_response(tlv.encode(*data))
+            self.send_response(status)
+            self.send_header("Content-Type", self.PAIRING_RESPONSE_TYPE)
+            data = (HAP_TLV_TAGS.SEQUENCE_NUM, bytes([step[0] + 1 & 0xFF]), HAP_TLV_TAGS.ERROR_CODE, error)
+            self.end_response(tlv.encode(*data))
             return
         super().handle_pairing()
 
@@ -529,7 +555,8 @@ class _Protocol(HAPServerProtocol):  # type: ignore[misc]
 
     def data_received(self, data: bytes) -> None:
         self._unread = self._unread + len(data) if self.response is not None else 0
-        super().data_received(data)
+        if self._unread <= MAX_REQUEST_BYTES:
+            super().data_received(data)
         if sum(map(len, self.request_body)) + self._unread > MAX_REQUEST_BYTES:
             self._cut("requests")
 
@@ -537,18 +564,6 @@ class _Protocol(HAPServerProtocol):  # type: ignore[misc]
         super().write(data)
         if self.transport.get_write_buffer_size() > MAX_UNSENT_BYTES:
             self._cut("answers")
-
-    def _process_one_event(self) -> bool:
-        """Leave the next request for when the last one is answered."""
-        return False if self.response is not None else bool(super()._process_one_event())
-
-    def _handle_response_ready(self, task: asyncio.Future[bytes]) -> None:
-        if task.cancelled():
-            self._cut("answers")
-            return
-        super()._handle_response_ready(task)
-        if not self.transport.is_closing():
-            self._process_events()
 
     def _cut(self, what: str) -> None:
         self.accessory_driver.bridge.lost[what] += 1
