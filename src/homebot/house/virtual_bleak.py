@@ -116,9 +116,8 @@ class VirtualClient(BaseBleakClient):
         timeout: float,
         **_: Any,
     ) -> None:
-        super().__init__(
-            address_or_ble_device, disconnected_callback=disconnected_callback, timeout=min(timeout, CONNECT_WITHIN)
-        )
+        super().__init__(address_or_ble_device, disconnected_callback=disconnected_callback, timeout=timeout)
+        self._on_lost, self._connects_within = disconnected_callback, min(timeout, CONNECT_WITHIN)
         known = address_or_ble_device.details["address"] if isinstance(address_or_ble_device, BLEDevice) else None
         self._peer_address = known or Address(self.address)
         self._connection: Connection | None = None
@@ -145,7 +144,7 @@ class VirtualClient(BaseBleakClient):
         del pair
         hub = self.radio.hub()
         try:
-            connection = await hub.connect(self._peer_address, timeout=self._timeout)
+            connection = await hub.connect(self._peer_address, timeout=self._connects_within)
         except (BaseBumbleError, TimeoutError) as exc:
             raise BleakDeviceNotFoundError(self.address, f"no connection was made: {exc!r}") from exc
         except asyncio.CancelledError:
@@ -160,8 +159,8 @@ class VirtualClient(BaseBleakClient):
     def _lose(self, reason: int) -> None:
         del reason
         self._connection = None
-        if self._disconnected_callback is not None:
-            self._disconnected_callback()
+        if self._on_lost is not None:
+            self._on_lost()
 
     async def disconnect(self) -> None:
         """End the connection."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from bluetooth_adapters import BluetoothAdapters
@@ -206,6 +206,8 @@ class _Manager(BluetoothManager):
     def __init__(self, hub: ProxyHub) -> None:
         super().__init__(_NoAdapters())
         self._hub = hub
+        self._copies: dict[str, Callable[[], None]] = {}  # ends of callbacks, as many as the library knows devices
+        self.async_register_disappeared_callback(self._forget)
 
     def begin(self) -> None:
         """Begin to forget devices that are silent."""
@@ -215,12 +217,15 @@ class _Manager(BluetoothManager):
     def _discover_service_info(self, service_info: BluetoothServiceInfoBleak) -> None:
         """Take a changed advertisement, of the receiver that counts, and ask for every copy from then on."""
         self._hub.receive(service_info, counts=True)
-        self.async_register_advertisement_callback(self._on_copy, service_info.address)
+        address = service_info.address
+        if address not in self._copies:
+            self._copies[address] = self.async_register_advertisement_callback(self._on_copy, address)
 
     def _on_copy(self, info: BluetoothServiceInfoBleak) -> None:
         last = self.async_last_service_info(info.address, connectable=False)
         self._hub.receive(info, counts=last is not None and last.source == info.source)
 
-    def _address_disappeared(self, address: str) -> None:
-        with suppress(KeyError):
-            del self._advertisement_callbacks[address]
+    def _forget(self, address: str) -> None:
+        end = self._copies.pop(address, None)
+        if end is not None:
+            end()
