@@ -4,7 +4,7 @@ import os
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import pytest
 from anyio import to_thread
@@ -12,7 +12,6 @@ from tests.patience import PATIENCE
 from tests.peers.network import missing_programs
 from tests.peers.node_package import node_folder
 
-from homebot.bridges.rosbridge import RosbridgeServer
 from homebot.config import parse_config
 from homebot.house import World, thesis_world
 from homebot.mqtt.clients import HostedBroker
@@ -45,6 +44,8 @@ arguments[0].scrollIntoView({ block: "center" });
 const box = arguments[0].getBoundingClientRect();
 return [box.x + box.width / 2, box.y + box.height / 2, box.width, box.height];
 """
+
+_HAS_FOCUS = "return document.activeElement === document.querySelector(arguments[0])"
 
 _FLAGS = (
     "--headless=new",
@@ -103,10 +104,20 @@ setTimeout(() => {
 """A touch that ends by a timer of the page, before a later one; that of the driver may come late on a slow machine."""
 
 
+class Door(Protocol):
+    """What a page needs of its door."""
+
+    @property
+    def port(self) -> int: ...
+
+    @property
+    def client_count(self) -> int: ...
+
+
 class Page:
     """The page of one running homebot. The browser is asked from a thread, in which homebot goes on."""
 
-    def __init__(self, browser: Any, door: RosbridgeServer) -> None:
+    def __init__(self, browser: Any, door: Door) -> None:
         self.browser = browser
         self.door = door
         self.url = f"http://127.0.0.1:{door.port}/"
@@ -152,30 +163,41 @@ class Page:
             found[0].click()
         return bool(found)
 
-    async def write(self, selector: str, text: str) -> None:
-        def write() -> None:
-            self.until(lambda: self.browser.find_elements("css selector", selector))[0].send_keys(text)
+    def used(self, selector: str, use: Callable[[Any], object]) -> None:
+        """Have *use* do something with the element of *selector*, as soon as it is there and takes it."""
+        self.until(lambda: [use(self.browser.find_element("css selector", selector))])
 
-        await to_thread.run_sync(write)
+    async def write(self, selector: str, text: str) -> None:
+        await to_thread.run_sync(self.used, selector, lambda field: field.send_keys(text))
 
     def filled(self, selector: str, text: str) -> None:
         """Let the field of *selector* have *text*, in the thread of the caller."""
-        field = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
-        field.clear()
-        field.send_keys(text)
+        self.used(selector, lambda field: field.clear())
+        self.used(selector, lambda field: field.send_keys(text))
 
     async def clear(self, selector: str) -> None:
-        await to_thread.run_sync(self.browser.find_element("css selector", selector).clear)
+        await to_thread.run_sync(self.used, selector, lambda field: field.clear())
+
+    def type(self, keys: str) -> None:
+        """Press keys, whatever has the focus, in the thread of the caller."""
+        pytest.importorskip("selenium.webdriver").ActionChains(self.browser).send_keys(keys).perform()
+
+    async def lacks(self, selector: str) -> None:
+        """Wait until there is no element of *selector*."""
+        await to_thread.run_sync(self.until, lambda: not self.browser.find_elements("css selector", selector))
+
+    def focused(self, selector: str) -> None:
+        """Wait until the element of *selector* has the focus, in the thread of the caller."""
+        self.until(lambda: self.browser.execute_script(_HAS_FOCUS, selector))
 
     def tabbed(self, selector: str) -> None:
         """Press the element of *selector* with the keyboard alone, in the thread of the caller."""
-        wanted = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
-        for _ in range(100):
-            active = self.browser.switch_to.active_element
-            if active == wanted:
-                active.send_keys(" ")
+        self.until(lambda: self.browser.find_element("css selector", selector).is_displayed())
+        for _ in range(100):  # what has the focus may be drawn anew at any time
+            if self.browser.execute_script(_HAS_FOCUS, selector):
+                self.type(" ")
                 return
-            active.send_keys("\ue004")  # Tab
+            self.type("\ue004")  # Tab
         pytest.fail(f"{selector} is not reached with the tab key")
 
     def resize(self, width: int, height: int) -> None:
@@ -199,8 +221,7 @@ class Page:
 
     def tapped(self, selector: str) -> None:
         """Do the same in the thread of the caller."""
-        found = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
-        x, y, *size = self.place_of(found)
+        x, y, *size = self.placed(selector)
         assert min(size) >= SMALLEST_TARGET, f"{selector} is {size} pixels"
         self.finger("touchStart", (x, y))
         self.finger("touchEnd")
@@ -211,14 +232,23 @@ class Page:
 
     def held(self, selector: str, seconds: float) -> None:
         """Do the same in the thread of the caller."""
-        found = self.until(lambda: self.browser.find_elements("css selector", selector))[0]
-        x, y, _, _ = self.place_of(found)
+        x, y, _, _ = self.placed(selector)
         if seconds < _CONFIRM:
             self.browser.execute_async_script(_SHORT_HOLD, x, y, seconds)
             return
         self.finger("touchStart", (x, y))
         self.pass_time(seconds)
         self.finger("touchEnd")
+
+    def placed(self, selector: str) -> tuple[float, float, float, float]:
+        """Return the place of the element of *selector*, as soon as it is drawn; see :meth:`place_of`."""
+
+        def place() -> tuple[float, float, float, float] | None:
+            found = self.place_of(self.browser.find_element("css selector", selector))
+            return found if min(found[2:]) else None
+
+        drawn: tuple[float, float, float, float] = self.until(place)
+        return drawn
 
     def place_of(self, element: Any) -> tuple[float, float, float, float]:
         """Return the middle, the width and the height of *element*, which is in the window then."""
@@ -285,7 +315,11 @@ class Page:
         """Return what *seen* returns, as soon as that is something, in the thread of the caller."""
         support: Any = pytest.importorskip("selenium.webdriver.support.ui")
         errors: Any = pytest.importorskip("selenium.common.exceptions")
-        moving = [errors.StaleElementReferenceException, errors.ElementClickInterceptedException]
+        moving = [
+            errors.StaleElementReferenceException,
+            errors.ElementClickInterceptedException,
+            errors.InvalidElementStateException,  # it is not drawn, or disabled, as yet
+        ]
         return support.WebDriverWait(self.browser, PATIENCE, 0.05, moving).until(lambda _: seen())
 
 

@@ -316,17 +316,9 @@ async def test_a_person_outranks_the_lease_of_a_robot_once_asked(page: OpenPage)
 
 
 async def test_a_lamp_is_turned_on_with_the_keyboard_alone(page: OpenPage) -> None:
-    def press(browser: Any) -> None:
-        for _ in range(60):
-            active = browser.switch_to.active_element
-            if "philips165" in (active.get_attribute("aria-label") or "") and active.get_attribute("role") == "switch":
-                active.send_keys(" ")
-                return
-            active.send_keys("\ue004")  # Tab
-
     async with page() as own:
         await own.open(shows="philips165")
-        await to_thread.run_sync(press, own.browser)
+        await to_thread.run_sync(own.tabbed, "[role=switch][aria-label*=philips165]")
         await own.shows("philips165: confirmed after", "[role=alert]")
 
 
@@ -683,7 +675,7 @@ async def test_a_kept_value_is_explained_once_and_a_panel_has_a_keypad_for_its_c
         for digit in (4, 3):
             await own.click(f".keypad button:nth-of-type({digit})")
         for key in ("2", "7", BACKSPACE, "1"):  # of a keyboard beside the screen
-            await to_thread.run_sync(own.browser.switch_to.active_element.send_keys, key)
+            await to_thread.run_sync(own.type, key)
         await own.shows("●●●●", ".keypad")
         await own.click(".keypad .hold")
         await own.shows("●●●●", ".keypad")  # it is held, as all that lets in
@@ -730,8 +722,8 @@ async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, 
         await own.shows("40 %")
         await own.open("#/home", shows="lamp")
         await own.open("#/device/lamp", shows="Commands")
-        field = own.browser.find_element("css selector", "input[type=range]")
-        assert field.get_attribute("value") == "40"
+        at_40 = "return document.querySelector('input[type=range]')?.value === '40'"
+        await to_thread.run_sync(own.until, lambda: own.browser.execute_script(at_40))
 
 
 async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPage, zigbee_lamp: World) -> None:

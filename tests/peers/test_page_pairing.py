@@ -94,7 +94,7 @@ async def test_a_bridge_is_paired_by_its_button_while_the_seconds_are_counted(br
         Hub.running[-1].press.send_nowait(True)
         await own.shows("Bridge is paired.", BRIDGE)
         await own.shows("Found: Lamp of Bridge", BRIDGE)
-        assert not browser.find_elements("css selector", f"{BRIDGE} button")
+        await own.lacks(f"{BRIDGE} button")
         axe = await to_thread.run_sync(axe_program)
         assert await to_thread.run_sync(own.complaints, axe) == []
         assert own.problems() == []
@@ -110,7 +110,7 @@ async def test_a_no_and_a_time_that_is_over_are_told_in_the_language_of_the_page
         hub.within = SHORT
         await own.click(f"{BRIDGE} button")
         await own.shows(f"sein Knopf wurde in {SHORT} s nicht gedrückt", BRIDGE)
-        assert not browser.find_elements("css selector", f"{BRIDGE} [role=timer]")
+        await own.lacks(f"{BRIDGE} [role=timer]")
         assert hub.paired == []
         assert own.problems() == []
 
@@ -127,7 +127,7 @@ async def test_a_wrong_code_is_told_and_more_devices_may_have_a_code(browser: An
             await own.click(f"{form} button")
             await own.shows(f"{name} is paired.", form)
             await own.shows(f"Found: Lamp of {name}", form)
-        assert not browser.find_elements("css selector", f"{LOCK} button")
+        await own.lacks(f"{LOCK} button")
         assert browser.find_elements("css selector", "form[aria-label=Matter] button")
         assert CODE not in browser.page_source
         assert own.problems() == []

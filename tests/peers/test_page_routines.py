@@ -112,25 +112,22 @@ async def test_a_sentence_is_picked_by_keys_and_a_wrong_value_is_not_added(brows
         page.opened(f"#token={OWNER}", "heating")
         begin(page)
         page.until(lambda: "wait 5m" in browser.find_element("css selector", SENTENCE).text)
-        browser.find_element("css selector", SENTENCE).send_keys("w")  # by its first letter
-        field = page.until(lambda: browser.find_elements("css selector", f"{DO} p input"))[0]
-        assert field.get_attribute("aria-label") == "wait …m"
-        field.clear()
-        field.send_keys(ENTER)
+        page.used(SENTENCE, lambda sentences: sentences.send_keys("w"))  # by its first letter
+        page.filled(f"{DO} p input[aria-label='wait …m']", ENTER)
         assert steps() == ""
-        field.send_keys(f"2{ENTER}")
+        page.filled(f"{DO} p input", f"2{ENTER}")
         page.until(lambda: steps() == "wait 2m")
-        assert browser.switch_to.active_element == browser.find_element("css selector", SENTENCE)
-        browser.switch_to.active_element.send_keys("u")
+        page.focused(SENTENCE)
+        page.type("u")
         page.tabbed(f"{DO} p button")
         page.until(lambda: steps() == "wait 2m\nundo")
-        assert browser.switch_to.active_element == browser.find_element("css selector", SENTENCE)
+        page.focused(SENTENCE)
         choose(page, DO, "lamp", "lamp 100 %")
-        field = browser.find_element("css selector", f"{DO} p input")
-        field.clear()
-        field.send_keys(f"300{ENTER}")
+        page.filled(f"{DO} p input", f"300{ENTER}")
         assert steps() == "wait 2m\nundo"
-        assert browser.execute_script("return arguments[0].validity.rangeOverflow", field)
+        assert browser.execute_script(
+            "return document.querySelector(arguments[0]).validity.rangeOverflow", f"{DO} p input"
+        )
         assert page.problems() == []
 
     async with opened_page(browser, world, {"home": HOME}, token=OWNER) as own:

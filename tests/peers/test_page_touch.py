@@ -3,6 +3,7 @@
 import json
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -147,7 +148,7 @@ async def do(work: Callable[..., Any], *given: Any) -> Any:
 
 def drag(page: Page, selector: str, *ways: tuple[float, float], start: float = 0.5) -> None:
     """Touch what *selector* finds, at *start* of its width, and move the finger along *ways*."""
-    x, y, width, _ = page.place_of(page.browser.find_element("css selector", selector))
+    x, y, width, _ = page.placed(selector)
     x += width * (start - 0.5)
     page.finger("touchStart", (x, y))
     for step in range(1, 11):
@@ -164,7 +165,7 @@ async def test_a_tap_acts_a_slide_sets_a_level_a_scroll_does_nothing_and_a_hold_
             await own.open(shows="lamp")
             await own.tap(LAMP_MAIN)
             await own.shows("%", f"{LAMP}.lit")
-            _, _, width, _ = await do(lambda: own.place_of(browser.find_element("css selector", LAMP_MAIN)))
+            _, _, width, _ = await do(own.placed, LAMP_MAIN)
             await do(lambda: drag(own, LAMP_MAIN, (width * 0.5, 0), start=0.25))
             await own.shows("75 %", LAMP)
             for ways in ([(4, -150)], [(0, 3), (30, 3)]):  # a scroll; two fingers
@@ -226,7 +227,7 @@ async def go(page: Page, way: Iterable[str]) -> None:
 
 async def hold_until(page: Page, selector: str, seen: Callable[[], bool]) -> None:
     """Keep the finger on the element of *selector* until *seen* is true."""
-    x, y, _, _ = await do(lambda: page.place_of(page.browser.find_element("css selector", selector)))
+    x, y, _, _ = await do(page.placed, selector)
     await do(page.finger, "touchStart", (x, y))
     await do(page.until, seen)
     await do(page.finger, "touchEnd")
@@ -258,14 +259,14 @@ async def test_a_key_that_stays_down_lets_nobody_in_and_two_presses_do(browser: 
     """As a screen reader presses, too."""
     async with opened_page(browser, world) as own:
         await own.open(shows="Front lock")
-        press = "const [one] = arguments; one.focus(); one.click()"
-        await do(lambda: browser.execute_script(press, browser.find_element("css selector", LOCK_MAIN)))
+        press = partial(browser.execute_script, "const [one] = arguments; one.focus(); one.click()")
+        await do(own.used, LOCK_MAIN, press)
         await own.shows("Press again to unlock", LOCK)
         repeated = {"type": "keyDown", "key": "Enter", "windowsVirtualKeyCode": 13, "text": "\r", "autoRepeat": True}
         for _ in range(5):
             await do(lambda: browser.execute_cdp_cmd("Input.dispatchKeyEvent", repeated))
         await own.shows("Locked", LOCK)
-        await do(lambda: browser.execute_script(press, browser.find_element("css selector", f"{LOCK} .hold")))
+        await do(own.used, f"{LOCK} .hold", press)
         await own.shows("Unlocked", ".tile.open")
 
 

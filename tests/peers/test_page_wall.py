@@ -167,8 +167,7 @@ async def test_a_sheet_has_a_slider_and_closes_by_keys_and_by_the_way_back(brows
         for leave in ("arguments[0].back()", "dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape' }))"):
             await to_thread.run_sync(own.browser.execute_script, leave.replace("arguments[0]", "history"))
             await own.hides("Why")
-            await to_thread.run_sync(own.settled)
-            assert own.browser.switch_to.active_element.get_attribute("aria-label") == "more of lamp"
+            await to_thread.run_sync(own.focused, "button[aria-label='more of lamp']")
             await own.click("button[aria-label='more of lamp']")
             await own.shows("Why", ".sheet")
         assert own.problems() == []
