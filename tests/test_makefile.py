@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import tomllib
 from importlib.metadata import distributions
 from pathlib import Path
 
@@ -38,3 +39,11 @@ def test_every_locked_package_has_the_hashes_of_its_files() -> None:
         assert [
             one for one in blocks if not re.fullmatch(r"\S+==\S+( ; .+)?( \\\n    --hash=sha256:[0-9a-f]{64})+\n", one)
         ] == []
+
+
+def test_the_newest_packages_of_each_extra_are_used_by_a_test() -> None:
+    """``make test-newest`` runs those that are marked, slow and of peers."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"].keys()
+    tests = "".join(one.read_text() for one in (ROOT / "tests").rglob("test_*.py"))
+    marked = re.findall(r"^@pytest\.mark\.newest\(\"([a-z0-9-]+)\"\)$", tests, re.MULTILINE)
+    assert sorted(marked) == sorted(extras - {"all", "dev", "docs", "peers", "testing"})

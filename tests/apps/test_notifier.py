@@ -149,6 +149,7 @@ _WARNS = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 """By apprise."""
 
 
+@pytest.mark.newest("apprise")
 @_WARNS
 async def test_apprise_sends_a_notification_to_a_real_server() -> None:
     with web_server() as (port, posted):

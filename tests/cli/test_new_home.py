@@ -28,6 +28,7 @@ def test_the_file_of_a_new_home_is_valid_and_lets_others_in_by_a_token_alone(
     assert tomllib.loads(file.read_text()) == {"home": {"name": "Villa"}}
 
 
+@pytest.mark.newest("qr")
 @pytest.mark.parametrize(
     ("page", "shown"),
     [

@@ -101,6 +101,7 @@ def test_a_damaged_or_huge_map_is_refused(text: str, content: bytes, reason: str
         read_map(file)
 
 
+@pytest.mark.newest("maps")
 @pytest.mark.parametrize(
     ("image", "cells"),
     [

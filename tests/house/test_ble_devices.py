@@ -100,6 +100,7 @@ async def test_a_button_is_silent_until_it_is_pressed() -> None:
         assert len(heard) == count
 
 
+@pytest.mark.newest("ble")
 async def test_a_light_takes_commands_and_notifies() -> None:
     air = radio()
     told: list[str] = []

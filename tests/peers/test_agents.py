@@ -113,6 +113,7 @@ async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_
         tasks.cancel_scope.cancel()
 
 
+@pytest.mark.newest("mcp")
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
 async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: Path, mode: str) -> None:
     """Of both protocols: in the older one the server asks, in the newer one the client calls again."""

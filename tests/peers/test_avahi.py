@@ -43,6 +43,7 @@ async def next_about(news: Subscription[Sighting], name: str) -> Sighting:
     return sighting
 
 
+@pytest.mark.newest("mdns")
 async def test_what_avahi_publishes_is_listed_with_its_facts_until_it_says_goodbye(lan: Lan, hub: Machine) -> None:
     computer = lan.machine("shellyplus1-a8032abe54dc")
     publish = (

@@ -44,6 +44,7 @@ async def shows(program: Program, text: str) -> None:
             await anyio.sleep(0.05)
 
 
+@pytest.mark.newest("coap")
 async def test_libcoaps_client_reads_writes_and_observes_a_simulated_lamp(lan: Lan, hub: Machine) -> None:
     phone = lan.machine("phone")
     async with lamp(hub.address) as (device, told):

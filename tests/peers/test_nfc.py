@@ -134,6 +134,7 @@ async def gateway() -> AsyncIterator[Node]:
             tasks.cancel_scope.cancel()
 
 
+@pytest.mark.newest("nfc")
 async def test_a_tag_at_a_reader_of_the_smart_card_service_is_read_and_written(service: Service) -> None:
     service.start()
     async with gateway() as watcher:

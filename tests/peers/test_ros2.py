@@ -48,6 +48,7 @@ async def called(service: Any, name: str, **values: object) -> Any:
         return await client.call_async(service.Request(**values))
 
 
+@pytest.mark.newest("ros2")
 async def test_topics_and_services_go_both_ways() -> None:
     pyzeros: Any = pytest.importorskip("pyzeros")
 

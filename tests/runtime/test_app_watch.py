@@ -23,6 +23,7 @@ class {kind}(App):
 """
 
 
+@pytest.mark.newest("watchfiles")
 async def test_an_app_is_reloaded_when_its_file_changes_and_no_other(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

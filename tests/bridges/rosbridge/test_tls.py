@@ -44,6 +44,7 @@ async def page_of(port: int, context: ssl.SSLContext, path: str = "/") -> bytes:
             return found
 
 
+@pytest.mark.newest("tls")
 async def test_the_page_and_the_command_line_trust_the_authority_that_homebot_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -76,6 +76,7 @@ def jpeg(value: int, size: tuple[int, int] = (640, 480), kind: str = "JPEG") -> 
     return CompressedImage(header=HEADER, format="jpeg", data=data.getvalue())
 
 
+@pytest.mark.newest("camera")
 @pytest.mark.parametrize("kind", ["JPEG", "PNG"])
 def test_the_region_of_a_compressed_picture_is_read(kind: str) -> None:
     assert compressed_brightness(jpeg(200, kind=kind), (200, 120, 80, 80)) == pytest.approx(200, abs=6)

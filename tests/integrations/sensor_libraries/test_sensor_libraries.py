@@ -98,6 +98,7 @@ def values(found: Broadcast) -> dict[tuple[str, str], PlainValue]:
     return {(one.part, one.capability): one.value for one in found.values}
 
 
+@pytest.mark.newest("ble-sensors")
 @pytest.mark.parametrize(
     ("advertisement", "expected"),
     [

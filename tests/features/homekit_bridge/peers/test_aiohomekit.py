@@ -136,6 +136,7 @@ def lit(house: BridgedHouse) -> Callable[[], object]:
     return lambda: [command.value.plain() for command in house.gateway.commands if command.capability == "on_off"]
 
 
+@pytest.mark.newest("homekit")
 async def test_a_lamp_is_paired_switched_and_followed_and_tells_when_it_does_not_obey(tmp_path: Path) -> None:
     export = ["light", "lock", 'name="Front door"']
     async with bridged_house(None, HOUSE, export=export) as house:

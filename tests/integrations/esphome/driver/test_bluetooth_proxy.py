@@ -174,6 +174,7 @@ async def test_a_flood_of_one_proxy_is_bounded_and_counted(monkeypatch: pytest.M
         assert len(watched.sightings) < 1_000
 
 
+@pytest.mark.newest("ble-proxies")
 async def test_a_lamp_is_commanded_by_the_proxy_that_hears_it(monkeypatch: pytest.MonkeyPatch) -> None:
     kitchen = ProxyServer("kitchen", "Kitchen")
     kitchen.offer(LIGHT_SERVICE, {LIGHT_COMMAND: 0x08, LIGHT_STATE: 0x12})

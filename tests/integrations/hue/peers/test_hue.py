@@ -117,6 +117,7 @@ def device(bridge: SimulatedHueBridge, kind: str, at: str = "") -> HueHouseDevic
     return made
 
 
+@pytest.mark.newest("hue")
 async def test_aiohue_pairs_reads_and_commands_without_a_complaint(hue_python: str) -> None:
     bridge, _ = await anyio.to_thread.run_sync(bridge_with_certificate)
     kinds = (("lamp", ""), ("lamp", "plug"), ("lamp", "gradient"), ("motion", ""), ("lux", ""), ("contact", ""))

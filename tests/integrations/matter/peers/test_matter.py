@@ -110,6 +110,7 @@ async def send(node: Node, key: str, capability: str, value: PlainValue, part: s
     return await client.call(Command(key=key, part=part, capability=capability, value=Value.of(value)), timeout=60)
 
 
+@pytest.mark.newest("matter")
 @pytest.mark.usefixtures("_data")
 async def test_a_light_is_commissioned_commanded_lost_found_and_removed(
     matter_python: str, matter_js: Path, lan: Lan, hub: Machine, tmp_path: Path
