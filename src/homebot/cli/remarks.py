@@ -1,4 +1,4 @@
-"""What commands say beside their output: lines for people, under ``--json`` an object each; on the standard error."""
+"""Remarks and errors of commands: lines for people, under ``--json`` an object each; on the standard error."""
 
 import json
 import sys

@@ -21,7 +21,7 @@ class GetRightsRequest(Message):
 
 
 class GetRightsResponse(Message):
-    """The client, its rights, and on what it may act: each right as it was written, such as ``act: light``."""
+    """The client, its rights, and the devices on which it may act: each right as written, such as ``act: light``."""
 
     issuer: str
     rights: tuple[str, ...]

@@ -117,7 +117,7 @@ class Trials:
         host = f"[{place.host}]" if ":" in place.host else place.host
         where = f"{'wss' if place.has_tls else 'ws'}://{host}:{place.port}"
         env = os.environ | {"HOMEBOT_DOOR_TOKEN": place.token}
-        with anyio.CancelScope(shield=True):  # what was begun is kept
+        with anyio.CancelScope(shield=True):  # a process that was begun is kept
             folder = await to_thread.run_sync(_folder, routines)
             file, out, errors = (f"{folder.name}/{name}" for name in (_TEXT, _OUT, _ERRORS))
             trial = ("-m", "homebot", "--door", where, "routine", "try", file, "--on", f"{days * 86_400:.0f}s")
