@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 340
+_MOST_MODULES = 341
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
