@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import anyio
@@ -12,9 +13,10 @@ from aioesphomeapi import api_pb2
 from anyio import to_thread
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.esphome.simulated import EsphomeServedDevice
-from homebot.integrations.esphome.simulated.device import _ApiClient
-from homebot.integrations.esphome.simulated.wire import ApiMessage
+
+sys.path.append(str(Path(__file__).parents[1]))
+from tests.integrations.esphome.simulated.device import EsphomeServedDevice, _ApiClient
+from tests.integrations.esphome.simulated.wire import ApiMessage
 
 SENSORS = 100
 BATCH = 10

@@ -7,9 +7,11 @@ each other protocol on loopback or on a virtual radio. All lamps get their comma
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Iterable
+import sys
+from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import anyio
 
@@ -23,11 +25,15 @@ from homebot.house import SimulatedHouse, World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedLamp
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.family import dialects, family_names, family_of
+from homebot.house.family import dialects
 from homebot.house.faults import unwrap
 from homebot.house.wire import hardware_address
 from homebot.runtime import Runtime
 from homebot.support.toml_file import parse_toml
+
+sys.path.append(str(Path(__file__).parents[1]))
+from tests.simulated.families import FAMILIES, families_with
+
 from mosquitto import mosquitto
 from outcome_counts import FAULTS, HEADINGS, OutcomeCount, row
 from plan import Plan
@@ -59,18 +65,17 @@ class Lamps:
     """The lamps of a world, one for each dialect, fault and way of commanding it. Radios take only short names.
 
     Args:
-        dialects: The dialects or families of devices.
-        transport: The name of their transport; empty where each dialect is one.
+        transports: The names of the transports, by the dialects of devices on them.
     """
 
-    def __init__(self, dialects: Iterable[str], transport: str = "") -> None:
+    def __init__(self, transports: Mapping[str, str]) -> None:
         self.cases: dict[str, Case] = {}
         tables = ["rooms.hall = {}"]
-        for dialect in dialects:
+        for dialect, transport in transports.items():
             for fault, settings in FAULTS.items():
                 for forgets in (True, False):
                     name = f"l{len(self.cases):03}"
-                    self.cases[name] = Case(transport or dialect, fault, forgets)
+                    self.cases[name] = Case(transport, fault, forgets)
                     tables.append(
                         f'devices.{name} = {{ kind = "lamp", room = "hall", dialect = "{dialect}", '
                         f"faults = {{ {settings} }} }}"
@@ -93,12 +98,10 @@ def run(plan: Plan) -> Report:
         missing.append("MQTT, as Mosquitto is not installed")
     else:
         with mosquitto(plan.mosquitto) as port:
-            lamps = Lamps(sorted(dialects()), MOSQUITTO)
+            lamps = Lamps(dict.fromkeys(sorted(dialects()), MOSQUITTO))
             asyncio.run(_measure(lamps, _on_mosquitto(f"mqtt://127.0.0.1:{port}", lamps.world), count))
         counts |= lamps.counts
-    found = ((name, family_of(name)) for name in family_names())
-    families = [name for name, one in found if isinstance(one, type) and "lamp" in one.kinds]
-    lamps = Lamps(one for one in families if one not in FOUND_AS_PLUGS)
+    lamps = Lamps({FAMILIES[name]: name for name in families_with("lamp") if name not in FOUND_AS_PLUGS})
     asyncio.run(_measure(lamps, _on_own_networks(lamps.world), count))
     counts |= lamps.counts
     rows: list[tuple[str, ...]] = [("transport", *HEADINGS)]

@@ -31,6 +31,9 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import Will
 from homebot.runtime import Runtime
 
+sys.path.append(str(Path(__file__).parents[1]))
+from tests.simulated.families import FAMILIES
+
 __all__ = ["HOUSES", "House", "HouseSpec", "Joined", "house_of"]
 
 HOME = "home425"
@@ -131,7 +134,9 @@ class _ServedHouse(House):
         options = {}
         if self._spec.family == "coap" and sys.platform == "linux":
             options["host"] = next(self._hosts)  # a directory bounds the registrations of one address
-        device = self._network.connect(self._spec.family, _info(self._spec, name), lambda _command: None, **options)
+        device = self._network.connect(
+            FAMILIES[self._spec.family], _info(self._spec, name), lambda _command: None, **options
+        )
         mac: str = getattr(device, "mac", "")  # what a WLED announces instead of a name
         return self.live(device, name, *([mac[-6:].lower()] if mac else []))
 
@@ -182,7 +187,7 @@ async def house_of(spec: HouseSpec) -> AsyncIterator[House]:
             yield _MqttHouse(runtime.graph, tasks, broker.url, spec)
             tasks.cancel_scope.cancel()
     else:
-        network = HouseNetwork([spec.family])
+        network = HouseNetwork([FAMILIES[spec.family]])
         async with (
             network.running(None) as services,
             _running(network.gateways(), *services) as runtime,
@@ -198,7 +203,8 @@ def _running(gateways: Mapping[str, object], *services: object) -> Runtime:
 
 @asynccontextmanager
 async def _matter_house(spec: HouseSpec) -> AsyncIterator[House]:
-    from homebot.integrations.matter.simulated import ServedMatterNode, SimulatedMatterServer  # noqa: PLC0415 - an extra
+    from tests.integrations.matter.simulated.node import ServedMatterNode  # noqa: PLC0415 - an extra
+    from tests.integrations.matter.simulated.server import SimulatedMatterServer  # noqa: PLC0415 - an extra
 
     server = SimulatedMatterServer()
 
@@ -240,9 +246,9 @@ async def _thing_house(spec: HouseSpec) -> AsyncIterator[House]:
 
 @asynccontextmanager
 async def _homekit_house(spec: HouseSpec) -> AsyncIterator[House]:
-    from homebot.integrations.homekit.simulated import ServedAccessory, SimulatedHomekitBridge  # noqa: PLC0415 - an extra
+    from tests.integrations.homekit.simulated.bridge import ServedAccessory, SimulatedHomekitBridge  # noqa: PLC0415 - an extra
 
-    network = HouseNetwork([spec.family])
+    network = HouseNetwork([FAMILIES[spec.family]])
     gateways = network.gateways()
     pairings = Path(str(gateways["homekit"]["pairings"]))
     paired: list[tuple[SimulatedHomekitBridge, anyio.CancelScope]] = []
@@ -270,8 +276,10 @@ async def _homekit_house(spec: HouseSpec) -> AsyncIterator[House]:
 
 @asynccontextmanager
 async def _tag_house() -> AsyncIterator[House]:
+    from tests.simulated.nfc.field import TagField  # noqa: PLC0415 - likewise
+    from tests.simulated.nfc.type4_card import Type4Card  # noqa: PLC0415 - likewise
+
     from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef  # noqa: PLC0415 - an extra
-    from homebot.house.nfc import TagField, Type4Card  # noqa: PLC0415 - likewise
 
     field = TagField()
 

@@ -9,6 +9,7 @@ from tests.cli.test_places import index_node, sighting
 from tests.gateways.nfc.test_gateway import HOUSE
 from tests.gateways.nfc.world import UID, card
 from tests.patience import PATIENCE
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.cli import main
 from homebot.conventions.nfc.card_tag import CardTag
@@ -19,7 +20,6 @@ from homebot.gateways import GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Graph, Node
-from homebot.house.nfc import Type4Card
 
 Text = pytest.CaptureFixture[str]
 

@@ -4,12 +4,12 @@ import json
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, Mutator
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.conventions.nfc.card_tag import CardTag
 from homebot.conventions.nfc.ndef_message import NdefRecord, TagError, read_ndef, write_ndef
 from homebot.conventions.nfc.pointer import pointer_of_code, pointer_of_records
 from homebot.errors import WireError
-from homebot.house.nfc import Type4Card
 
 THING = json.dumps(
     {

@@ -7,14 +7,14 @@ from typing import ClassVar
 
 import anyio
 import pytest
+from tests.simulated.virtual_bleak import backend_of
+from tests.simulated.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.graph import Node
-from homebot.house.virtual_bleak import backend_of
-from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 SERVICE = "6e1d0001-0000-4000-8000-0123456789ab"

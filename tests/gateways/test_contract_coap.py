@@ -13,12 +13,12 @@ from aiocoap.cli.rd import StandaloneResourceDirectory
 from anyio.abc import TaskGroup, TaskStatus
 from tests.gateways.lamp_orders import INFO, OrderedLamp, is_told_on
 from tests.ports import reserve_datagram_port
+from tests.simulated.coap_devices import CoapDevice
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Node
-from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 

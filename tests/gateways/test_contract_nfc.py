@@ -6,6 +6,8 @@ from contextlib import asynccontextmanager
 import anyio
 from tests.gateways.nfc.world import UID, uri
 from tests.patience import PATIENCE
+from tests.simulated.nfc.field import TagField
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.conventions.nfc.ndef_message import TagContent
 from homebot.errors import LinkError
@@ -14,7 +16,6 @@ from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.nfcpy_reader import NfcpyReader
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Node
-from homebot.house.nfc import TagField, Type4Card
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 MESSAGE = uri("homebot:device/lights/hall")

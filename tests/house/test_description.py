@@ -86,9 +86,9 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
             f"must be one of {', '.join(family_names())}, got 'klingon'",
         ),
         (
-            "[rooms.hall]\n[devices.r2]\nkind = 'robot'\nroom = 'hall'\ndialect = 'ble_light'\n",
+            "[rooms.hall]\n[devices.r2]\nkind = 'robot'\nroom = 'hall'\ndialect = 'homeassistant'\n",
             "devices.r2.dialect",
-            "'ble_light' has no robot, only lamp",
+            "'homeassistant' has no robot, only contact",
         ),
         (
             f"{LAMP}dialect = 'klingon'\n",

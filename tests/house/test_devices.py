@@ -235,7 +235,7 @@ def test_a_tag_that_is_tapped_again_and_again_comes_and_goes() -> None:
 def test_a_timer_of_a_house_taps_it() -> None:
     tables = {
         "rooms": {"hall": {}},
-        "devices": {"tag": {"kind": "tag", "room": "hall", "dialect": "nfc", "text": "lamp"}},
+        "devices": {"tag": {"kind": "tag", "room": "hall", "text": "lamp"}},
         "errands": [{"at": "07:00", "device": "tag", "command": "tap"}],
     }
     world = parse_world(tables, "test")

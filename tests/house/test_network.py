@@ -1,20 +1,20 @@
 """A house whose devices speak other protocols than MQTT: servers on loopback, found by gateways of their own."""
 
-import importlib.util
 from pathlib import Path
 
 import anyio
 import pytest
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
+from tests.simulated.families import FAMILIES, PROTOCOLS, families_with
 
 from homebot.config import parse_config
 from homebot.devices import Devices
-from homebot.errors import ConfigError, UsageError
+from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.house import SimulatedLamp, World
 from homebot.house.description import load_world, parse_world
-from homebot.house.family import ServedFamily, family_names, family_of, kinds_of
+from homebot.house.family import kinds_of
 from homebot.house.network import HouseNetwork
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import Placed
@@ -30,7 +30,6 @@ pytestmark = [
     ),
 ]
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "houses" / "protocols.toml"
 APP = Path(__file__).parents[2] / "examples" / "02_window_light"
 
 
@@ -47,19 +46,13 @@ class AwaitedLamp(SimulatedLamp):
         return super()._obey(command)
 
 
-def served() -> dict[str, type[ServedFamily]]:
-    found = ((name, family_of(name)) for name in family_names())
-    return {name: one for name, one in found if isinstance(one, type)}
-
-
 @pytest.mark.rooms("things")
 async def test_the_app_of_the_examples_turns_on_a_lamp_of_every_family(monkeypatch: pytest.MonkeyPatch) -> None:
     """It was written for a window and a lamp that speak MQTT."""
     monkeypatch.syspath_prepend(str(APP))
-    families = [name for name, spec in served().items() if "lamp" in spec.kinds and name != "matter_plug"]
-    lamps = {family: AwaitedLamp(f"{family}_lamp") for family in families}
+    lamps = {name: AwaitedLamp(f"{name}_lamp") for name in families_with("lamp") if name != "matter_plug"}
     rooms = Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, [])
-    world = World(rooms, [Placed(lamp, "hall", dialect=family) for family, lamp in lamps.items()])
+    world = World(rooms, [Placed(lamp, "hall", dialect=FAMILIES[name]) for name, lamp in lamps.items()])
     apps = {"window_light": {"class": "window_light:WindowLight"}}
     config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "apps": apps}, "test")
     async with alone_on_loopback(), MemoryBroker() as broker:
@@ -80,31 +73,24 @@ async def test_the_app_of_the_examples_turns_on_a_lamp_of_every_family(monkeypat
 
 
 def test_the_example_has_a_device_of_every_family() -> None:
-    families = load_world(EXAMPLE).families()
-    assert set(served()) <= set(families)
+    assert set(FAMILIES.values()) <= set(load_world(PROTOCOLS).families())
 
 
 def test_a_house_names_the_gateways_that_its_devices_need() -> None:
     assert HouseNetwork(["thesis"]).gateways() == {}
-    assert HouseNetwork(["thesis", "wled", "shelly_http"]).gateways() == {
+    assert HouseNetwork(["thesis", FAMILIES["wled"], FAMILIES["shelly_http"]]).gateways() == {
         "mdns": {"interfaces": ["127.0.0.1"], "announce": False}
     }
 
 
-def test_an_error_names_the_extra_of_a_missing_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "zeroconf" else name)
-    with pytest.raises(UsageError, match=r"'wled' needs zeroconf; install it with: pip install \"homebot\[mdns\]\""):
-        HouseNetwork(["wled"]).gateways()
-
-
 def test_an_error_names_the_devices_of_a_family() -> None:
-    house = {"rooms": {"hall": {}}, "devices": {"door": {"kind": "lock", "room": "hall", "dialect": "wled"}}}
-    with pytest.raises(ConfigError, match="'wled' has no lock, only lamp"):
+    house = {"rooms": {"hall": {}}, "devices": {"door": {"kind": "lock", "room": "hall", "dialect": FAMILIES["wled"]}}}
+    with pytest.raises(ConfigError, match=r"WledFamily' has no lock, only lamp"):
         parse_world(house, "test")
 
 
 def test_an_error_of_an_unknown_dialect_names_all() -> None:
     house = {"rooms": {"hall": {}}, "devices": {"lamp": {"kind": "lamp", "room": "hall", "dialect": "telepathy"}}}
-    with pytest.raises(ConfigError, match=r"must be one of ble_light, .*zigbee2mqtt, got 'telepathy'"):
+    with pytest.raises(ConfigError, match=r"must be one of homeassistant, .*zigbee2mqtt, got 'telepathy'"):
         parse_world(house, "test")
     assert kinds_of("telepathy") is None

@@ -13,18 +13,19 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.house.onlooker import house
+from tests.integrations.homeassistant.simulated.entity import ServedEntity
+from tests.integrations.homeassistant.simulated.server import Fields, SimulatedHomeAssistant
+from tests.integrations.homekit.simulated.bridge import ID as PAIRING_ID
+from tests.integrations.hue.simulated.resources import radio_address, resource_uuid
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
+from tests.simulated.families import FAMILIES
 
 from homebot.devices import Device, DevicePart, Devices
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.wire import hardware_address
-from homebot.integrations.homeassistant.simulated.entity import ServedEntity
-from homebot.integrations.homeassistant.simulated.server import Fields, SimulatedHomeAssistant
-from homebot.integrations.homekit.simulated.bridge import ID as PAIRING_ID
-from homebot.integrations.hue.simulated.resources import radio_address, resource_uuid
 
 pytestmark = pytest.mark.slow
 
@@ -151,7 +152,7 @@ async def two_ways(tmp_path: Path, dialect: str, name: str, registered: Mapping[
     token.touch(mode=0o600)
     token.write_text(home.token)
     table = {"url": f"http://127.0.0.1:{home.server.port}", "token_file": str(token)}
-    tables = {name: {"kind": "lamp", "dialect": dialect}}
+    tables = {name: {"kind": "lamp", "dialect": FAMILIES.get(dialect, dialect)}}
     gateways = {"homeassistant": table}
     async with alone_on_loopback(), house(tables, gateways) as (node, _), anyio.create_task_group() as tasks:
         await lamps(node, bool)

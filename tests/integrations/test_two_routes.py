@@ -10,6 +10,7 @@ from pathlib import Path
 import anyio
 import pytest
 from anyio.abc import TaskGroup
+from tests.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
 from tests.integrations.test_home_assistant_registry import Entry, RegisteredLamp, lamp_named
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE, until
@@ -24,7 +25,6 @@ from homebot.devices.outcomes import Confirmed, Outcome, Refused
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState
-from homebot.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection

@@ -6,9 +6,9 @@ from contextlib import asynccontextmanager
 
 import anyio
 import pytest
+from tests.simulated.http.served_web_device import ServedWebDevice
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.served_web_device import ServedWebDevice
 
 LAMP = SimulatedDeviceInfo("home", "lamp", "Shelf", "lights", "hall")
 

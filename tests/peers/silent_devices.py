@@ -4,12 +4,12 @@ import json
 import sys
 
 import anyio
+from tests.integrations.esphome.simulated.device import EsphomeServedDevice
+from tests.integrations.shelly.simulated.web_device import ServedShelly
+from tests.integrations.wled.simulated.web_device import ServedWled
 from tests.things.thing import ServedThing
 
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.integrations.esphome.simulated import EsphomeServedDevice
-from homebot.integrations.shelly.simulated.web_device import ServedShelly
-from homebot.integrations.wled.simulated import ServedWled
 
 
 def _ignore(command: str) -> None:

@@ -8,8 +8,8 @@ import pytest
 from tests.gateways.coap.watched import watched_gateway
 from tests.patience import PATIENCE
 from tests.peers.network import INTERFACE, Lan, Machine, Program, missing_programs
+from tests.simulated.coap_devices import CoapDevice
 
-from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
 GROUPS = (("224.0.1.187", INTERFACE), ("ff02::fd", INTERFACE))

@@ -22,6 +22,7 @@ from tests.gateways.nfc.test_gateway import HOUSE, LAMP
 from tests.gateways.nfc.world import KEPT, UID, card, uri
 from tests.patience import PATIENCE
 from tests.peers.network import Machine
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.conventions.nfc.ndef_message import read_ndef
 from homebot.devices import FIND_DEVICES, FindDevices, GatewayState
@@ -30,7 +31,6 @@ from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.tags import ReadTag, ReadTagRequest, TagTap, WriteTag, WriteTagRequest
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.graph import Graph, Node
-from homebot.house.nfc import Type4Card
 
 PORT = 35963
 DEBIAN_PYSCARD = Path("/usr/lib/python3/dist-packages/smartcard")

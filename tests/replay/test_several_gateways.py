@@ -18,6 +18,7 @@ from tests.replay.recorded_days import (
     replayed,
     texts,
 )
+from tests.simulated.families import FAMILIES
 from tests.sizes import nightly
 
 import homebot.apps.lights_out
@@ -51,10 +52,10 @@ async def live(lines: list[str]) -> None:
         ("00:20", "kitchen"),
         ("00:40", "outside"),
         hall_lamp=lamp("hall"),
-        study_lamp=lamp("study", dialect="ble_light"),
+        study_lamp=lamp("study", dialect=FAMILIES["ble_light"]),
         kitchen_lamp=lamp("kitchen", dialect="zigbee2mqtt"),
         hall_motion=motion("hall"),
-        study_motion=motion("study", dialect="bthome"),
+        study_motion=motion("study", dialect=FAMILIES["bthome"]),
         study_relay=motion("study"),
         kitchen_motion=motion("kitchen", dialect="zigbee2mqtt"),
     )

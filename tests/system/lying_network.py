@@ -7,11 +7,11 @@ import anyio
 from aiocoap import resource
 from tests.conventions.coap.link_writer import format_links
 from tests.gateways.served import served
+from tests.simulated.coap_devices import CoapDevice
 from tests.things.directory import ThingDirectoryServer
 from tests.things.thing import ServedThing
 
 from homebot.conventions.coap.link_format import WebLink
-from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.things.formats.parse import CONTEXT
 

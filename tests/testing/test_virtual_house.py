@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.simulated.families import FAMILIES
 from tests.sizes import nightly, size
 
 from homebot import App
@@ -197,8 +198,8 @@ async def test_a_night_without_broker_is_survived() -> None:
 
 @pytest.mark.rooms("esphome", "thesis")
 async def test_a_device_that_needs_a_network_is_refused_by_the_name_of_its_family() -> None:
-    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("hall"), "hall", dialect="esphome")])
-    with pytest.raises(UsageError, match="world: esphome needs a network, and a virtual house has a broker alone"):
+    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("hall"), "hall", dialect=FAMILIES["esphome"])])
+    with pytest.raises(UsageError, match=r"world: .*EsphomeFamily needs a network"):
         async with virtual_house_of(world=world):
             pass
 

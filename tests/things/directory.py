@@ -8,8 +8,8 @@ from hashlib import blake2b
 
 import anyio
 from anyio.abc import TaskStatus
+from tests.simulated.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.house.wire import as_json, json_value
 from homebot.support.numbers import to_number
 

@@ -7,12 +7,12 @@ import json
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 
+from tests.simulated.dns_sd import DnsSdService
+from tests.simulated.http.served_web_device import ServedWebDevice
+from tests.simulated.http.web_server import WebPeer, WebReply, WebRequest
 from tests.things.properties import THING_PROPERTIES, ThingProperty
 
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dns_sd import DnsSdService
-from homebot.house.http.served_web_device import ServedWebDevice
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
 from homebot.house.wire import as_json, hardware_address, json_value
 
 TD_TYPE = "application/td+json"

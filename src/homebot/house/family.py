@@ -1,7 +1,8 @@
-"""Families of simulated devices, found by entry point: how their devices speak, and the network that they need.
+"""Families of simulated devices: how their devices speak, and the network that they need.
 
-An integration offers each as ``homebot.simulated``: a :class:`~homebot.house.dialect.Dialect` for devices on MQTT, or a
-:class:`ServedFamily` for servers and radios, which the gateway of their protocol finds.
+A family is a :class:`~homebot.house.dialect.Dialect` for devices on MQTT, or a :class:`ServedFamily` for servers and
+radios, which the gateway of their protocol finds. An integration offers its own as ``homebot.simulated``; others are
+named as ``module:Class``.
 """
 
 import socket
@@ -63,16 +64,12 @@ class ServedFamily(ABC):
         device: Module and class of its devices, ``module:Class``.
         options: Arguments of that class besides the device, the receiver of commands, and those of the network.
         network: The class of its network.
-        extra: The extra that installs its libraries.
-        libraries: Their top-level modules.
     """
 
     kinds: ClassVar[frozenset[str]]
     device: ClassVar[str]
     options: ClassVar[Mapping[str, object]] = MappingProxyType({})
     network: ClassVar[type[FamilyNetwork]]
-    extra: ClassVar[str]
-    libraries: ClassVar[tuple[str, ...]]
 
 
 def family_names() -> tuple[str, ...]:
@@ -82,12 +79,12 @@ def family_names() -> tuple[str, ...]:
 
 @lru_cache(maxsize=100)
 def family_of(name: str) -> Dialect | type[ServedFamily] | None:
-    """Return the family *name*; None if none is installed.
+    """Return the family *name*, which may also be ``module:Class``; None if none is installed.
 
     Raises:
         PluginError: It cannot be loaded.
     """
-    if not has_plugin(GROUP, name):
+    if ":" not in name and not has_plugin(GROUP, name):
         return None
     kind = load_plugin(GROUP, name)
     if issubclass(kind, ServedFamily):
@@ -116,7 +113,7 @@ def kinds_of(name: str) -> frozenset[str] | None:
 
 
 def free_port(kind: socket.SocketKind, host: str = LOOPBACK) -> int:
-    """Return a port of *host* that nobody uses."""
+    """Return a free port of *host*."""
     with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, kind) as probe:
         probe.bind((host, 0))
         return int(probe.getsockname()[1])

@@ -85,7 +85,7 @@ class MovementObserver(Protocol):
         """Handle a person who sets out, arrives, passes or moves in *room*; called after the above."""
 
     def on_still(self, room: str) -> None:
-        """Handle a person in *room* who stops moving, and is awake."""
+        """Handle an awake person in *room* that stops moving."""
 
 
 @dataclass(eq=False)
@@ -145,7 +145,7 @@ class Household:
         return sum(body.room == room and not body.asleep for body in self._bodies)
 
     def moving_in(self, room: str) -> int:
-        """Return the number of people in *room* who are awake and do not sit still."""
+        """Return the number of people in *room* that are awake and do not sit still."""
         return sum(body.room == room and not body.asleep and body.moves for body in self._bodies)
 
     def stir(self, room: str) -> None:

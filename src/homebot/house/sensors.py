@@ -75,7 +75,7 @@ class MotionSensor(SimulatedDevice):
         return reports
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Simulate a person walking past for ``motion``; see :meth:`sensing` for a person who stays or leaves."""
+        """Simulate a person walking past for ``motion``; see :meth:`sensing` for one staying or leaving."""
         reports = self.advance(now)
         if command in {_STAYS, _LEFT}:
             self._is_held = command == _STAYS
@@ -86,7 +86,7 @@ class MotionSensor(SimulatedDevice):
         return reports
 
     def sensing(self, value: float) -> str:
-        """Return the command for a person who stays in front of it, or has left."""
+        """Return the command for a person in front of it, or gone."""
         return _STAYS if value else _LEFT
 
     def next_event(self) -> float | None:
@@ -100,7 +100,7 @@ class MotionSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class PresenceSensor(MotionSensor):
-    """A radar: it senses everybody in its room, also who sits still or sleeps."""
+    """A radar: it senses all people in its room, also those who sit still or sleep."""
 
     kind: ClassVar[str] = "presence"
     hold: float = 15.0

@@ -192,7 +192,7 @@ class World:
         return self._household.awake_in(room)
 
     def is_open(self, device_id: str) -> bool:
-        """Return whether the door or window of a contact is actually open, whatever the contact reports.
+        """Return whether the door or window of a contact is actually open, also where the contact reports otherwise.
 
         Raises:
             UsageError: There is no such device.

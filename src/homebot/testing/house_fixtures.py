@@ -116,7 +116,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 def _house_of_test(
     request: pytest.FixtureRequest, fixture: str, loop_of: Callable[..., AbstractEventLoop], *config: object
 ) -> Iterator[Any]:
-    """Provide the house described by the marks; if the test or an app fails, its report shows what happened."""
+    """Provide the house described by the marks; if the test or an app fails, its report shows the events."""
     from homebot.testing.house_marks import house_of_test  # noqa: PLC0415 - on first use
 
     test = request.node

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import pytest
 from tests.gateways.nfc.world import UID, card, uri
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.conventions.nfc.card_tag import CardTag
 from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagError
-from homebot.house.nfc import Type4Card
 
 LONG = uri(f"http://example.org/{'a' * 500}")
 

@@ -7,6 +7,8 @@ from random import Random
 import anyio
 import pytest
 from tests.patience import PATIENCE
+from tests.simulated.virtual_bleak import backend_of
+from tests.simulated.virtual_radio import VirtualRadio
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
@@ -14,8 +16,6 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
-from homebot.house.virtual_bleak import backend_of
-from homebot.house.virtual_radio import VirtualRadio
 
 KEPT = QoSProfile(depth=20_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

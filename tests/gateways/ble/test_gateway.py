@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from tests.integrations.bthome.simulated.sensors import BroadcastingButton, BroadcastingSensor
+from tests.simulated.ble_devices import BluetoothLight, address_of
+from tests.simulated.virtual_radio import GattValue
 from tests.sizes import size
 
 from homebot.devices import GatewayState
@@ -15,11 +18,8 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.value import Value
 from homebot.errors import LinkError, RefusedError
-from homebot.house.ble_devices import BluetoothLight, address_of
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.virtual_radio import GattValue
-from homebot.integrations.bthome.simulated import BroadcastingButton, BroadcastingSensor
 
 if TYPE_CHECKING:
     from tests.gateways.ble.conftest import RadioHouse

@@ -12,11 +12,11 @@ from aiocoap import resource
 from tests.gateways.coap.test_gateway import device
 from tests.gateways.coap.watched import watched_gateway
 from tests.patience import PATIENCE
+from tests.simulated.coap_devices import CoapDevice
 from tests.sizes import size
 
 from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
 from homebot.gateways.coap.gateway import MAX_PER_HOST as MAX_PER_ADDRESS
-from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
 FLOOD = size(2_000, 10_000)

@@ -11,10 +11,10 @@ from aiocoap import resource
 from tests.gateways.coap.watched import watched_gateway
 from tests.patience import PATIENCE
 from tests.ports import reserve_datagram_port
+from tests.simulated.coap_devices import CoapDevice
+from tests.simulated.coap_directory import served_directory
 
 from homebot.devices.gateway_messages import REACHABLE
-from homebot.house.coap_devices import CoapDevice
-from homebot.house.coap_directory import served_directory
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
 pytestmark = pytest.mark.rooms("things")

@@ -7,6 +7,7 @@ from typing import TypeVar
 import anyio
 from tests.gateways.served import served
 from tests.patience import PATIENCE
+from tests.simulated.http.served_web_device import ServedWebDevice
 
 from homebot.clock import Clock, LoopClock
 from homebot.devices.command_messages import Setting
@@ -16,7 +17,6 @@ from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.drivers.base import Driver, FoundService
-from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.support.logger import get_logger
 
 DriverT = TypeVar("DriverT", bound=Driver)

@@ -5,6 +5,8 @@ from contextlib import asynccontextmanager
 
 import anyio
 import pytest
+from tests.integrations.shelly.simulated.web_device import ServedShelly
+from tests.integrations.wled.simulated.web_device import ServedWled
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 
@@ -14,8 +16,6 @@ from homebot.devices.value import Value
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.shelly.simulated.web_device import ServedShelly
-from homebot.integrations.wled.simulated import ServedWled
 
 LOOPBACK = "127.0.0.1"
 KEPT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -8,6 +8,9 @@ import anyio
 import pytest
 from anyio.abc import SocketAttribute, SocketStream
 from tests.gateways.drivers.driver_host import KeepingHost, command, found
+from tests.integrations.esphome.simulated.device import EsphomeServedDevice
+from tests.integrations.shelly.simulated.web_device import ServedShelly
+from tests.integrations.wled.simulated.web_device import ServedWled
 from tests.patience import PATIENCE
 
 from homebot.errors import LinkError
@@ -15,11 +18,8 @@ from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.esphome.driver import EsphomeDriver, EsphomeSettings
-from homebot.integrations.esphome.simulated import EsphomeServedDevice
 from homebot.integrations.shelly.driver import ShellyDriver, ShellyDriverSettings
-from homebot.integrations.shelly.simulated.web_device import ServedShelly
 from homebot.integrations.wled.driver import WledDriver
-from homebot.integrations.wled.simulated import ServedWled
 
 
 class Cable:

@@ -5,6 +5,8 @@ import json
 import pytest
 from tests.gateways.nfc.world import UID, card, tag_house, take, uri
 from tests.patience import PATIENCE
+from tests.simulated.nfc.field import TagField
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.conventions.nfc.ndef_message import NdefRecord, read_ndef, write_ndef
 from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, Sighting
@@ -13,7 +15,6 @@ from homebot.devices.gateway_messages import Report
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.tags import ReadTag, ReadTagRequest, ScanCode, ScanCodeRequest, TagTap, WriteTag, WriteTagRequest
 from homebot.graph import Node
-from homebot.house.nfc import TagField, Type4Card
 from homebot.messages.builtin_interfaces import Time
 
 NOW = Time(sec=1, nanosec=0)

@@ -6,12 +6,13 @@ from typing import TypeVar
 
 import anyio
 from tests.patience import PATIENCE
+from tests.simulated.nfc.field import TagField
+from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef
 from homebot.devices.gateway_messages import GatewayState
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
-from homebot.house.nfc import TagField, Type4Card
 from homebot.messages import Message
 
 MessageT = TypeVar("MessageT", bound=Message)

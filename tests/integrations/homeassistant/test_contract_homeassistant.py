@@ -10,6 +10,8 @@ from typing import ClassVar
 import pytest
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
+from tests.integrations.homeassistant.simulated.entity import ServedEntity
+from tests.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
 
 from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.payload import compact_json
@@ -18,8 +20,6 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.homeassistant.gateway import HomeAssistantGateway, HomeAssistantGatewaySettings
-from homebot.integrations.homeassistant.simulated.entity import ServedEntity
-from homebot.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 INFO = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall")

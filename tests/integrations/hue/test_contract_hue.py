@@ -11,6 +11,7 @@ import anyio.to_thread
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
 from tests.integrations.hue.gateway.bridges import bridge_with_certificate, pairings_of
+from tests.integrations.hue.simulated.bridge import HueHouseDevice, SimulatedHueBridge
 
 from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.light_color import to_hue_saturation
@@ -19,7 +20,6 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.hue.gateway import HueGateway, HueGatewaySettings
-from homebot.integrations.hue.simulated import HueHouseDevice, SimulatedHueBridge
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 INFO = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "")

@@ -7,6 +7,8 @@ from typing import ClassVar
 
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
+from tests.integrations.matter.simulated.node import ServedMatterNode
+from tests.integrations.matter.simulated.server import SimulatedMatterServer
 
 from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.devices.value import PlainValue
@@ -14,7 +16,6 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.matter.gateway import MatterGateway, MatterGatewaySettings
-from homebot.integrations.matter.simulated import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 

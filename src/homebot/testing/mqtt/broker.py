@@ -60,7 +60,7 @@ class BrokerView:
         Call ``settle`` first, as this only checks received messages.
 
         Raises:
-            AssertionError: One has; the message shows what.
+            AssertionError: One has; the message shows it.
             InvalidNameError: *filter* is no topic filter.
         """
         validate_filter(filter)

@@ -12,12 +12,11 @@ from uuid import UUID
 
 import anyio
 from aioesphomeapi import api_pb2
+from tests.integrations.esphome.simulated.device import EsphomeServedDevice, _ApiClient
+from tests.integrations.esphome.simulated.wire import ApiMessage
 from tests.patience import PATIENCE
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.esphome.simulated import EsphomeServedDevice
-from homebot.integrations.esphome.simulated.device import _ApiClient
-from homebot.integrations.esphome.simulated.wire import ApiMessage
 
 PASSIVE, ACTIVE, CACHING, RAW, MODES = 1, 2, 4, 32, 64
 _CONNECT = {0, 4, 5}

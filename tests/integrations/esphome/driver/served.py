@@ -5,13 +5,13 @@ from contextlib import asynccontextmanager
 
 import anyio
 from tests.gateways.drivers.driver_host import KeepingHost
+from tests.integrations.esphome.simulated.device import EsphomeServedDevice
 
 from homebot.errors import HomebotError
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.drivers.base import FoundService
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.esphome.driver import EsphomeDriver, EsphomeSettings
-from homebot.integrations.esphome.simulated import EsphomeServedDevice
 
 KEY = "mBqUHGEr8Ie7OWkgkB8cJ0hBMwgzEjzlyuqOUyO2hZk="
 OTHER_KEY = "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAE="

@@ -13,6 +13,7 @@ import pytest
 from tests.integrations.esphome.driver.proxy_server import ProxyServer, number_of, serving
 from tests.integrations.esphome.driver.served import KEY, OTHER_KEY, driven, service_of
 from tests.patience import PATIENCE
+from tests.simulated.ble_devices import LIGHT_COMMAND, LIGHT_SERVICE, LIGHT_STATE
 
 from homebot.clock import LoopClock
 from homebot.devices import Sighting
@@ -22,7 +23,6 @@ from homebot.gateways.base import GatewayContext
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.gateways.ble_proxies.hub import ProxyHub
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
-from homebot.house.ble_devices import LIGHT_COMMAND, LIGHT_SERVICE, LIGHT_STATE
 from homebot.integrations.esphome.driver import EsphomeSettings
 from homebot.support.ble_proxies import BleProxies
 

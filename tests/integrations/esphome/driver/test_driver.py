@@ -11,6 +11,7 @@ import pytest
 from pydantic import ValidationError
 from tests.gateways.drivers.driver_host import KeepingHost, command, night
 from tests.integrations.esphome.driver.served import KEY, OTHER_KEY, driven, living, service_of, simulated
+from tests.integrations.esphome.simulated.device import EsphomeServedDevice
 from tests.patience import PATIENCE
 
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -25,7 +26,6 @@ from homebot.integrations.esphome.driver import EsphomeDriver, EsphomeSettings
 from homebot.integrations.esphome.driver.driver import StateQueue
 from homebot.integrations.esphome.driver.settings import EsphomeSecrets
 from homebot.integrations.esphome.formats.device import EsphomeDevice
-from homebot.integrations.esphome.simulated import EsphomeServedDevice
 
 LAMP = "light_lamp"
 

@@ -8,7 +8,10 @@ import anyio
 import pytest
 from anyio.abc import TaskStatus
 from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
+from tests.integrations.homeassistant.simulated.entity import ServedEntity
+from tests.integrations.homeassistant.simulated.server import Fields, SimulatedHomeAssistant
 from tests.patience import PATIENCE
+from tests.simulated.http.web_server import WebPeer
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Report, SendCommandResponse
@@ -16,11 +19,8 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.web_server import WebPeer
 from homebot.house.wire import as_json, as_object
 from homebot.integrations.homeassistant.gateway import HomeAssistantGateway, HomeAssistantGatewaySettings
-from homebot.integrations.homeassistant.simulated.entity import ServedEntity
-from homebot.integrations.homeassistant.simulated.server import Fields, SimulatedHomeAssistant
 
 pytestmark = pytest.mark.slow
 

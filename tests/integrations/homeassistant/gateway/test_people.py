@@ -6,13 +6,13 @@ from pathlib import Path
 
 import anyio
 import pytest
+from tests.integrations.homeassistant.simulated.server import ListedEntity, SimulatedHomeAssistant
 from tests.patience import PATIENCE
 
 from homebot.config import parse_config
 from homebot.devices import Devices, Follow
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.graph import Node
-from homebot.integrations.homeassistant.simulated.server import ListedEntity, SimulatedHomeAssistant
 from homebot.runtime import Runtime
 from homebot.words.house_queries import WordsQuery
 from homebot.words.queries import parse_query

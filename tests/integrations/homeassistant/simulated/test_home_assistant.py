@@ -8,6 +8,8 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.house.onlooker import house
+from tests.integrations.homeassistant.simulated.entity import ServedEntity
+from tests.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 
@@ -15,8 +17,6 @@ from homebot.devices import Device, Devices
 from homebot.devices.handles import Light
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.homeassistant.simulated.entity import ServedEntity
-from homebot.integrations.homeassistant.simulated.server import SimulatedHomeAssistant
 
 pytestmark = pytest.mark.slow
 

@@ -10,6 +10,7 @@ import pytest
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 from tests.replay.recorded_days import APPS, FAMILY, MemorySink, diff_of, recording_of, texts
+from tests.simulated.families import FAMILIES
 
 from homebot.cli.main import main
 from homebot.clock import LoopClock
@@ -38,7 +39,7 @@ WALKS = range(3, 600, 5)
 def family() -> World:
     """The family home without its robot, which speaks MQTT; Anna walks every five seconds, and touches no lamp."""
     house = tomllib.loads(FAMILY)
-    house["house"] |= {"dialect": "home_assistant", "by_hand": False}
+    house["house"] |= {"dialect": FAMILIES["home_assistant"], "by_hand": False}
     del house["devices"]["robot"]
     house["errands"] = [one for one in house["errands"] if one["device"] != "robot"]
     walks = [{"at": f"03:{at // 60:02}:{at % 60:02}", "room": "bath" if at % 2 else "bedroom"} for at in WALKS]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from tests.integrations.homeassistant.simulated.server import Fields, ListedEntity, SimulatedHomeAssistant
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 
@@ -18,7 +19,6 @@ from homebot.devices.always_ask import CHANGED
 from homebot.devices.handles import AlarmPanel, Closure, DoorLock, Handle, Siren, WaterValve
 from homebot.devices.outcomes import Refused
 from homebot.graph import Node
-from homebot.integrations.homeassistant.simulated.server import Fields, ListedEntity, SimulatedHomeAssistant
 from homebot.runtime import Runtime
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,9 @@ from collections.abc import Mapping
 
 import pytest
 from tests.house.onlooker import found, house
+from tests.integrations.homekit.simulated.bridge import SERVICES, VALUES, orders_of
 from tests.loopback import alone_on_loopback
+from tests.simulated.families import FAMILIES
 
 from homebot.devices import Devices
 from homebot.devices.always_ask import always_asks
@@ -12,12 +14,11 @@ from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import PlainValue
 from homebot.house.dialect import DeviceState
-from homebot.integrations.homekit.simulated.bridge import SERVICES, VALUES, orders_of
 
 
 @pytest.mark.slow
 async def test_each_kind_is_a_device_and_a_lamp_obeys() -> None:
-    tables = {kind: {"kind": kind, "dialect": "homekit"} for kind in SERVICES}
+    tables = {kind: {"kind": kind, "dialect": FAMILIES["homekit"]} for kind in SERVICES}
     async with alone_on_loopback(), house(tables) as (node, world):
         devices = await found(node, *SERVICES)
         types = {kind: devices[kind].parts[0].part.service_type for kind in SERVICES}

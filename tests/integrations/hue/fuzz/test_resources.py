@@ -5,6 +5,7 @@ from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
+from tests.integrations.hue.simulated.resources import device_resources, group_resources, scene_resource
 
 from homebot.errors import PeerError, WireError
 from homebot.gateways.announced.gateway_device import can_report
@@ -12,7 +13,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.hue.formats.devices import devices_of
 from homebot.integrations.hue.formats.resources import HueResources
 from homebot.integrations.hue.formats.service_rows import press_of
-from homebot.integrations.hue.simulated.resources import device_resources, group_resources, scene_resource
 
 
 def test_damaged_resources_are_refused_or_read(fuzz: Fuzz) -> None:

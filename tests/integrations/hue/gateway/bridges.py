@@ -5,8 +5,7 @@ import ssl
 from pathlib import Path
 
 import trustme
-
-from homebot.integrations.hue.simulated import SimulatedHueBridge, make_certificate
+from tests.integrations.hue.simulated.bridge import SimulatedHueBridge, make_certificate
 
 KEY = "a-key-of-the-bridge"
 BUTTONS = "device-of-buttons"

@@ -25,6 +25,8 @@ from tests.integrations.hue.gateway.bridges import (
     pairings_of,
     self_signed,
 )
+from tests.integrations.hue.simulated.bridge import HueHouseDevice, SimulatedHueBridge, make_certificate
+from tests.integrations.hue.simulated.resources import radio_address
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
@@ -34,8 +36,6 @@ from homebot.gateways.pairing import PairResponse
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.hue.gateway import HueGateway, HueGatewaySettings
-from homebot.integrations.hue.simulated import HueHouseDevice, SimulatedHueBridge, make_certificate
-from homebot.integrations.hue.simulated.resources import radio_address
 from homebot.testing.gateway_contract.steps import KEPT
 
 pytestmark = pytest.mark.slow

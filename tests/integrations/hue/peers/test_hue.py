@@ -8,11 +8,11 @@ import anyio
 import anyio.to_thread
 import pytest
 from tests.integrations.hue.gateway.bridges import bridge_with_certificate, button, buttons
+from tests.integrations.hue.simulated.bridge import HueHouseDevice, SimulatedHueBridge
 from tests.patience import PATIENCE
 from tests.peers.other_python import python_with
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.hue.simulated import HueHouseDevice, SimulatedHueBridge
 
 CLIENT = """
 import asyncio

@@ -7,6 +7,7 @@ from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
+from tests.integrations.matter.simulated.clusters import DEVICE_TYPES, attributes_of
 
 from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, parse_json
@@ -18,7 +19,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.matter.formats.sensor_clusters import press_of
 from homebot.integrations.matter.gateway.node import MatterNode, NodeDevice, parse_path
 from homebot.integrations.matter.gateway.server_link import MAX_FRAME_BYTES, check_greeting, result_of
-from homebot.integrations.matter.simulated.clusters import DEVICE_TYPES, attributes_of
 
 STATE = DeviceState(text="on", is_on=True, value=5.0)
 NODES = tuple(attributes_of(SimulatedDeviceInfo("home", kind, "x", "x", "hall"), STATE) for kind in DEVICE_TYPES)

@@ -12,6 +12,7 @@ from aiohttp import web
 from tests.gateways.http_servers import serving
 from tests.gateways.watched_gateway import reading
 from tests.integrations.matter.gateway.test_gateway import House, gateway_to, house
+from tests.integrations.matter.simulated.node import ServedMatterNode
 from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
@@ -37,7 +38,6 @@ from homebot.integrations.matter.gateway.gateway import (
     Decommission,
     DecommissionRequest,
 )
-from homebot.integrations.matter.simulated import ServedMatterNode
 from homebot.messages.json import message_from_json
 from homebot.testing.gateway_contract.steps import KEPT
 

@@ -13,6 +13,8 @@ from anyio.abc import TaskGroup
 from pydantic import ValidationError
 from tests.gateways.http_servers import serving
 from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
+from tests.integrations.matter.simulated.node import ServedMatterNode
+from tests.integrations.matter.simulated.server import SimulatedMatterServer
 from tests.patience import PATIENCE
 from tests.sizes import size
 
@@ -22,7 +24,6 @@ from homebot.devices.value import PlainValue
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.integrations.matter.gateway import MatterGateway, MatterGatewaySettings
-from homebot.integrations.matter.simulated import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract.steps import KEPT
 
 

@@ -5,6 +5,7 @@ import pytest
 from tests.house.onlooker import found, house
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
+from tests.simulated.families import FAMILIES
 
 from homebot.devices.tags import TagTap
 
@@ -16,10 +17,10 @@ pytest.importorskip("nfc")  # else pytest looks for it in the loop, when homebot
 async def test_a_bridge_is_a_device_and_so_is_each_device_behind_it() -> None:
     lamp: dict[str, object] = {"kind": "lamp"}
     tables: dict[str, dict[str, object]] = {
-        "lamp": lamp | {"dialect": "matter"},
-        "plug": lamp | {"dialect": "matter_plug"},
-        "bridged": lamp | {"dialect": "matter_bridge"},
-        "door": {"kind": "contact", "dialect": "matter_bridge"},
+        "lamp": lamp | {"dialect": FAMILIES["matter"]},
+        "plug": lamp | {"dialect": FAMILIES["matter_plug"]},
+        "bridged": lamp | {"dialect": FAMILIES["matter_bridge"]},
+        "door": {"kind": "contact", "dialect": FAMILIES["matter_bridge"]},
     }
     async with alone_on_loopback(), house(tables) as (node, _):
         devices = await found(node, "Matter bridge", "lamp", "plug", "bridged", "door")
@@ -37,8 +38,8 @@ async def test_a_bridge_is_a_device_and_so_is_each_device_behind_it() -> None:
 
 async def test_a_tag_of_the_house_points_to_a_lamp() -> None:
     tables: dict[str, dict[str, object]] = {
-        "lamp": {"kind": "lamp", "dialect": "matter"},
-        "tag": {"kind": "tag", "dialect": "nfc", "text": "lamp", "every": 1.0, "hold": 0.5},
+        "lamp": {"kind": "lamp", "dialect": FAMILIES["matter"]},
+        "tag": {"kind": "tag", "dialect": FAMILIES["nfc"], "text": "lamp", "every": 1.0, "hold": 0.5},
     }
     async with alone_on_loopback(), house(tables) as (node, _):
         taps = node.create_subscription(TagTap, "/gateway/nfc/taps", qos_profile=10)

@@ -11,13 +11,13 @@ from tests.integrations.shelly.formats.rpc_documents import ID
 from tests.integrations.shelly.formats.test_gen2_bluetooth import DOOR, DOOR_PARTS, TRV, component, valve
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
+from tests.simulated.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Command, Report, SendCommand
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 
 TYPE = "_shelly._tcp.local."
 KEPT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)

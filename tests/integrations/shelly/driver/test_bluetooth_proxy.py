@@ -11,6 +11,7 @@ import anyio
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, found
 from tests.gateways.served import served
+from tests.integrations.shelly.simulated.web_device import ServedShelly
 from tests.patience import PATIENCE
 
 from homebot.clock import LoopClock
@@ -22,7 +23,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.wire import as_object
 from homebot.integrations.shelly.driver import ShellyDriver, ShellyDriverSettings
 from homebot.integrations.shelly.listed_proxy import ShellyBleProxy
-from homebot.integrations.shelly.simulated.web_device import ServedShelly
 from homebot.support.ble_proxies import BleProxies
 
 SCRIPT = "aioshelly_ble_integration"

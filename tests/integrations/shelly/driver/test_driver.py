@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, command, driven, found, running
 from tests.gateways.served import served
+from tests.integrations.shelly.simulated.web_device import ServedShelly
+from tests.simulated.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 
 from homebot.devices.part import Part
 from homebot.errors import LinkError, PeerError, RefusedError, UsageError, WireError
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.integrations.shelly.driver import ShellyDriver, ShellyDriverSettings
-from homebot.integrations.shelly.simulated.web_device import ServedShelly
 
 SERVICE = "_shelly._tcp.local."
 PASSWORD = "correct horse"

@@ -1,12 +1,12 @@
 """The client of Home Assistant for Shelly takes the simulated dimmer for a real one."""
 
 import pytest
+from tests.integrations.shelly.simulated.web_device import ServedShelly
 from tests.peers.network import Lan, Machine
 from tests.peers.other_python import python_with
 from tests.peers.served_device import LAMP, facts_in, served
 
 from homebot.house.dialect import DeviceState
-from homebot.integrations.shelly.simulated.web_device import ServedShelly
 
 SHELLY_CLIENT = """
 import asyncio

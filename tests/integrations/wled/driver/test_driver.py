@@ -3,14 +3,14 @@ import json
 import pytest
 from tests.gateways.drivers.driver_host import KeepingHost, command, driven, found, night, running
 from tests.gateways.served import served
+from tests.integrations.wled.simulated.web_device import ServedWled
+from tests.simulated.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.drivers.base import DriverSettings
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
 from homebot.integrations.wled.driver import WledDriver
-from homebot.integrations.wled.simulated import ServedWled
 
 
 class Obeying(ServedWled):

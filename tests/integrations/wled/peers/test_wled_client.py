@@ -1,12 +1,12 @@
 """The official client of WLED takes the simulated strip for a real one."""
 
 import pytest
+from tests.integrations.wled.simulated.web_device import ServedWled
 from tests.peers.network import Lan, Machine
 from tests.peers.other_python import python_with
 from tests.peers.served_device import LAMP, facts_in, served
 
 from homebot.house.dialect import DeviceState
-from homebot.integrations.wled.simulated import ServedWled
 
 WLED_CLIENT = """
 import asyncio

@@ -1,1 +1,0 @@
-"""Simulated devices that are servers of HTTP: real ones, on a port of this computer."""
