@@ -34,7 +34,7 @@ class Inside(NamedTuple):
         names: By file.
         why: Why there is no public way, or who says that it is one.
         read: The newest version for which it was read, without its last number: pyproject.toml takes none beyond. Empty
-            if the names are there for subclasses, or no installation of a user needs them.
+            if the names are there for subclasses.
     """
 
     names: Mapping[str, str]
@@ -49,7 +49,6 @@ INSIDES: Final[Mapping[str, Inside]] = {
             " finish_pair get_characteristics get_iid_for_obj handle_pairing handle_set_characteristics handler"
             " http_server loop parsed_url prepare register_failed_pairing_attempt request_body response server"
             " setup_srp_verifier srp_verifier write",
-            "integrations/homekit/simulated/bridge.py": "accessory add_accessory available persist setup_message",
         },
         "public names, which 5.2 changed: a bridge with limits is no use that it foresees",
         read="5.2",
@@ -78,9 +77,8 @@ INSIDES: Final[Mapping[str, Inside]] = {
     "aiocoap": Inside(
         {
             "gateways/coap/aiocoap_client.py": "token_interface message_interface datagram_msg_received",
-            "house/coap_devices.py": "ct if_ rt",
         },
-        "it limits no requests; attributes of resources are documented",
+        "it limits no requests",
         read="0.4",
     ),
     "aioesphomeapi": Inside(
@@ -88,14 +86,6 @@ INSIDES: Final[Mapping[str, Inside]] = {
     ),
     "bleak-esphome": Inside(
         {"integrations/esphome/driver/bluetooth_proxy.py": "disconnect_callbacks"}, "a field of its public answer"
-    ),
-    "bleak": Inside({"house/virtual_bleak.py": "name seen_devices services"}, "a backend; tests of gateways alone"),
-    "bumble": Inside(
-        {
-            "house/virtual_radio.py": "on_hci_le_create_connection_cancel_command pending_le_connection send_acl_data"
-            " send_advertising_pdu"
-        },
-        "its radio loses nothing; tests of gateways alone",
     ),
     "websockets": Inside(
         {

@@ -2,7 +2,7 @@
 
 The firmware is ``peer-light.yaml`` for ESPHome's ``host`` platform, which has no mDNS of its own and cannot be compiled
 with encryption without a package from a registry of boards; encryption is tested against
-``homebot.integrations.esphome.simulated``.
+``tests.integrations.esphome.simulated``.
 ESPHome is installed into an environment of its own, with Python 3.12, unless it is on the path or ``HOMEBOT_ESPHOME``
 names it.
 """
