@@ -49,8 +49,8 @@ class AppKeeper(Protocol):
     def kept_apps(self) -> Iterable[str]:
         """Return the names of the apps to start."""
 
-    def added_to(self, config: Config) -> Config:
-        """Return *config* with the tables of these apps but the wrong ones; called in a thread."""
+    def added_to(self, config: Config, app: str) -> Config:
+        """Return *config* with the table of *app*, if that is one of these and right; called in a thread."""
 
     def granted(self, grants: NodeGrants) -> NodeGrants:
         """Return *grants* with those of these apps in line with their tables."""

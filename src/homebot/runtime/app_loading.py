@@ -119,25 +119,32 @@ class AppPlanner:
     """Plans one app at a time. Blocking.
 
     Args:
+        read: Reads the configuration, once for all apps that are planned together.
+        add_kept: Returns the configuration with the table of an app that a feature keeps.
         given: The classes of apps that keep theirs.
     """
 
     def __init__(
-        self, read_config: Callable[[], Config], grants: CurrentGrants, given: Mapping[str, type[App]]
+        self,
+        read: Callable[[], Config],
+        add_kept: Callable[[Config, str], Config],
+        grants: CurrentGrants,
+        given: Mapping[str, type[App]],
     ) -> None:
-        self._read_config = read_config
+        self.read = read
+        self._add_kept = add_kept
         self._grants = grants
         self._given = given
         self._files: dict[str, str] = {}
 
-    def plan(self, name: str, *, is_new: bool) -> tuple[PlannedComponent[App], FreshCode]:
-        """Return the app *name* and its code, which can be restored.
+    def plan(self, name: str, config: Config, *, is_new: bool) -> tuple[PlannedComponent[App], FreshCode]:
+        """Return the app *name* of *config* and its code, which can be restored.
 
         Raises:
             ConfigError: It cannot be loaded, or its table is wrong; the old code is restored.
             PluginError: Its file cannot be loaded; the old code is restored.
         """
-        config, code = self._read_config(), FreshCode()
+        config, code = self._add_kept(config, name), FreshCode()
         try:
             if is_new and is_file(name):
                 kind = code.load(APPS, name)

@@ -55,6 +55,7 @@ from homebot.support.names import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
+    from homebot.config import Config
     from homebot.runtime.app_loading import AppPlanner, FreshCode
 
 LEFT_OUT = "app.left_out"
@@ -100,18 +101,17 @@ class AppManager:
     """Starts, stops and replaces apps, one at a time.
 
     Args:
-        make_planner: Returns the planner of apps that are loaded or reloaded; called on first use.
+        planner: Plans apps that are loaded or reloaded.
 
     Attributes:
         trial: Seconds for which new code must run without a crash.
         ends_within: Seconds in which an app that is stopped must end.
     """
 
-    def __init__(self, supervisor: Supervisor, host: AppHost, make_planner: Callable[[], AppPlanner]) -> None:
+    def __init__(self, supervisor: Supervisor, host: AppHost, planner: AppPlanner) -> None:
         self._supervisor = supervisor
         self._host = host
-        self._make_planner = make_planner
-        self._planner: AppPlanner | None = None
+        self._planner = planner
         self._apps: dict[str, _RunningApp] = {}
         self._turn = anyio.Lock()
         self._tasks: TaskGroup | None = None
@@ -168,8 +168,9 @@ class AppManager:
         loaded: list[tuple[PlannedApp, FreshCode]] = []
         async with self._turn:
             try:
+                config = await self._read_config()
                 for name in names:
-                    planned, code = await self._plan(name, is_new=True)
+                    planned, code = await self._plan(name, config, is_new=True)
                     if planned.name in self._apps:
                         code.restore()
                         advice = f"`homebot app reload {planned.name}` reloads it"
@@ -211,7 +212,7 @@ class AppManager:
                 gc.collect()
             old = self._find(name).planned
             try:
-                planned, code = await self._plan(name, is_new=False)
+                planned, code = await self._plan(name, await self._read_config(), is_new=False)
             except HomebotError as exc:
                 raise self._failure(name, str(exc)) from exc
             position = list(self._apps)
@@ -263,18 +264,22 @@ class AppManager:
 
     async def _start_kept(self) -> None:
         """Start the apps that features keep; a wrong one stays out."""
+        config: Config | None = None
         for _, keeper in self._host.keepers():
             for app in keeper.kept_apps():
                 try:
-                    planned, _ = await self._plan(app, is_new=True)
+                    config = config or await self._read_config()
+                    planned, _ = await self._plan(app, config, is_new=True)
                     if app not in keeper.problems:
                         await self._start(planned)
                 except HomebotError as exc:
                     keeper.problems.setdefault(app, str(exc))
 
-    async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
-        self._planner = self._planner or self._make_planner()
-        return await to_thread.run_sync(partial(self._planner.plan, name, is_new=is_new))
+    async def _read_config(self) -> Config:
+        return await to_thread.run_sync(self._planner.read)
+
+    async def _plan(self, name: str, config: Config, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
+        return await to_thread.run_sync(partial(self._planner.plan, name, config, is_new=is_new))
 
     def _find(self, name: str) -> _RunningApp:
         if (app := self._apps.get(name)) is not None:

@@ -221,11 +221,12 @@ class Runtime:
 
             self._session_keeper = SessionKeeper(self.graph, self._session, lambda: self._plan, self._owner_token)
         self.supervisor = Supervisor(self._clock)
-        self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
+        self._read = self.read_config or (lambda: self.config)
+        planner = AppPlanner(self._read, self._add_kept, self._plan.grants, self.apps)
+        self.app_manager = AppManager(self.supervisor, self.app_host, planner)
         self.rosbridge: RosbridgeServer | None = None
         self._first_code: FirstCode | None = None
         self._start_is_cut = False
-        self._read = self.read_config or (lambda: self.config)
         self._reloading = anyio.Lock()
         self._reloaded = ChangeAppResponse()
 
@@ -244,13 +245,9 @@ class Runtime:
 
         return HouseOfRun(world, self.config.gateways, self.robot, self.house_broker)
 
-    def _planner(self) -> AppPlanner:
-        return AppPlanner(self._read_with_kept, self._plan.grants, self.apps)
-
-    def _read_with_kept(self) -> Config:
-        config = self._read()
+    def _add_kept(self, config: Config, app: str) -> Config:
         for _, keeper in self._keepers():
-            config = keeper.added_to(config)
+            config = keeper.added_to(config, app)
         return config
 
     def _keepers(self) -> Iterator[tuple[str, AppKeeper]]:

@@ -103,17 +103,18 @@ class KeptRoutines:
         routine = self._read(app)
         return f"{EDIT_ROUTINE}{shlex.quote(routine.name)}", scope_of(f"routines.{app}", routine.table, app)
 
-    def added_to(self, config: Config) -> Config:
-        """Return *config* with these routines, but without those that are wrong, or have names of its own apps."""
-        found = {}
-        for app in self:
-            try:
-                found[app] = self._read(app).table
-            except ConfigError as exc:
-                self.problems[app] = str(exc)
-            if app in config.apps:
-                self.problems[app] = f"{config.source} has a routine or app {app} too; rename or remove one of them"
-        return config.model_copy(update={"apps": found | config.apps})
+    def added_to(self, config: Config, app: str) -> Config:
+        """Return *config* with the routine of *app*, if it is kept and right, and *config* has no app of that name."""
+        if app not in self:
+            return config
+        if app in config.apps:
+            self.problems[app] = f"{config.source} has a routine or app {app} too; rename or remove one of them"
+            return config
+        try:
+            return config.model_copy(update={"apps": {app: self._read(app).table, **config.apps}})
+        except ConfigError as exc:
+            self.problems[app] = str(exc)
+            return config
 
     def _read(self, app: str) -> WrittenRoutine:
         (routine,) = read_routines(self.text(app), f"the routine {app}")

@@ -104,9 +104,9 @@ class RoutineServices:
         """Return the names of the apps of the kept routines."""
         return self._kept
 
-    def added_to(self, config: Config) -> Config:
-        """Return *config* with the kept routines but the wrong ones."""
-        return self._kept.added_to(config)
+    def added_to(self, config: Config, app: str) -> Config:
+        """Return *config* with the routine of *app*, if it is kept and right."""
+        return self._kept.added_to(config, app)
 
     def grant_all(self) -> None:
         """Put the rights of the kept routines in force."""
