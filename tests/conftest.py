@@ -205,6 +205,26 @@ def pytest_runtest_setup() -> None:
     structlog.configure(processors=[structlog.processors.add_log_level, _PLAIN])
 
 
+_PANIC = re.compile(r"^thread '.*panicked at .*", re.MULTILINE)
+_OF_ZENOH = "zenoh/src/net/routing/dispatcher/resource.rs"
+"""Where Zenoh 1.10 may panic while a peer leaves (its issue 2624): here both sessions of a test end at the same time.
+If one that goes on were hit, its later calls would panic elsewhere."""
+
+
+def panics_in(stderr: str) -> list[str]:
+    """Return the panics of Rust that were printed: a thread of a library has ended, and nothing is raised here."""
+    return [found for found in _PANIC.findall(stderr) if _OF_ZENOH not in found]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Fail a test with a panic in its output."""
+    report = yield
+    if report.when == "teardown" and report.passed and (panics := panics_in(report.capstderr)):
+        report.outcome, report.longrepr = "failed", "\n".join(panics)
+    return report
+
+
 @pytest.fixture
 async def _watch_tasks() -> AsyncIterator[None]:
     before = asyncio.all_tasks()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from blockbuster import BlockingError
+from tests.conftest import panics_in
 from tests.source_trees import source_trees
 
 import homebot
@@ -27,6 +28,15 @@ async def test_code_of_a_test_may_block() -> None:
 
 def test_without_a_loop_anything_may_block() -> None:
     exec(compile(BLOCKING, homebot.__file__, "exec"))  # noqa: S102  # as if it stood in the package
+
+
+def test_a_panic_of_a_library_is_found_in_the_output_of_a_test() -> None:
+    """They were printed by the dozen, and the tests passed."""
+    place = "/root/zenoh/src/net/routing/dispatcher/queries.rs:557:29"
+    text = f"[info] started\n\nthread '<unnamed>' (7) panicked at {place}:\ncalled `Result::unwrap()`: PoisonError\n"
+    assert panics_in(text) == [f"thread '<unnamed>' (7) panicked at {place}:"]
+    assert panics_in(text.replace("queries", "resource")) == []
+    assert panics_in("the gateway panicked at nothing\n") == []
 
 
 _PATCHES = {"setattr", "delattr", "setitem", "delitem", "patch", "object"}

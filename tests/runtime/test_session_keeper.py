@@ -163,6 +163,21 @@ async def test_a_robot_is_shut_out_when_its_token_ends(house: House) -> None:
         tasks.cancel_scope.cancel()
 
 
+async def test_the_link_begins_again_after_a_panic_inside_zenoh(house: House) -> None:
+    """Each later answer panicked, too, as locks inside the session were of no use any more."""
+    plan, current = make_plan(house.config("rosie", "bob")), CurrentSession()
+    async with anyio.create_task_group() as tasks:
+        starter = SessionKeeper(Graph(), current, lambda: plan, nobody)
+        await tasks.start(starter.serve)
+        before = await house.node_seen_by("rosie")
+        assert current.session is not None
+        with capture_logs() as lines:
+            current.session.panicked.set()
+            await house.has_begun_again(before)
+        assert "ros2.panicked" in [line["event"] for line in lines]
+        tasks.cancel_scope.cancel()
+
+
 async def nobody() -> None:
     """There is no token of an owner."""
 

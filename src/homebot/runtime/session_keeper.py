@@ -33,9 +33,13 @@ if TYPE_CHECKING:
 
 NOT_LINKED = "ros2.not_linked"
 LISTENING = "ros2.listening"
+PANICKED = "ros2.panicked"
 
 _AGAIN: Final = 30.0
 """Seconds after which a link that could not be opened again is tried anew."""
+
+_PROBED_EVERY: Final = 30.0
+"""Seconds between two questions whether Zenoh has panicked in a thread of its own."""
 
 _log = get_logger(node="/homebot")
 
@@ -125,12 +129,21 @@ class SessionKeeper:
                 with ungrouped(UsageError):
                     async with anyio.create_task_group() as tasks:
                         tasks.start_soon(run_as, "the session of [ros]", session.run)
+                        tasks.start_soon(self._begin_again_after_panic, session)
                         for feature in all_features():
                             if feature.over_zenoh:
                                 await tasks.start(_serve_feature, feature, opened)
                         task_status.started()
             finally:
                 self._current.session = None
+
+    async def _begin_again_after_panic(self, session: ZenohSession) -> None:
+        while not session.panicked.is_set():
+            session.probe()
+            with anyio.move_on_after(_PROBED_EVERY):
+                await session.panicked.wait()
+        _log.error(PANICKED, message="Zenoh panicked: the link to robots begins again")
+        self._changed.set()
 
 
 async def _serve_feature(feature: Feature, opened: OpenSession, *, task_status: TaskStatus[None]) -> None:

@@ -1,9 +1,11 @@
 """The Zenoh session of the bridge, on this computer."""
 
+import sys
 import threading
 import time
 from functools import partial
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
+from typing import Final
 
 import anyio
 import anyio.lowlevel
@@ -137,7 +139,7 @@ async def test_a_peer_that_reads_nothing_holds_up_neither_the_loop_nor_other_pee
 
 async def test_answers_to_many_peers_are_written_one_at_a_time() -> None:
     """The event loop then shares the interpreter with one thread, not with one for each peer."""
-    lanes, at_work, most = Lanes(), list[int](), list[int]()
+    lanes, at_work, most = Lanes(lambda: None), list[int](), list[int]()
     is_written = SimpleQueue[None]()
 
     def encode() -> bytes:
@@ -156,7 +158,8 @@ async def test_answers_to_many_peers_are_written_one_at_a_time() -> None:
 
 async def test_a_panic_inside_zenoh_stops_no_later_call_of_the_peer() -> None:
     """It ended the thread, and what waited for the peer was never sent."""
-    lanes, done = Lanes(), SimpleQueue[str]()
+    told, done = list[int](), SimpleQueue[str]()
+    lanes = Lanes(lambda: told.append(1))
 
     class PanicError(BaseException):
         """As PyO3's, which is no Exception."""
@@ -167,7 +170,62 @@ async def test_a_panic_inside_zenoh_stops_no_later_call_of_the_peer() -> None:
     assert lanes.make("rosie", panic, 0)
     assert lanes.make("rosie", partial(done.put, "sent"), 0)
     assert await to_thread.run_sync(done.get) == "sent"
-    assert (lanes.failed, lanes.problem) == (1, "PanicError: PoisonError")
+    assert (lanes.failed, lanes.problem, told) == (1, "PanicError: PoisonError", [1])
+
+
+async def test_answers_that_wait_are_not_made_on_a_session_that_closes() -> None:
+    """Zenoh panicked in each of them where the peer closed at the same time."""
+    lanes, made, goes_on = Lanes(lambda: None), SimpleQueue[str](), threading.Event()
+    assert lanes.make("rosie", goes_on.wait, 0)
+    assert lanes.make("rosie", partial(made.put, "late"), 0)
+    lanes.close()
+    assert not lanes.make("rosie", partial(made.put, "later"), 0)
+    assert not lanes.make("bob", partial(made.put, "later"), 0)
+    goes_on.set()
+    with pytest.raises(Empty):
+        await to_thread.run_sync(partial(made.get, timeout=0.1))
+
+
+_ASKS: Final = """
+import sys
+from tests.robots_on_wire import log_in
+with log_in(sys.argv[1], "rosie", patience=20.0) as session:
+    for _ in range(30):
+        session.get("0/house/slow/T/H", lambda _: None, payload=b"", attachment=bytes(33), timeout=60.0)
+    sys.stdin.read()
+"""
+
+
+async def test_replies_go_on_after_a_peer_died_in_the_middle_of_its_queries() -> None:
+    address, asked = f"tcp/127.0.0.1:{reserve_port()}", list[WireQuery]()
+    listening = RosSettings.model_validate(
+        {"listen": address, "export": ("/house/*",), "import": {"rosie": ("/rosie/*",)}}
+    )
+    connecting = RosSettings.model_validate({"connect": (address,), "import": {"house": ("/house/*",)}})
+    async with (
+        open_session(listening, house_rights(listening)) as house,
+        open_session(connecting, robot_rights(connecting, "rosie")) as other,
+        anyio.create_task_group() as tasks,
+    ):
+        tasks.start_soon(house.run)
+        tasks.start_soon(other.run)
+        house.serve("0/house/slow/T/H", asked.append)
+        house.serve("0/house/fast/T/H", lambda query: query.reply(lambda: b"on", query.attachment))
+        with anyio.fail_after(PATIENCE):
+            for _ in range(3):
+                async with await anyio.open_process([sys.executable, "-c", _ASKS, address]) as robot:
+                    while len(asked) < 30:
+                        await anyio.lowlevel.checkpoint()
+                    for query in asked[:10]:
+                        query.reply(partial(bytes, 100_000), query.attachment)
+                    robot.kill()
+                for query in asked[10:]:
+                    query.reply(partial(bytes, 100_000), query.attachment)
+                asked.clear()
+                while await other.ask("0/house/fast/T/H", b"", b"o" * 33, 1.0) != b"on":
+                    pass
+        assert (house.lost, house.panicked.is_set()) == (0, False)
+        tasks.cancel_scope.cancel()
 
 
 class Asked:

@@ -24,6 +24,9 @@ MAX_WAITING_BYTES: Final = 16_777_216
 class Lanes:
     """Threads that make calls, each for as long as a peer has some.
 
+    Args:
+        on_panic: Called in such a thread after a panic inside Zenoh, whose locks are of no use from then on.
+
     Attributes:
         working: Held by a call while it works for long without waiting: the event loop competes with one at a time.
         refused: Calls that were not made because too many waited.
@@ -31,10 +34,12 @@ class Lanes:
         problem: That of the last one; empty if there is none.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, on_panic: Callable[[], None]) -> None:
+        self._on_panic = on_panic
         self.working = threading.Lock()
         self._lock = threading.Lock()
         self._waiting: dict[Hashable, deque[tuple[Callable[[], object], int]]] = {}
+        self._is_closed = False
         self.refused = 0
         self.failed = 0
         self.problem = ""
@@ -51,6 +56,8 @@ class Lanes:
             False if *call* is not made.
         """
         with self._lock:
+            if self._is_closed:
+                return False
             waiting = self._waiting.get(peer)
             is_new = waiting is None
             if waiting is None:
@@ -69,6 +76,13 @@ class Lanes:
             threading.Thread(target=self._run, args=(peer, waiting), daemon=True, name="zenoh lane").start()
         return not is_full
 
+    def close(self) -> None:
+        """Make no further call, as those on a session that closes may panic."""
+        with self._lock:
+            self._is_closed = True
+            for waiting in self._waiting.values():
+                waiting.clear()
+
     def _run(self, peer: Hashable, waiting: deque[tuple[Callable[[], object], int]]) -> None:
         while True:
             with self._lock:
@@ -81,4 +95,6 @@ class Lanes:
             except BaseException as exc:  # noqa: BLE001 - a panic inside Zenoh is one, and the calls after it wait
                 self.failed += 1
                 self.problem = error_text(exc)
+                if not isinstance(exc, Exception):
+                    self._on_panic()
             del call  # and its data

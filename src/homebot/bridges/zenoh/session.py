@@ -139,6 +139,7 @@ class ZenohSession:
     Attributes:
         domain: The ROS domain.
         nodes: Numbers for the nodes that use it.
+        panicked: Set when Zenoh panicked in a call: each later one would, too, so another session is needed.
     """
 
     def __init__(self, session: Any, domain: int) -> None:
@@ -150,8 +151,9 @@ class ZenohSession:
         self._waiting = 0
         self._calls: asyncio.Queue[tuple[Callable[..., None], tuple[object, ...]]] = asyncio.Queue()
         self._lost = 0
-        self._lanes = Lanes()
+        self._lanes = Lanes(lambda: self._to_loop(self.panicked.set))
         self.nodes = count()
+        self.panicked = asyncio.Event()
         self.id = str(session.zid())
 
     @property
@@ -163,6 +165,14 @@ class ZenohSession:
     def is_alone(self) -> bool:
         """True if no router that it connects to lets it in."""
         return not self._session.info.routers_zid()
+
+    def probe(self) -> None:
+        """Make a call that shows a panic in one of Zenoh's own threads, in :attr:`panicked`."""
+        self._lanes.make("probe", lambda: self.declare_token("homebot/probe").undeclare(), 0)
+
+    def end_calls(self) -> None:
+        """Make no further call to a peer."""
+        self._lanes.close()
 
     async def run(self) -> None:
         """Make the calls for the others until cancelled; in a task, so that they may start tasks."""
@@ -345,9 +355,11 @@ async def open_session(settings: RosSettings, rights: WireRights) -> AsyncIterat
         session: Any = await to_thread.run_sync(_open, settings, rights)
     except zenoh.ZError as exc:
         raise UsageError(f"[ros] listen or connect: {exc}") from exc
+    opened = ZenohSession(session, settings.domain)
     try:
-        yield ZenohSession(session, settings.domain)
+        yield opened
     finally:
+        opened.end_calls()
         # A thread of its own, that ends with the program: anyio's would be waited for.
         closing = asyncio.Event()
         loop = asyncio.get_running_loop()
