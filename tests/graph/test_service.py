@@ -417,7 +417,7 @@ async def test_the_types_of_services_are_listed_although_the_first_call_of_one_w
 
         node.offer_service("std_srvs/srv/Trigger", "/one", start)
         node.offer_service("std_srvs/srv/Empty", "/two", lambda: None)
-        assert Trigger in graph.get_service_types()
+        assert Trigger in graph.get_service_types(lambda _: True)
 
 
 async def test_calls_without_a_caller_keep_the_limit_of_their_server(
@@ -463,3 +463,24 @@ async def test_calls_without_a_caller_that_wait_end_with_their_server(
     assert (gate.started, gate.running, len(service.line)) == (1, 0, 0)
     node.create_service(Trigger, "s", lambda _request: answer("new"))
     assert (await client.call(ASK)).message == "new"
+
+
+async def test_what_an_offered_service_loads_is_loaded_before_its_first_call_and_not_when_a_client_is_made() -> None:
+    """In a thread: a client inside the process loaded the modules of a server while everything else waited."""
+    graph, steps = Graph(), list[str]()
+    async with Node(graph, "late") as node, Node(graph, "caller") as caller:
+
+        def start() -> None:
+            steps.append("start")
+            node.create_service(Trigger, "/one", lambda _: answer())
+
+        node.offer_service("std_srvs/srv/Trigger", "/one", start, lambda: steps.append("load"))
+        client = caller.create_client(Trigger, "/one")
+        assert client.service_is_ready()
+        assert steps == []
+        assert (await client.call(Trigger.Request())).success
+        await client.call(Trigger.Request())
+        assert steps == ["load", "start"]
+        node.offer_service("std_srvs/srv/Trigger", "/two", lambda: None, lambda: None)
+        gone = caller.create_client(Trigger, "/two")
+    assert not gone.service_is_ready()

@@ -139,6 +139,15 @@ class HouseWatch:
         await layer.executor.record_raw(name, device, gateway, command)
 
 
+def _load_layer() -> None:
+    import_module(_LAYER)
+
+
+def _load_reasons() -> None:
+    _load_layer()
+    import_module("homebot.devices.journal_messages")
+
+
 @final
 class Control:
     """The only path for commands from applications to devices.
@@ -232,13 +241,14 @@ class Control:
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.sending.witnesses.trust(request))
         for name, kind in _QUESTIONS.items():
-            self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_questions, name))
+            self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_questions, name), _load_layer)
         for name, kind in _REASONS.items():
-            self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_reasons, name))
+            self._node.offer_service(f"homebot/srv/{kind}", name, partial(self._serve_reasons, name), _load_reasons)
         create(GetHealth, "~/health", self.health)
         offer = self._node.offer_action
-        offer("homebot/action/CommandDevices", names.PERFORM_COMMANDS, lambda: self._actions.serve_commands())
-        offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds())
+        load = partial(import_module, "homebot.control.actions")
+        offer("homebot/action/CommandDevices", names.PERFORM_COMMANDS, lambda: self._actions.serve_commands(), load)
+        offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds(), load)
         self._node.create_subscription(
             AccessRefused, names.ACCESS_REFUSALS, lambda refused: self._layer.denied.record(refused), qos
         )
@@ -317,6 +327,7 @@ class Control:
 
     async def health(self, _: HealthRequest) -> HealthResponse:
         """Return the health of the journal, notes for the owner, and names in the settings that fit nothing."""
+        await self._load()
         health = await self._layer.health()
         problems = await self._names.problems() if self._has_names.is_set() else ()
         return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
@@ -347,7 +358,7 @@ class Control:
         """Load the modules of the layer, without letting others wait for 100 ms."""
         if self._loading.locked() or not self._begun.is_set():
             async with self._loading:
-                await load_beside_loop(import_module, _LAYER)
+                await load_beside_loop(_load_layer)
 
     @cached_property
     def _layer(self) -> ControlLayer:

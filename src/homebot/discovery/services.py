@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Collection, Sequence
+from functools import partial
+from importlib import import_module
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -60,7 +62,8 @@ class DirectoryServices:
         node.create_service(messages.FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(messages.QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(messages.ListDevices, names.LIST_DEVICES, self._list)
-        node.offer_service("homebot/srv/ListGroups", names.LIST_GROUPS, self._serve_groups)
+        load_groups = partial(import_module, "homebot.discovery.group_list")
+        node.offer_service("homebot/srv/ListGroups", names.LIST_GROUPS, self._serve_groups, load_groups)
         node.create_service(messages.GetChanges, GET_CHANGES, self._get_changes)
         owner.serve(messages.ForgetDevice, names.FORGET_DEVICE, self._forget)
         owner.serve(messages.SplitDevice, names.SPLIT_DEVICE, self._split)

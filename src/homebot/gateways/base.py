@@ -57,6 +57,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from random import Random
 from typing import ClassVar, Final, Generic, Literal, Self, TypeAlias, TypeVar
@@ -211,7 +213,8 @@ class Gateway(ABC):
 
             self.node.create_service(GetPicture, self.names.picture, answer, concurrent=True)
 
-        self.node.offer_service("homebot/srv/GetPicture", self.names.picture, start)
+        load = partial(import_module, "homebot.devices.picture_messages")
+        self.node.offer_service("homebot/srv/GetPicture", self.names.picture, start, load)
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:

@@ -57,7 +57,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
 
     def service_is_ready(self) -> bool:
         """Return whether the service has a server now."""
-        return self._slot.server is not None
+        return self._slot.is_served
 
     async def wait_for_service(self, timeout: float | None = None) -> bool:  # noqa: ASYNC109  # rclpy's spelling
         """Wait until the service has a server; return False after *timeout* seconds.
@@ -66,7 +66,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             ClosedError: The client is closed.
         """
         with anyio.move_on_after(timeout):
-            while self._slot.server is None:
+            while not self._slot.is_served:
                 self._check_open()
                 await self._slot.wait_for_change()
         return self.service_is_ready()
@@ -97,6 +97,9 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             ClosedError: The client was closed.
         """
         server = self._slot.server
+        if server is None and self._slot.offered is not None:
+            await self._slot.offered.begin()
+            server = self._slot.server
         if server is None:
             self._check_open()
             raise ServiceUnavailableError(self.info.name)
@@ -125,6 +128,8 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
 
     def send(self, request: RequestT) -> None:
         """Start a call without waiting: its outcome is dropped, and so is the request if no server has room for it."""
+        if self._slot.offered is not None:
+            self._slot.offered.start()
         server = self._slot.server
         if server is None:
             return

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Any, Literal, NamedTuple, TypeAlias, final
 
 from homebot.graph.qos import QoSProfile
+from homebot.support.production_loop import load_beside_loop
 
 
 class EntityKind(StrEnum):
@@ -93,13 +94,32 @@ class OfferedEntity(GraphEntity):
     """Stands for an action or a service whose server costs memory and time, and is not needed in most runs.
 
     Attributes:
-        start: Creates the server; called once, by the graph.
+        load: Loads the modules of the server, in a thread; None if they are loaded.
     """
 
-    def __init__(self, info: EndpointInfo, start: Callable[[], object], on_close: Callable[[Any], None]) -> None:
+    def __init__(
+        self,
+        info: EndpointInfo,
+        start: Callable[[], object],
+        load: Callable[[], object] | None,
+        on_close: Callable[[Any], None],
+    ) -> None:
         """Use :meth:`homebot.graph.Node.offer_service` instead."""
         super().__init__(info, on_close)
-        self.start = start
+        self._start = start
+        self.load = load
+
+    def start(self) -> None:
+        """Create the server in its place. Idempotent."""
+        if not self.is_closed:
+            self.close()
+            self._start()
+
+    async def begin(self) -> None:
+        """Create the server when its modules are loaded, for which nothing else waits. Idempotent."""
+        if self.load is not None and not self.is_closed:
+            await load_beside_loop(self.load)
+        self.start()
 
 
 @final

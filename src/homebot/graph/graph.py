@@ -5,7 +5,7 @@ It plays the role of the ROS master. A graph belongs to one event loop and is no
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
 from itertools import chain
@@ -139,11 +139,10 @@ class Graph:
         topics = (self._topics.get(endpoint.name) for endpoint in chain.from_iterable(firsts))
         return tuple(dict.fromkeys(topic.message_type for topic in topics if topic is not None))
 
-    def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
-        """Return the types of all served services, each once. Cost: O(types)."""
-        types = [
-            self.get_service_type(endpoint.name) for endpoint in self._endpoints.first_of_each_type(EntityKind.SERVICE)
-        ]
+    def get_service_types(self, fits: Callable[[str], bool]) -> tuple[ServiceType[Any, Any], ...]:  # as above
+        """Return the types of served services whose full name *fits*, each once. Cost: O(types)."""
+        firsts = self._endpoints.first_of_each_type(EntityKind.SERVICE)
+        types = [self.get_service_type(endpoint.name) for endpoint in firsts if fits(endpoint.ros_type)]
         return tuple(service_type for service_type in types if service_type is not None)
 
     def get_topics_of_type(self, ros_type: str) -> tuple[str, ...]:
@@ -231,12 +230,17 @@ class Graph:
 
     def service_slot(self, name: str, service_type: ServiceType[Any, Any], node: str) -> ServiceSlot:
         """Return the service with the full name *name* for one more user."""
-        self._start_offered(name)
+        offered = self._offered_at(name)
+        if offered is not None and (
+            offered.load is None or (offered.info.name == name and offered.info.ros_type != service_type.ros_type)
+        ):
+            offered.start()
         slot = self._services.setdefault(name, ServiceSlot(name, service_type))
         if slot.service_type is not service_type:
             raise TypeMismatchError(
                 f"{node} uses {name} as {service_type.ros_type}, but it is a {slot.service_type.ros_type}"
             )
+        slot.offered = offered
         slot.users += 1
         return slot
 
@@ -253,6 +257,14 @@ class Graph:
             raise DuplicateNameError(f"the {kind.removesuffix(' server')} {name} is already served")
         self._offered[name] = offered
 
+    async def begin(self, endpoint: str) -> None:
+        """Create the server of the offered entity that is, or contains, *endpoint*, and load its modules in a thread.
+
+        Otherwise the first use loads them, for which everything else waits.
+        """
+        if (offered := self._offered_at(endpoint)) is not None:
+            await offered.begin()
+
     def withdraw(self, offered: OfferedEntity) -> None:
         """Remove *offered*. Idempotent."""
         if self._offered.get(offered.info.name) is offered:
@@ -268,13 +280,12 @@ class Graph:
         if (info := self._endpoints.remove(entity)) is not None:
             self._notify(GraphChange("removed", info))
 
+    def _offered_at(self, endpoint: str) -> OfferedEntity | None:
+        """Return the offered entity that is, or contains, *endpoint*."""
+        return self._offered.get(endpoint.partition("/_action/")[0]) if self._offered else None
+
     def _start_offered(self, endpoint: str) -> None:
-        """Start the offered entity that is, or contains, *endpoint*."""
-        if not self._offered:
-            return
-        offered = self._offered.get(endpoint.partition("/_action/")[0])
-        if offered is not None:
-            offered.close()
+        if (offered := self._offered_at(endpoint)) is not None:
             offered.start()
 
     def _notify(self, change: GraphChange) -> None:

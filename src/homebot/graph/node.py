@@ -220,25 +220,40 @@ class Node:
         self.add_entity(client)
         return client
 
-    def offer_action(self, ros_type: str, name: str, start: Callable[[], object]) -> None:
-        """Show the action *name* on the graph, and call *start* to create its server when it is first used."""
-        self._offer(EntityKind.ACTION_SERVER, ros_type, self.resolve_name(name, "action name"), start)
+    def offer_action(
+        self, ros_type: str, name: str, start: Callable[[], object], load: Callable[[], object] | None = None
+    ) -> None:
+        """Show the action *name* on the graph, and call *start* to create its server when it is first used.
 
-    def offer_service(self, ros_type: str, name: str, start: Callable[[], object]) -> None:
-        """Show the service *name* on the graph, and call *start* to create it when it is first used."""
-        self._offer(EntityKind.SERVICE, ros_type, self.resolve_name(name, "service name"), start)
+        Args:
+            load: Loads the modules that *start* needs; called in a thread, before it if possible.
+        """
+        self._offer(EntityKind.ACTION_SERVER, ros_type, self.resolve_name(name, "action name"), start, load)
 
-    def _offer(self, kind: EntityKind, ros_type: str, name: str, start: Callable[[], object]) -> None:
+    def offer_service(
+        self, ros_type: str, name: str, start: Callable[[], object], load: Callable[[], object] | None = None
+    ) -> None:
+        """Show the service *name* on the graph; see :meth:`offer_action`."""
+        self._offer(EntityKind.SERVICE, ros_type, self.resolve_name(name, "service name"), start, load)
+
+    def _offer(
+        self,
+        kind: EntityKind,
+        ros_type: str,
+        name: str,
+        start: Callable[[], object],
+        load: Callable[[], object] | None,
+    ) -> None:
         def start_or_offer_again() -> None:
             try:
                 start()
             except Exception:
-                self._offer(kind, ros_type, name, start)  # so that each user learns why
+                self._offer(kind, ros_type, name, start, load)  # so that each user learns why
                 raise
 
         self._check_open()
         info = EndpointInfo(kind, self.full_name, name, ros_type)
-        offered = OfferedEntity(info, start_or_offer_again, self._withdraw)
+        offered = OfferedEntity(info, start_or_offer_again, load, self._withdraw)
         self.graph.offer(offered)
         self.add_entity(offered)
 

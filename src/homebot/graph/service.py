@@ -24,7 +24,7 @@ from homebot.errors import (
     ServiceUnavailableError,
     UsageError,
 )
-from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, OfferedEntity
 from homebot.graph.failures import Failures
 from homebot.messages.message import Message, ServiceType
 from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
@@ -48,8 +48,14 @@ class ServiceSlot:
         self.name = name
         self.service_type = service_type
         self.server: Service[Any, Any] | None = None
+        self.offered: OfferedEntity | None = None
         self.users = 0
         self._changed = asyncio.Event()
+
+    @property
+    def is_served(self) -> bool:
+        """True if it has a server, or will have one with the first call."""
+        return self.server is not None or (self.offered is not None and not self.offered.is_closed)
 
     def set_server(self, server: Service[Any, Any] | None) -> None:
         """Set the server and wake all waiting clients."""

@@ -11,6 +11,7 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import datetime
 from functools import cache, cached_property, partial
 from http import HTTPStatus
+from importlib import import_module
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -340,7 +341,8 @@ class Runtime:
         self.app_manager.offer_services(main)
         home, reloaded, folder = self._plan.home, lambda: self._reloaded, self._installation.folder
         RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded, folder)
-        main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
+        load_copies = partial(import_module, "homebot.runtime.saved_files")
+        main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main), load_copies)
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         main.create_service(RestartGateway, RESTART_GATEWAY, self._restart_gateway)
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
@@ -497,7 +499,8 @@ class Runtime:
                 if not service.ros_type:
                     continue
                 offer = node.offer_action if "/action/" in service.ros_type else node.offer_service
-                offer(service.ros_type, service.name, partial(lambda name: server().serve(name), service.name))
+                start = partial(lambda name: server().serve(name), service.name)
+                offer(service.ros_type, service.name, start, partial(load, feature.server))
             self._servers[feature.name] = server
             task_status.started()  # before anything of it is loaded, as its mistakes stop nothing else
             if any(map(self.app_host.has_kept, feature.stores)):
@@ -545,7 +548,7 @@ class Runtime:
         self.graph.coming |= names
         try:
             await anyio.sleep(_LATER)
-            run = await load_beside_loop(load, feature.runs)
+            run = await load_beside_loop(partial(load, feature.runs))
             await run(self._feature_context)
         finally:
             self.graph.coming -= names

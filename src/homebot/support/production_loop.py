@@ -254,11 +254,11 @@ class ProductionLoop(asyncio.SelectorEventLoop):
                 return
 
 
-async def load_beside_loop(load: Callable[[str], T], name: str) -> T:
-    """Return the result of *load* for the module *name*, without letting others wait.
+async def load_beside_loop(load: Callable[[], T]) -> T:
+    """Return the result of *load*, which loads modules, without letting others wait.
 
     On another loop than that of production it is loaded at once: nothing that happens there depends on a thread.
     """
     if isinstance(asyncio.get_running_loop(), ProductionLoop):
-        return await to_thread.run_sync(load, name)
-    return load(name)
+        return await to_thread.run_sync(load)
+    return load()

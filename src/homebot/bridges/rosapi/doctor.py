@@ -35,6 +35,7 @@ from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.messages.message import Message, ServiceType, UInt32
 from homebot.support.counters import Severity
 from homebot.support.folding import fold
+from homebot.support.production_loop import load_beside_loop
 from homebot.words.queries import parse_query
 
 _ANSWERS_WITHIN = 2.0
@@ -116,6 +117,7 @@ class _Doctor:
         return await _ask_all(self._health, services)
 
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
+        await load_beside_loop(_load_checks)
         now = self._node.graph.clock.now()
         total, unconfirmed = [(await self._find(parse_query(query), 1)).total for query in ("", "unconfirmed")]
         publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
@@ -311,6 +313,15 @@ def _step(shared: Collection[str], device: Device, _now: float) -> Iterator[str]
         (needed.get((fact.gateway, fact.key)) in shared, fact.value) for fact in device.facts if fact.name == NEXT_STEP
     ]
     yield min(steps, default=(False, ""))[1]
+
+
+def _load_checks() -> None:
+    """Load the modules that the checks ask for."""
+    ecosystems()
+    map_readers()
+    for feature in all_features():
+        if feature.checks:
+            load(feature.checks)
 
 
 def _unused() -> Iterator[DeviceCheck]:

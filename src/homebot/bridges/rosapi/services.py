@@ -168,7 +168,7 @@ def _serve_fact(fact: str, type_field: str) -> _Answerer:
 
     def answer(graph: Graph, request: Any) -> tuple[str, ...]:
         wanted = getattr(request, type_field)
-        types = [known.ros_type for known in graph.get_service_types() if same_type(known.ros_type, wanted)]
+        types = [known.ros_type for known in graph.get_service_types(partial(same_type, wanted))]
         return _visible(
             _unique(getattr(service, fact) for known in types for service in graph.get_services_of_type(known))
         )
@@ -271,13 +271,14 @@ class RosApi:
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
         facts = {"doctor": (vacuums,)}
         for name, kind in _OWN.items():
-            serve = partial(_serve_own, node, name, *facts.get(name, ()))
-            node.offer_service(f"homebot/srv/{kind}", f"/rosapi/{name}", serve)
+            load = partial(import_module, f"homebot.bridges.rosapi.{name}")
+            serve = partial(_serve_own, node, load, *facts.get(name, ()))
+            node.offer_service(f"homebot/srv/{kind}", f"/rosapi/{name}", serve, load)
 
 
-def _serve_own(node: Node, name: str, *facts: Collection[str]) -> None:
+def _serve_own(node: Node, load: Callable[[], Any], *facts: Collection[str]) -> None:
     """Offer a service of our own, from the module that is called as it, which takes the *facts*."""
-    import_module(f"homebot.bridges.rosapi.{name}").serve(node, *facts)
+    load().serve(node, *facts)
 
 
 def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:

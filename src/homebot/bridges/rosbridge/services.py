@@ -166,6 +166,7 @@ async def call_service(
 
 
 async def _wait_if_coming(graph: Graph, name: str) -> None:
+    await graph.begin(name)
     if name not in graph.coming or graph.get_service_type(name) is not None:
         return
     with anyio.move_on_after(_DEFAULT_TIMEOUT), graph.watch(only=(EntityKind.SERVICE, name)) as changes:

@@ -163,6 +163,8 @@ class ClientSession:
             return
         try:
             self._check(op)
+            if isinstance(op, protocol.SendActionGoal):
+                await self._node.graph.begin(self._node.resolve_name(op.action, "action name"))
             self._do(op, len(frame))
         except MissingRightError as exc:
             self._refuse(op, exc)

@@ -12,6 +12,7 @@ Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 3.2.3; for
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -93,7 +94,8 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     part: ServiceType[Any, Any] | None = _part_of_action(graph, ros_type, "SendGoal", "GetResult")
     if part is not None:
         return part
-    return _find(graph, ros_type, graph.get_service_types(), lambda interfaces: interfaces.find_service(ros_type))
+    known = graph.get_service_types(partial(same_type, ros_type))  # another would be loaded for nothing
+    return _find(graph, ros_type, known, lambda interfaces: interfaces.find_service(ros_type))
 
 
 def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -20,5 +21,5 @@ async def serve_bridges(house: FeatureContext) -> None:
     bridge = await to_thread.run_sync(import_module, "homebot.features.homekit_bridge.bridge")
     for feature in all_features():
         if feature.server and any(service.name == LIST_SCENES for service in feature.services):
-            await load_beside_loop(load, feature.server)
+            await load_beside_loop(partial(load, feature.server))
     await bridge.serve(house)

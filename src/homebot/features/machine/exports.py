@@ -148,6 +148,7 @@ class _GatewayExport:
             await self._out.send(message_from_cdr(RawCommand, asked.request))
             return b""
         name = f"{self._names.node}/{asked.service}"
+        await node.graph.begin(name)
         service_type = node.graph.get_service_type(name)
         if service_type is None:
             raise PeerError(f"its gateway has no service {asked.service[:100]} now")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from functools import cache, partial
+from importlib import import_module
 from typing import TYPE_CHECKING, Final, Protocol, final
 
 import anyio
@@ -74,7 +75,9 @@ def offer_setup(
         return Setup(node, file, restart, listens)
 
     for service in SETUP:
-        node.offer_service(service.ros_type, service.name, partial(lambda name: setup().serve(name), service.name))
+        start = partial(lambda name: setup().serve(name), service.name)
+        load = partial(import_module, "homebot.features.page.setup")
+        node.offer_service(service.ros_type, service.name, start, load)
 
 
 @final

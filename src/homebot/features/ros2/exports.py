@@ -191,6 +191,7 @@ class Exports:
         access = self._robots.caller(caller.node)
         target, _, is_of_action = name.partition("/_action/")
         access.check_calling(target)
+        await node.graph.begin(name)
         service_type = node.graph.get_service_type(name)
         if service_type is None:
             raise ServiceUnavailableError(name, "has no server now")

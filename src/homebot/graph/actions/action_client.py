@@ -158,6 +158,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         """
         if self.is_closed:
             raise ClosedError(f"the action client of {self.info.node} for {self.action_name} is closed")
+        await self._node.graph.begin(self.action_name)
         self._subscribe()
         goal_id = goal_id or UUID(uuid=uuid.uuid4().bytes)
         if goal_id.uuid in self._goals:  # the first goal remains one of this client
