@@ -7,7 +7,7 @@ from pathlib import Path
 
 import anyio
 
-from homebot.clock import LoopClock
+from homebot.clock import Clock, LoopClock
 from homebot.devices import FIND_DEVICES, Device, FindDevices, GatewayNames, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import PLACE_DEVICE
@@ -44,9 +44,11 @@ class House:
 
 
 @asynccontextmanager
-async def directory(file: Path | None = None, owner: OwnerFacts | None = None) -> AsyncIterator[House]:
+async def directory(
+    file: Path | None = None, owner: OwnerFacts | None = None, clock: Clock | None = None
+) -> AsyncIterator[House]:
     """Run a directory, perhaps with an index *file* and the statements of its *owner*."""
-    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+    graph, names = Graph(clock or LoopClock(0.0)), GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     async with (
         Node(graph, "mqtt", namespace="/gateway") as gateway,

@@ -1,8 +1,13 @@
 """What a screen is told of a device in a list; in virtual time."""
 
+from collections.abc import Awaitable
+
+import anyio
+import anyio.lowlevel
 import pytest
+from tests.busy_clock import BusyClock
 from tests.discovery.announcements import announce, part_of
-from tests.discovery.directory_house import directory
+from tests.discovery.directory_house import House, directory
 
 from homebot.devices import names, services
 from homebot.devices.part import Capability, Part
@@ -109,3 +114,53 @@ async def test_a_screen_shows_buttons_only_for_devices_that_its_token_may_comman
     asked = services.ListDevices.Request(issuer="client:wall", scope=scope, rights=rights)
     parts = [settable("light", "on_off"), settable("door_lock", "lock"), part_of("contact_sensor", "contact", id="p")]
     assert {part.service_type for part in parts if (await listed(part, asked=asked)).may_act} == commanded
+
+
+async def _turns_of_others(asking: Awaitable[object]) -> int:
+    """Return how many turns others have while *asking* is answered."""
+    turns = 0
+
+    async def count() -> None:
+        nonlocal turns
+        while True:
+            await anyio.lowlevel.checkpoint()
+            turns += 1
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(count)
+        await asking
+        tasks.cancel_scope.cancel()
+    return turns
+
+
+async def _hears_lamps(house: House, count: int) -> None:
+    lamp = settable("light", "on_off", "level")
+    await house.hears(
+        *(announce(f"d{n}", lamp, ids=(f"id:{n}",), name=f"Lamp {n}", at=1.0, confirmed=True) for n in range(count))
+    )
+
+
+async def test_others_have_their_turn_while_many_devices_are_listed_or_found() -> None:
+    """200 were listed in one turn of 8 to 20 ms; 1,010 were found in one of 110 ms."""
+    async with directory(clock=BusyClock()) as house:
+        await _hears_lamps(house, 60)
+        lists = house.asker.create_client(services.ListDevices, names.LIST_DEVICES)
+        finds = house.asker.create_client(services.QueryDevices, names.QUERY_DEVICES)
+        await lists.call(ANY)  # what was heard is sorted
+        assert await _turns_of_others(lists.call(ANY)) >= 20
+        assert await _turns_of_others(finds.call(services.QueryDevices.Request())) >= 20
+
+
+async def test_a_device_is_described_once_until_it_or_the_rights_of_who_asks_change() -> None:
+    async with directory() as house:
+        await _hears_lamps(house, 2)
+        ask = house.asker.create_client(services.ListDevices, names.LIST_DEVICES)
+        first = (await ask.call(ANY)).devices
+        again = (await ask.call(ANY)).devices
+        assert all(one is other for one, other in zip(first, again, strict=True))
+        guest = services.ListDevices.Request(issuer="client:wall", scope=("read",), rights=("read",))
+        assert [one.may_act for one in (await ask.call(guest)).devices] == [False, False]
+        assert [one.may_act for one in (await ask.call(ANY)).devices] == [True, True]
+        await house.place(first[0].id, "kitchen", is_new=True)
+        changed = (await ask.call(ANY)).devices
+        assert {one.id: one.room for one in changed}[first[0].id] == "kitchen"

@@ -1,7 +1,7 @@
 """Devices in short form, as screens and agents list them: without the values of settings and diagnostics. Pure."""
 
 from collections.abc import Iterable, Iterator
-from typing import Final
+from typing import Final, final
 
 from homebot.devices.always_ask import waits_for_approval, why_it_asks
 from homebot.devices.capabilities import CAPABILITIES
@@ -17,6 +17,7 @@ from homebot.rights import Right
 from homebot.words.opening_kinds import opening_kind
 
 _UNKNOWN: Final = Time(sec=0, nanosec=0)
+_MAX_KEPT: Final = 2000
 
 
 def rights_in(request: ListDevicesRequest) -> ClientRights:
@@ -26,6 +27,33 @@ def rights_in(request: ListDevicesRequest) -> ClientRights:
     from homebot.words.rights import rights_of  # noqa: PLC0415 - for clients alone
 
     return rights_of(request.scope) if Right.ACT.value in request.rights else ClientRights()
+
+
+@final
+class ShortForms:
+    """Devices in short form as they were listed last, which are kept while a device and the rights are the same.
+
+    Of more than 2,000 the oldest is made again when it is listed.
+
+    Attributes:
+        made: How many were made, not taken from the last listing.
+    """
+
+    def __init__(self) -> None:
+        self._last: dict[str, tuple[Device, ClientRights, bool, ListedDevice]] = {}
+        self.made = 0
+
+    def of(self, device: Device, rights: ClientRights, *, needs_approval: bool) -> ListedDevice:
+        """Return :func:`list_device` of these."""
+        last = self._last.get(device.id)
+        if last is not None and last[0] is device and last[1:3] == (rights, needs_approval):
+            return last[3]
+        self.made += 1
+        short = list_device(device, rights, needs_approval=needs_approval)
+        self._last[device.id] = device, rights, needs_approval, short
+        if len(self._last) > _MAX_KEPT:
+            del self._last[next(iter(self._last))]
+        return short
 
 
 def list_device(device: Device, rights: ClientRights, *, needs_approval: bool) -> ListedDevice:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Collection, Sequence
-from functools import partial
+from functools import cached_property, partial
 from importlib import import_module
 from operator import attrgetter
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ import anyio.lowlevel
 from anyio import to_thread
 
 import homebot.places
+from homebot.clock import TimeSlice
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, names
 from homebot.devices import services as messages
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
@@ -26,6 +27,7 @@ from homebot.graph import Node
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
+    from homebot.discovery.listing import ShortForms
     from homebot.discovery.nearness import Nearness
 
 _KIND = attrgetter("kind")
@@ -161,11 +163,13 @@ class DirectoryServices:
             return messages.QueryDevicesResponse(
                 success=False, message=_reason(exc), sequence=index.sequence, is_mistake=is_mistake
             )
-        results = [
-            messages.Found(device=device, score=score, reasons=(*why, *reasons(rest, device_id, index.postings)))
-            for score, device_id, why in ranked[request.offset : limit]
-            if (device := index.get(device_id)) is not None
-        ]
+        results, work = [], TimeSlice(self._clock)
+        for score, device_id, why in ranked[request.offset : limit]:
+            if (device := index.get(device_id)) is not None:
+                because = (*why, *reasons(rest, device_id, index.postings))
+                results.append(messages.Found(device=device, score=score, reasons=because))
+            if work.is_over:
+                await work.pause()
         words = any(term.kind == "words" for term in request.query)
         more = {"query": query_terms(query)} if words else {}
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence, **more})
@@ -180,24 +184,31 @@ class DirectoryServices:
                 matches = [device_id for device_id in matches if fits(query, self._index.postings.facets(device_id))]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
-        from homebot.discovery.listing import list_device, rights_in  # noqa: PLC0415 - screens and agents ask, after the start
+        from homebot.discovery.listing import rights_in  # noqa: PLC0415 - screens and agents ask, after the start
 
         end = request.offset + min(request.limit or messages.MAX_LISTED, messages.MAX_LISTED)
         rights = rights_in(request)
-        devices = [
-            device for device_id in matches[request.offset : end] if (device := self._index.get(device_id)) is not None
-        ]
+        listed, work = [], TimeSlice(self._clock)
+        for device_id in matches[request.offset : end]:
+            if (device := self._index.get(device_id)) is not None:
+                listed.append(self._short_forms.of(device, rights, needs_approval=self._index.postings.needs_approval))
+            if work.is_over:
+                await work.pause()
         return messages.ListDevicesResponse(
             success=True,
             message=self._explain_result(
                 read_terms(request.query, self._parse), matches, is_spelled=request.is_spelled
             ),
-            devices=tuple(
-                list_device(device, rights, needs_approval=self._index.postings.needs_approval) for device in devices
-            ),
+            devices=tuple(listed),
             total=len(matches),
             sequence=self._index.sequence,
         )
+
+    @cached_property
+    def _short_forms(self) -> ShortForms:
+        from homebot.discovery.listing import ShortForms  # noqa: PLC0415 - as above
+
+        return ShortForms()
 
     async def _nearness(self) -> Nearness:
         """Return the finder of devices near a robot; its modules load in a thread, as that is too long for one turn."""
