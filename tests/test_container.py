@@ -41,6 +41,12 @@ def test_the_commands_of_the_container_exist() -> None:
     assert words_of("VOLUME") == words_of("WORKDIR") == ["/data"]  # doctor reads [door] of homebot.toml there
 
 
+def test_the_image_keeps_compiled_files() -> None:
+    """Pip makes them, and nobody who runs it can."""
+    assert not [line for line in LINES if "--no-compile" in line or "PYTHONDONTWRITEBYTECODE" in line]
+    assert any(line.startswith("RUN pip install ") for line in LINES)
+
+
 def test_all_that_is_copied_is_there_and_not_left_out_of_the_context() -> None:
     kept = {line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")}
     copied = {name for line in words_of("COPY") for name in line.split()[:-1]}

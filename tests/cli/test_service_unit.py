@@ -3,11 +3,13 @@
 import re
 import shlex
 import sys
+from importlib.util import cache_from_source
 from pathlib import Path
 
 import pytest
 
 from homebot.cli import main
+from homebot.cli.commands.service import keep_compiled
 
 Text = pytest.CaptureFixture[str]
 
@@ -69,3 +71,10 @@ def test_the_commands_of_the_guide_work(config: Path, capsys: Text) -> None:
         assert main(shlex.split(command)) == 0
     assert "[door.tokens.panel]" in config.read_text()
     assert capsys.readouterr().err == ""
+
+
+def test_what_the_service_runs_is_compiled_as_it_may_not_write_beside_it(tmp_path: Path) -> None:
+    """An installation by uv, and a clone, have no compiled files: each start compiled 434 modules."""
+    (tmp_path / "one.py").write_text("ONE = 1\n")
+    keep_compiled(tmp_path)
+    assert Path(cache_from_source(str(tmp_path / "one.py"))).exists()

@@ -1,6 +1,7 @@
 """``homebot service``: ``list``, ``type``, ``call`` and ``install``."""
 
 import argparse
+import compileall
 import json
 import os
 import sys
@@ -8,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+import homebot
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import Schema, add_list, entities, typedefs
@@ -192,6 +194,7 @@ def _install(options: argparse.Namespace) -> int:
     except OSError as exc:
         hint = "" if options.user else "; use sudo, or --user"
         raise UsageError(f"{file} cannot be written: {exc.strerror}{hint}") from exc
+    keep_compiled(Path(homebot.__file__).parent)
     systemctl = "systemctl --user" if options.user else "systemctl"
     print(f"wrote {file}; now:")
     if not options.user:
@@ -200,6 +203,11 @@ def _install(options: argparse.Namespace) -> int:
     if options.user:
         print("  loginctl enable-linger       to keep it running while you are not logged in")
     return 0
+
+
+def keep_compiled(package: Path) -> None:
+    """Compile the modules of *package*, if its folder can be written: the service may write nothing beside its data."""
+    compileall.compile_dir(package, quiet=2)
 
 
 def _quote(path: str) -> str:
