@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import anyio
 
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.control import Control
 from homebot.devices import Devices
 from homebot.devices.handles import Light
@@ -44,7 +41,7 @@ def run(plan: Plan) -> Report:
         BARE: lambda: asyncio.run(_command(count, is_controlled=False)),
         TAKEN_IN: lambda: asyncio.run(_command(count, is_controlled=False, waits_for_report=True)),
     }
-    with _collecting_as_homebot():
+    with short_collections():
         samples = measure_interleaved(contenders, plan.rounds(10))
     least = {name: min(figures) * 1e6 for name, figures in samples.items()}
     note = (
@@ -58,17 +55,6 @@ def run(plan: Plan) -> Report:
 
 
 PAIRS = ((CONFIRMED, TAKEN_IN, None), (CONFIRMED, BARE, None))
-
-
-@contextmanager
-def _collecting_as_homebot() -> Iterator[None]:
-    """Look for circular garbage as `homebot run` does, rather than in every 700 objects."""
-    before = gc.get_threshold()
-    gc.set_threshold(*COLLECT_AFTER)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
 
 
 def _text(figure: float) -> str:

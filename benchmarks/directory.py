@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from random import Random
 from typing import TypeVar
 
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
@@ -46,7 +46,6 @@ QUERIES = (
 
 def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else DEVICES
-    gc.set_threshold(*COLLECT_AFTER)
     dice = Random(1)
     sightings = [sighting(number, 0.0) for number in range(count)]
     again = [sighting(number, 5.0, confirmed=True) for number in range(count)]
@@ -153,4 +152,5 @@ def report(one: Sighting, number: int, dice: Random) -> Report:
 
 
 if __name__ == "__main__":
-    main()
+    with short_collections():
+        main()

@@ -6,7 +6,6 @@ The history and the journal are files, read by their own services. The baseline 
 from __future__ import annotations
 
 import asyncio
-import gc
 import tempfile
 import time
 from collections.abc import Awaitable, Callable, Iterator
@@ -17,7 +16,7 @@ import anyio
 import anyio.lowlevel
 
 from directory import sighting
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.clock import LoopClock
 from homebot.config import HomeSettings
 from homebot.devices import Sighting
@@ -62,14 +61,13 @@ MEGABYTE = 1e6
 
 
 def run(plan: Plan) -> Report:
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, short_collections():
         changes = _write(Path(folder), now := time.time())
         rows = asyncio.run(_rows(Path(folder), now, plan.rounds(TIMES)))
     return Report(f"{TITLE}, {changes:,} changes", (), (), [HEADINGS, *rows])
 
 
 async def _rows(folder: Path, now: float, times: int) -> list[tuple[str, ...]]:
-    gc.set_threshold(*COLLECT_AFTER)  # as homebot runs
     graph = Graph(LoopClock(now))
     async with Node(graph, "discovery") as node, Node(graph, "journal") as journal, Node(graph, "history") as history:
         directory = Directory(node, DirectorySettings(persist=False), owner=OwnerFacts("Home"))

@@ -6,19 +6,18 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import json
 import resource
 import sys
 import time
 
 from bench_ingest import ingest
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.log import configure_logging
 
 configure_logging(level="error")
-gc.set_threshold(*COLLECT_AFTER)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found, seconds, cpu = asyncio.run(ingest(int(sys.argv[1]), int(sys.argv[2]), with_directory=True))
+with short_collections():
+    found, seconds, cpu = asyncio.run(ingest(int(sys.argv[1]), int(sys.argv[2]), with_directory=True))
 grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
 print(json.dumps({"found": found, "seconds": seconds, "cpu": cpu, "process": time.process_time(), "memory": grown}))

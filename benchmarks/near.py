@@ -7,7 +7,6 @@ each question, and now and then a door opens or closes.
 from __future__ import annotations
 
 import asyncio
-import gc
 import time
 from collections.abc import Coroutine
 from random import Random
@@ -15,7 +14,7 @@ from random import Random
 import anyio.lowlevel
 
 from directory import report, sighting
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.clock import LoopClock
 from homebot.devices import QUERY_DEVICES, QueryDevices, Sighting
 from homebot.devices.gateway_messages import Report as DeviceReport
@@ -54,11 +53,11 @@ OFTEN = 5
 
 
 def run(plan: Plan) -> Report:
-    gc.set_threshold(*COLLECT_AFTER)
     devices = plan.count(DEVICES)
     rows: list[tuple[str, ...]] = [HEADINGS]
-    for size in SIZES:
-        rows += asyncio.run(_rows(size, devices, plan.count(QUESTIONS)))
+    with short_collections():
+        for size in SIZES:
+            rows += asyncio.run(_rows(size, devices, plan.count(QUESTIONS)))
     return Report(f"Near: milliseconds of the processor for the best {LIMIT} of {devices:,} devices", (), (), rows)
 
 

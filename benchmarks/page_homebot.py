@@ -8,12 +8,11 @@ share of the time.
 from __future__ import annotations
 
 import asyncio
-import gc
 import json
 import sys
 import time
 
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.config import parse_config
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
@@ -60,5 +59,5 @@ async def main(port: int) -> None:
 
 
 configure_logging(level="error")
-gc.set_threshold(*COLLECT_AFTER)
-asyncio.run(main(int(sys.argv[1])))
+with short_collections():
+    asyncio.run(main(int(sys.argv[1])))

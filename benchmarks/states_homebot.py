@@ -6,14 +6,13 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import json
 import sys
 import time
 
 import anyio
 
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.devices import Devices
 from homebot.devices.handles import Light
 from homebot.discovery import Directory, DirectorySettings
@@ -58,5 +57,5 @@ async def main(port: int, count: int, client: str) -> None:
 
 
 configure_logging(level="error")
-gc.set_threshold(*COLLECT_AFTER)
-asyncio.run(main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]))
+with short_collections():
+    asyncio.run(main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]))

@@ -7,14 +7,13 @@ happens, and seconds that an app waits for all devices.
 from __future__ import annotations
 
 import asyncio
-import gc
 import json
 import sys
 import time
 
 import anyio
 
-from homebot.cli.serve import COLLECT_AFTER
+from homebot.cli.serve import short_collections
 from homebot.devices import Devices
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
@@ -63,5 +62,5 @@ async def measure(port: int) -> dict[str, float]:
 
 
 configure_logging(level="error")
-gc.set_threshold(*COLLECT_AFTER)
-print(json.dumps(asyncio.run(measure(int(sys.argv[1])))))
+with short_collections():
+    print(json.dumps(asyncio.run(measure(int(sys.argv[1])))))

@@ -89,7 +89,7 @@ INSIDES: Final[Mapping[str, Inside]] = {
     ),
     "websockets": Inside(
         {
-            "bridges/rosbridge/connection.py": "connection_lost connection_made data_received handshake pause_writing"
+            "bridges/rosbridge/connection.py": "connection_lost connection_made data_received pause_writing"
             " process_event resume_writing recv_messages",
             "integrations/homeassistant/gateway/link.py": "max_size max_message_size",
         },

@@ -154,12 +154,6 @@ class RosbridgeConnection(ServerConnection):
         self._too_late = self.loop.call_later(self._open_timeout, self.transport.abort)
         self._pending.add(self)
 
-    async def handshake(self, *arguments: Any) -> None:
-        """Perform the opening handshake; when its task has ended, and the connection is lost, let go of everything."""
-        if (task := asyncio.current_task()) is not None:
-            task.add_done_callback(lambda _: self.connection_lost_waiter.add_done_callback(lambda _: self._let_go()))
-        await super().handshake(*arguments)
-
     def data_received(self, data: bytes) -> None:
         """Handle *data* now or in the next turn; until then nothing more is read."""
         self._is_heard = True
@@ -258,12 +252,6 @@ class RosbridgeConnection(ServerConnection):
             self.hold(-size)
         elif not isinstance(event, Frame) or event.fin:
             self._sizes.append(0)
-
-    def _let_go(self) -> None:
-        """Break the circles of the library, as old objects are hardly ever searched for them."""
-        for known in (self.protocol, self):
-            vars(known).clear()
-        self._is_lost = True  # for what is read in the next turn
 
     def _receive(self, data: bytes) -> None:
         if not self._is_lost:
