@@ -169,6 +169,13 @@ _CONTROLS = (
         by_state=True,
     ),
     CapabilityType(
+        "clean_rooms",
+        "text",
+        "set to the rooms of its map to clean, by name or number, with commas between them",
+        0x0150,
+        is_told_once=True,
+    ),
+    CapabilityType(
         "mower",
         "text",
         "activity; can be set to mowing, paused, docked",

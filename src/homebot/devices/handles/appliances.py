@@ -132,6 +132,14 @@ class RoboticVacuumCleaner(Handle):
         """Start or resume cleaning."""
         return await self.command("vacuum", "cleaning")
 
+    async def clean_rooms(self, *rooms: str) -> Outcome:
+        """Clean the *rooms* of its map, by name or number.
+
+        Raises:
+            RefusedError: It cannot, or knows no such room.
+        """
+        return await self.command("clean_rooms", ", ".join(rooms))
+
     async def pause(self) -> Outcome:
         """Pause where it is."""
         return await self.command("vacuum", "paused")

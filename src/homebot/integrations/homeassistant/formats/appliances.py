@@ -1,14 +1,17 @@
 """Fans, humidifiers, sirens, and robots that clean or mow. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py.
+Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py; the
+segments of a vacuum: 2026.9.
 """
 
 from collections.abc import Callable, Mapping
+from itertools import islice
 
 from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, speed_of
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import (
     Readings,
+    as_fields,
     clean_text,
     compact_json,
     fields_of,
@@ -29,11 +32,13 @@ from homebot.integrations.homeassistant.formats.components import (
 )
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity, Scale
-from homebot.integrations.homeassistant.formats.topics import ValueSource
+from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource
+from homebot.support.folding import fold
 
 _MAX_MODE_CHARACTERS = 120
 _DIRECTIONS = ("forward", "reverse")
 _EMPTY_PAYLOADS = (b"", b"None")
+_MAX_SEGMENTS = 300
 _VACUUM_FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
 
 
@@ -222,9 +227,13 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     command = config.command("command_topic", template_key="")
     set_speed = config.command("set_fan_speed_topic", template_key="")
     speeds = config.options("fan_speed_list") if "fan_speed" in features else ()
+    clean_segments = config.command_of("clean_segments")
+    segments: Mapping[str, str] = {}
 
     def read(text: str) -> Readings:
+        nonlocal segments
         message = fields_of(text)
+        segments = _segments_of(message) or segments
         speed, charge = message.get("fan_speed"), message.get("battery_level")
         state = message.get("state")
         readings: dict[str, PlainValue] = {}
@@ -255,5 +264,31 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     entity.add_capability("battery", readable=readable and "battery" in features, unit="%")
     if "locate" in features and command:
         entity.add_push("locate", command, config.text("payload_locate", "locate"))
-    entity.add_commands(command, set_speed if speeds else None)
+    if clean_segments is not None:
+        publish = _segment_publisher(clean_segments)
+        entity.remembers()
+        entity.add_capability(
+            "clean_rooms", readable=False, writer=lambda value, _transition: publish(_segment_ids(value, segments))
+        )
+    entity.add_commands(command, set_speed if speeds else None, clean_segments)
     return entity.build()
+
+
+def _segments_of(message: Mapping[str, object]) -> Mapping[str, str]:
+    """Return the names of the rooms in a state, by id; empty for none."""
+    rooms = islice(as_fields(message.get("segments")).items(), _MAX_SEGMENTS)
+    return {one: clean_text(str(name)) for one, name in rooms}
+
+
+def _segment_ids(value: PlainValue, segments: Mapping[str, str]) -> list[str]:
+    """Return the ids of the rooms *value*, which are named or numbered, with commas between them."""
+    ids = {fold(word): one for one, name in segments.items() for word in (name, one)}
+    wanted = [fold(word) for word in value.split(",")] if isinstance(value, str) else []
+    if not wanted or not ids.keys() >= set(wanted):
+        raise RefusedError("clean_rooms", f"it takes {', '.join(segments.values()) or 'rooms, but has told none yet'}")
+    return list(dict.fromkeys(ids[word] for word in wanted))
+
+
+def _segment_publisher(command: CommandTopic) -> Callable[[list[str]], Publications]:
+    """Return the sender of ids: as a list in JSON, or as its template renders that list."""
+    return lambda ids: command.publish(compact_json(ids) if command.template is None else ids)
