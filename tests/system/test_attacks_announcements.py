@@ -294,21 +294,25 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
             assert toll.busy < MOST_BUSY * max(slow, slowness())  # other programs come and go
 
 
-def heavy_templates(number: int) -> tuple[str, bytes]:
-    """The announcement of a device of 250 parts, all of which work for long at each message on one topic."""
+def heavy_templates(number: int, count: int = 250) -> tuple[str, bytes]:
+    """The announcement of a device of *count* parts, all of which work for long at each message on one topic."""
     work = f"{{% for i in range({1500 + number}) %}}{{% endfor %}}{{{{ value }}}}"
     parts = {
         f"p{part}": {"p": "sensor", "unique_id": f"h{number}p{part}", "state_topic": "s/all", "value_template": work}
-        for part in range(250)
+        for part in range(count)
     }
     told = {"device": {"identifiers": [f"h{number}"]}, "origin": {"name": "x"}, "components": parts}
     return f"homeassistant/device/h{number}/config", json.dumps(told).encode()
 
 
-def test_a_message_that_thousands_of_heavy_templates_read_leaves_turns_to_others(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("devices", "count"), [(range(20), 250), (range(480, 481), 100)])
+def test_a_message_that_many_heavy_templates_read_leaves_turns_to_others(
+    tmp_path: Path, devices: range, count: int
+) -> None:
+    """Up to 100 were read without a pause, and three such messages in one turn."""
     with attacked(tmp_path) as homebot, closing(Hostile(homebot.broker)) as hostile:
-        for number in range(20):
-            hostile.publish(*heavy_templates(number))
+        for number in devices:
+            hostile.publish(*heavy_templates(number, count))
         hostile.publish(*config("lock", "first"))
         until(lambda: finds(homebot, "first") or None, PATIENCE)
         begun(homebot).toll()
@@ -317,5 +321,5 @@ def test_a_message_that_thousands_of_heavy_templates_read_leaves_turns_to_others
         hostile.publish(*config("lock", "honest"))
         until(lambda: finds(homebot, "honest") or None, PATIENCE)
         toll = homebot.toll()
-        print(f"\n5,000 heavy templates: {toll}", end="")
+        print(f"\n{len(devices) * count:,} heavy templates: {toll}", end="")
         assert toll.busy < MOST_BUSY * slowness()

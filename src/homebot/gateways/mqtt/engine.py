@@ -5,7 +5,7 @@ waits: subscriptions, requests, expiry of values.
 """
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from functools import partial
 from itertools import chain
 from typing import TypeVar
@@ -13,6 +13,7 @@ from typing import TypeVar
 import anyio
 import anyio.lowlevel
 
+from homebot.clock import TimeSlice
 from homebot.conventions.convention import Convention, HintingConvention, ProblemReportingConvention, TextConvention
 from homebot.conventions.description import begin_message
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
@@ -166,11 +167,11 @@ class AnnouncedDevices:
         if raw and route.announced_parts:
             await self._deliver_raw(message, route)
 
-    def read_states(self, message: MqttMessage, route: TopicReaders) -> Awaitable[None] | None:
-        """Handle a message on a topic that only a few parts read, mostly without waiting.
+    def read_states(self, message: MqttMessage, route: TopicReaders, work: TimeSlice) -> Awaitable[None] | None:
+        """Handle a message on a topic that only parts read, mostly without waiting.
 
         Returns:
-            The remaining deliveries to listeners; None if there are no listeners.
+            What remains when *work* is over, and the deliveries to listeners; None if there is neither.
         """
         topic, payload, _, retained, _, _ = message
         reporter = self._reporter
@@ -180,14 +181,19 @@ class AnnouncedDevices:
             self.counters.oversize += 1
             return None
         begin_message()
-        texts = list(filter(None, self._states.read_parts(topic, payload, route.announced_parts, retained=retained)))
-        if texts or self._listeners.by_address.get(topic):
-            return self._deliver(texts, message, route)
-        return None
+        steps = self._states.read_parts(topic, payload, route.announced_parts, work, retained=retained)
+        for first in steps:
+            return self._go_on(chain((first,), steps), message, route, work)
+        return self._deliver_raw(message, route) if self._listeners.by_address.get(topic) else None
 
-    async def _deliver(self, texts: Sequence[RawMessage], message: MqttMessage, route: TopicReaders) -> None:
-        for text in texts:
-            await self._listeners.deliver(text, wait_if_full=message.qos > 0)
+    async def _go_on(
+        self, steps: Iterable[RawMessage | None], message: MqttMessage, route: TopicReaders, work: TimeSlice
+    ) -> None:
+        for text in steps:
+            if text is None:
+                await work.pause()
+            else:
+                await self._listeners.deliver(text, wait_if_full=message.qos > 0)
         await self._deliver_raw(message, route)
 
     async def _deliver_raw(self, message: MqttMessage, route: TopicReaders) -> None:

@@ -13,10 +13,10 @@ from functools import partial
 from typing import ClassVar
 
 import anyio
-import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.clock import TimeSlice
 from homebot.conventions.installed_conventions import find_conventions
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import GatewayState, SubscribeToTopic
@@ -302,12 +302,12 @@ class MqttGateway(Gateway):
         described, lease = self._described, self._lease
         responses, max_payload = self._responses, self._settings.max_payload
         described.tick()
-        work = 0
+        turn, work = TimeSlice(self.node.graph.clock), 0
         for message in batch:
             work += 1
-            if work >= _TURN:
+            if work >= _TURN or turn.is_over:
                 work = 0
-                await anyio.lowlevel.checkpoint()
+                await turn.pause()
             topic, payload, qos, retained, _, _ = message
             if topic in lease.topics:
                 lease.on_message(message)
@@ -324,7 +324,7 @@ class MqttGateway(Gateway):
                 await described.read_text(topic, payload, route.only_text, retained=retained, wait_if_full=qos > 0)
             elif route.only_states:
                 work += len(route.announced_parts)
-                if (left := described.read_states(message, route)) is not None:
+                if (left := described.read_states(message, route, turn)) is not None:
                     await left
             else:
                 readers = len(route.conventions) + len(route.texts)

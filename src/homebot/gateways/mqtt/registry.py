@@ -26,9 +26,6 @@ _MAX_ROUTES = 50_000
 _MAX_GROUPS = 64
 """Distinct sets of conventions that share topics: few, however many topics there are."""
 
-_MAX_QUICK_PARTS = 100
-"""Most parts that read one message without a pause."""
-
 _BOUNDS = RegistryLimits()
 
 _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
@@ -146,7 +143,7 @@ class TopicReaders(NamedTuple):
         only_text: The same part, if the topic has no other reader.
         availability_readers: Readers of availability there.
         announced_parts: Parts that read their state there, grouped by device; without *text*.
-        only_states: Whether the only readers are those parts, and few.
+        only_states: Whether the only readers are those parts.
     """
 
     conventions: tuple[Convention, ...]
@@ -334,7 +331,7 @@ def _route_of(
     availability_readers = tuple(reader for reader in readers if isinstance(reader, AvailabilityReader))
     announced_parts = tuple(reader for reader in readers if isinstance(reader, AnnouncedPart))
     only_text = None if conventions or readers else text
-    only_states = not any((conventions, texts, text, availability_readers)) and len(announced_parts) <= _MAX_QUICK_PARTS
+    only_states = not any((conventions, texts, text, availability_readers))
     return TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts, only_states)
 
 
