@@ -13,6 +13,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
+from homebot.discovery.topics.use import topic_use
 from homebot.support.counters import fault
 
 if TYPE_CHECKING:
@@ -76,6 +77,14 @@ class DeviceTable:
         entry.device = None
         self.outdated[entry.id] = None
         self.changes.add(kind, entry, why, other, is_of_link=is_of_link)
+
+    def judge_topics(self, entry: Entry) -> None:
+        """Judge a dispute of the announcements of *entry* again: one was added, or the first value reported by one."""
+        if self.topics.denied.keys().isdisjoint(entry.sources):
+            return
+        for source in entry.sources.values():
+            self.topics.put(topic_use(source, entry.id))
+        entry.invalidate_description()
 
     def drop(self, entry: Entry) -> None:
         """Remove *entry*, but not its announcements."""

@@ -197,8 +197,8 @@ def silent_strangers(sources: Mapping[SourceKey, SourceRecord], denied: Collecti
     """Return the announcements that get no commands before their first report, with the reasons in words.
 
     Others of their gateway have reported, and their topics share no name with those of these: they may be anybody's.
-    Of *denied* announcements, which may not use a topic of their commands as others have it, only the state topics
-    count, and the reason is empty.
+    Of those that take commands where the heard ones do, only the state topics count; so of *denied* ones, which may not
+    use a topic of their commands as others have it, and the reason is empty.
     """
     silent = [
         source
@@ -208,12 +208,15 @@ def silent_strangers(sources: Mapping[SourceKey, SourceRecord], denied: Collecti
     if not silent or not (heard := [source for source in sources.values() if source.values]):
         return {}
     known, gateways = frozenset(chain.from_iterable(map(_names, heard))), {source.key[0] for source in heard}
+    taken = frozenset(chain.from_iterable(part.writes for source in heard for part in source.sighting.parts))
     why = "has other topics than the device, and gets no commands before its first report"
-    return {
-        source.key: "" if source.key in denied else f"{source.label} {why}"
-        for source in silent
-        if source.key[0] in gateways and known.isdisjoint(_names(source, is_reading=source.key in denied))
-    }
+    strangers: dict[SourceKey, str] = {}
+    for source in silent:
+        is_denied = source.key in denied
+        is_reading = is_denied or any(not taken.isdisjoint(part.writes) for part in source.sighting.parts)
+        if source.key[0] in gateways and known.isdisjoint(_names(source, is_reading=is_reading)):
+            strangers[source.key] = "" if is_denied else f"{source.label} {why}"
+    return strangers
 
 
 def routes_without(parts: tuple[DevicePart, ...], strangers: Collection[SourceKey]) -> tuple[DevicePart, ...]:

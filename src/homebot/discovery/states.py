@@ -205,7 +205,9 @@ class StateRecorder:
         if others and not source.values:  # it may get commands from now on
             entry.device, self._table.outdated[entry.id] = None, None
         stored = StoredValue(reading.value, reading.value.plain(), stamp, stamp, live, self._liveness.now)
-        source.values[place] = stored
+        is_first, source.values[place] = not source.values, stored
+        if others and is_first:
+            self._table.judge_topics(entry)
         self._post(entry, source, place, stored)
         return stored
 

@@ -141,6 +141,38 @@ def test_what_a_stranger_adds_on_the_devices_own_command_topic_is_no_part_before
         assert all("where another announcement" in conflict for conflict in device.conflicts)
 
 
+@pytest.mark.parametrize("is_last", [False, True])
+@pytest.mark.parametrize("at", ["evil", "evil/aabbccddeeff"])
+@pytest.mark.parametrize("place", ["x17", "aabbccddeeff"])
+def test_a_silent_stranger_on_the_command_topic_of_a_lamp_takes_nothing_from_it(
+    place: str, at: str, *, is_last: bool
+) -> None:
+    """No place named the topic, so that both were refused; or a command was sent to both, and one did not answer."""
+    lamp = part_of("light", "on_off", id="l", reads=("kitchen_lamp/state",), writes=("kitchen_lamp/set",))
+    evil = part_of("light", "on_off", "level", id="e", reads=("evil/state",), writes=("kitchen_lamp/set",))
+    true = announce("lamp", lamp, ids=(MAC,), name="Lamp", on=f"homeassistant/light/{place}/config")
+    stranger = announce("evil", evil, ids=(MAC,), name="Lamp", on=f"homeassistant/light/{at}/config")
+    index = index_of(*((true,) if is_last else (stranger, true)))
+    index.report(tell(true, "on_off", value=True, part="l"), 3.0)
+    if is_last:
+        index.observe(stranger, 4.0)
+    (part,) = only_device(index).parts
+    assert [(route.key, route.part) for route in part.routes] == [(true.key, "l")]
+    assert [conflict for conflict in only_device(index).conflicts if stranger.key in conflict]
+    assert not [conflict for conflict in only_device(index).conflicts if conflict.startswith(true.key)]
+
+
+def test_a_report_does_not_give_a_lamp_the_topic_of_a_silent_lock() -> None:
+    """Its command might be the one that unlocks."""
+    lock = part_of("door_lock", "lock", id="l", reads=("door/state",), writes=("door/set",))
+    true = announce("lock", lock, ids=(MAC,), on="homeassistant/lock/x17/config")
+    lamp = part_of("light", "on_off", id="e", reads=("evil/state",), writes=("door/set",))
+    evil = announce("evil", lamp, ids=(MAC,), on="homeassistant/light/evil/config")
+    index = index_of(true, evil)
+    index.report(tell(evil, "on_off", value=True, part="e"), 3.0)
+    assert not [route for part in only_device(index).parts for route in part.routes if route.key == evil.key]
+
+
 @pytest.mark.parametrize("is_first", [False, True])
 @pytest.mark.parametrize(
     ("kind", "can", "is_listed"),

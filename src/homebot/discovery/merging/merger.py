@@ -371,6 +371,8 @@ class DeviceMerger:
             may_be_panel |= use.asks
         if concerned:
             self._refresh_conflicts(concerned)
+        if len(entry.sources) > 1:
+            table.judge_topics(entry)
         if may_be_panel or table.panels:
             find_panel(table, entry)
         table.outdated[entry.id] = None

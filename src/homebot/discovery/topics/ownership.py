@@ -9,7 +9,9 @@ Any client may announce anything, such as a lamp with the command topic of a loc
 - Any other topic belongs to the device announced at the place that names it best; see
   :mod:`homebot.discovery.topics.use`. This includes topics on which a device publishes, and those below its command
   topics. In a tie, those directly below belong to a device that always asks, as Zigbee2MQTT takes codes there.
-- In a tie, the topic belongs to none, unless it is evidently shared: the devices are behind one bridge or do not
+- In a tie of announcements of one device, the topic belongs to those by which the device has reported a value, unless
+  another one always asks.
+- In another tie, the topic belongs to none, unless it is evidently shared: the devices are behind one bridge or do not
   identify themselves, and there are at least three, or their places have a name in common. Then it belongs to those of
   them that always ask, if there are any.
 """
@@ -224,6 +226,7 @@ class TopicOwnership:
 
 _COMMON = 3
 _IS_NATIVE, _ASKS, _BRIDGE = attrgetter("is_native"), attrgetter("asks"), attrgetter("bridge")
+_IS_HEARD = attrgetter("is_heard")
 
 
 @dataclass(slots=True, eq=False)
@@ -403,10 +406,16 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
     is_one_sender = bool(frozenset.intersection(*(use.names() for use in best)))
     if len(devices) == 1:
         is_one_use = is_one_sender or all(map(best[0].repeats, best))
-        return best if is_one_use else list(filter(_IS_NATIVE, best))
+        return best if is_one_use else list(filter(_IS_NATIVE, best)) or _heard(best)
     if not (is_one_sender or len(devices) >= _COMMON) or not _is_shared(best):
         return []
     return list(filter(_ASKS, best)) or best
+
+
+def _heard(best: list[TopicUse]) -> list[TopicUse]:
+    """Return the one announcement by which the device has reported; none for several, or if it hides a danger."""
+    heard = list(filter(_IS_HEARD, best))
+    return heard if len(heard) == 1 and (heard[0].asks or not any(map(_ASKS, best))) else []
 
 
 def _is_shared(best: list[TopicUse]) -> bool:

@@ -135,6 +135,7 @@ class TopicUse(NamedTuple):
         commands: The type and payloads of its only part; empty for several parts, or if the topics imply them.
         base: The base topic of its bridge, if a part always asks: the bridge takes commands to it on further topics.
         asks: Whether a part is of a type that always asks, so that other types may not share its topics.
+        is_heard: Whether the device has reported a value by it; it counts where its topics are disputed only.
     """
 
     key: SourceKey
@@ -150,6 +151,7 @@ class TopicUse(NamedTuple):
     commands: tuple[str, ...] = ()
     asks: bool = False
     base: str = ""
+    is_heard: bool = False
 
     def has(self, topic: str) -> bool:
         """Return whether *topic* belongs to the device."""
@@ -215,6 +217,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         commands,
         not ALWAYS_ASK.isdisjoint(map(_TYPE, parts)),
         base,
+        bool(source.values),
     )
 
 
