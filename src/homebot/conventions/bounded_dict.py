@@ -1,6 +1,6 @@
 """A dictionary of limited size, with pinned values. Pure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -58,6 +58,11 @@ class BoundedDict(Generic[T]):
         """Remove and return the value of *name*, or None."""
         value = self._pinned.pop(name, None)
         return self._unpinned.pop(name, None) if value is None else value
+
+    def items(self) -> Iterator[tuple[str, T]]:
+        """Yield the values with their names, those that are not pinned first."""
+        yield from self._unpinned.items()
+        yield from self._pinned.items()
 
     def __len__(self) -> int:
         return len(self._unpinned) + len(self._pinned)

@@ -50,6 +50,24 @@ def test_attributes_make_a_device(say: Say) -> None:
     assert part.codec.read(f"{BASE}/light/on", b"true", retained=True) == {"on_off": True}
 
 
+def test_doctor_hears_of_one_that_died_while_it_announced_itself(homie: Homie, say: Say) -> None:
+    """Its last will follows the attributes that it had published."""
+    tell(say, {**dict(list(LAMP.items())[:9]), "$state": "init"})
+    assert homie.problems() == ()
+    say(f"{BASE}/$state", "lost")
+    (problem,) = homie.problems()
+    assert problem.startswith(f"{BASE} is announced in part")
+    tell(say, LAMP)
+    assert homie.problems() == ()
+
+
+def test_doctor_hears_of_a_living_one_that_lists_what_it_does_not_announce(homie: Homie, say: Say) -> None:
+    tell(say, {**LAMP, "$nodes": "light,fan"})
+    assert len(homie.problems()) == 1
+    say(f"{BASE}/$nodes", "light")
+    assert homie.problems() == ()
+
+
 def test_the_address_of_the_host_is_a_fact_and_no_identifier(say: Say) -> None:
     device = device_in(tell(say, LAMP))
     assert device.identifiers == ("id:homie/hall-lamp",)

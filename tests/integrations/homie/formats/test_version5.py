@@ -1,3 +1,5 @@
+from contextlib import suppress
+
 import pytest
 from tests.integrations.announced_parts import Say, device_in
 
@@ -25,6 +27,36 @@ def test_state_and_description_make_a_device(say: Say) -> None:
 def test_the_order_does_not_matter(say: Say) -> None:
     say(f"{BASE}/$state", "ready")
     assert device_in(say(f"{BASE}/$description", LAMP)).key == BASE
+
+
+def test_doctor_hears_of_one_that_died_while_it_announced_itself(homie: Homie, say: Say) -> None:
+    """Without its document it is no device, and nothing said why."""
+    assert homie.problems() == ()
+    say(f"{BASE}/$state", "init")
+    assert homie.problems() == ()
+    say(f"{BASE}/$state", "lost")
+    (problem,) = homie.problems()
+    assert problem.startswith(f"{BASE} is announced in part")
+    say(f"{BASE}/$description", LAMP)
+    assert homie.problems() == ()
+
+
+def test_doctor_hears_of_a_living_one_whose_document_goes_or_becomes_illegal(homie: Homie, say: Say) -> None:
+    say(f"{BASE}/$state", "ready")
+    for payload in ("{", ""):
+        say(f"{BASE}/$description", LAMP)
+        assert homie.problems() == ()
+        with suppress(WireError):
+            say(f"{BASE}/$description", payload)
+        assert len(homie.problems()) == 1
+    say(f"{BASE}/$state", "")
+    assert homie.problems() == ()
+
+
+def test_doctor_hears_of_twenty_unfinished_ones_at_most(homie: Homie, say: Say) -> None:
+    for number in range(30):
+        say(f"{BASE}{number}/$state", "lost")
+    assert len(homie.problems()) == 20
 
 
 def test_a_lost_one_is_there_but_gives_no_sign_of_life(say: Say) -> None:

@@ -39,6 +39,10 @@ class Homie(LazyConvention[HomieSettings, "HomieReader"]):
         """Return the filters of attributes; the states come last."""
         return tuple(f"{domain}/{topic}" for domain in self.settings.domains for topic in (*_VERSION_5, *_VERSION_4))
 
+    def problems(self) -> tuple[str, ...]:
+        """Return the devices that did not finish announcing themselves."""
+        return self.reader.problems() if self.is_loaded else ()
+
     def load_reader(self) -> HomieReader:
         """Return a reader of all versions."""
         from homebot.integrations.homie.formats.reader import HomieReader  # noqa: PLC0415 - see LazyConvention

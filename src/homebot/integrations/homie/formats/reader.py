@@ -12,6 +12,7 @@ Arrays.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import ClassVar, Generic, TypeVar
 
 from homebot.conventions.bounded_dict import BoundedDict
@@ -31,6 +32,8 @@ from homebot.integrations.homie.formats.model import (
 from homebot.integrations.homie.formats.node_reader import optional, read_device
 from homebot.integrations.homie.formats.parts import build_alert, build_parts
 
+_MAX_PROBLEMS = 20
+
 
 @dataclass(slots=True)
 class RegisteredDevice:
@@ -38,6 +41,11 @@ class RegisteredDevice:
 
     is_described: bool = False
     size: int = 0
+
+    @property
+    def is_unfinished(self) -> bool:
+        """True if it is not starting, and what it announces cannot be read as a whole."""
+        return False
 
 
 DeviceT = TypeVar("DeviceT", bound=RegisteredDevice)
@@ -64,6 +72,12 @@ class Registry(Generic[DeviceT]):
     def dropped(self) -> int:
         """Number of dropped devices, attributes and documents."""
         return self.devices.dropped + self.refused
+
+    def problems(self) -> tuple[str, ...]:
+        """Return the first devices that did not finish announcing themselves, as if they had died meanwhile."""
+        unfinished = (name for name, device in self.devices.items() if device.is_unfinished)
+        words = "is announced in part, or so that it cannot be read: restart it, or delete its retained messages"
+        return tuple(f"{name} {words}" for name in islice(unfinished, _MAX_PROBLEMS))
 
     def announce(self, device: DeviceT, whole: HomieDevice, domain: str, state: str) -> tuple[AnnouncementEvent, ...]:
         """Return the description of *device*, or its withdrawal if it has no parts."""
@@ -196,6 +210,14 @@ _FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version
 class _Homie4Device(RegisteredDevice):
     attributes: dict[str, str] = field(default_factory=dict)
     is_changed: bool = True
+
+    @property
+    def is_unfinished(self) -> bool:
+        """True if an attribute is missing and its state says that there is none to come."""
+        is_starting = self.attributes.get("$state", "") in {"", "init"}
+        return (
+            self.is_changed and not is_starting and ("$homie" not in self.attributes or _nodes(self.attributes) is None)
+        )
 
 
 class Version4(Registry[_Homie4Device]):
@@ -335,6 +357,11 @@ class _Homie5Device(RegisteredDevice):
     def is_ready(self) -> bool:
         return self.state not in {"", "init"}
 
+    @property
+    def is_unfinished(self) -> bool:
+        """True if it has no document, or the last one was illegal, and its state says that there is none to come."""
+        return self.is_ready and self.document_hash is None
+
 
 class Version5(Registry[_Homie5Device]):
     """Registry of the devices of version 5.
@@ -393,6 +420,7 @@ class Version5(Registry[_Homie5Device]):
         document_hash = hash(payload)
         if device.document_hash == document_hash:
             return None
+        device.document_hash = None
         document = parse_document(domain, device_id, payload)
         is_kept = self._store_waiting(device, b"" if device.is_ready else payload)
         device.document_hash = document_hash if is_kept else None
@@ -424,6 +452,10 @@ class HomieReader:
     def ignored(self) -> int:
         """Number of illegal nodes and properties, of devices that were described without them."""
         return self._version4.ignored + self._version5.ignored
+
+    def problems(self) -> tuple[str, ...]:
+        """Return the devices that did not finish announcing themselves."""
+        return self._version4.problems() + self._version5.problems()
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
         """Read an attribute and return the description that it completes."""
