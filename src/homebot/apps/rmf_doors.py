@@ -54,7 +54,7 @@ class _DoorHold:
 
     Attributes:
         since: The time of its first request.
-        sender: Who published its last request.
+        sender: The publisher of its last request.
     """
 
     since: Time

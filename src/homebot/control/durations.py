@@ -111,7 +111,7 @@ REMEMBERED: Final = 900.0
 """The facts of a part are stored for this long, plus one older change for the presence guard."""
 
 FORGOTTEN_EVERY: Final = 300.0
-"""What is over is forgotten this often: most parts get no further command or report for hours."""
+"""Ended durations are forgotten this often: most parts get no further command or report for hours."""
 
 COUNTED: Final = 3600.0
 """The sendings to a part are stored for this long, which is the longest time of a rate limit."""

@@ -80,7 +80,7 @@ class Timelines:
         self.on_undone: Callable[[CommandProgress, Undoing, PlainValue, Cause], None] = lambda *_: None
 
     async def run(self) -> None:
-        """Forget what is over every five minutes, also of parts that get no further command, until cancelled."""
+        """Forget ended commands every five minutes, also of parts that get no further command, until cancelled."""
         while True:
             await anyio.sleep(durations.FORGOTTEN_EVERY)
             now = self._clock.monotonic()

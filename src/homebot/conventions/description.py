@@ -97,7 +97,7 @@ class DescribedPart(NamedTuple):
             messages again.
         availability: Its own availability; None if it is that of the device.
         sends_code: Whether its commands may contain a code, so that no states are read on their topics.
-        refusal: Returns why the device refuses the messages of a command, by what the codec read last; empty if it does
+        refusal: Returns why the device refuses the messages of a command, by its last message; empty if it does
             not. None if its reports do not say. Never raises.
     """
 

@@ -215,7 +215,7 @@ class Publisher(GraphEntity, Generic[MessageT]):
         mailbox.lost = lost  # a queue shorter than the history does not count as loss
 
     def _publish_watched(self, message: MessageT) -> None:
-        """Publish *message* with a lifespan, a deadline, a liveliness assertion, or to who asks for its sender."""
+        """Publish *message* with a lifespan, a deadline, a liveliness assertion, or readers of its sender."""
         self._check_open()
         lifespan = self.qos.lifespan
         item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message

@@ -41,7 +41,7 @@ Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
 @final
 @dataclass(frozen=True, slots=True)
 class Expiring(Generic[T]):
-    """A queued message with a lifespan, or for a reader that asks who sent it."""
+    """A queued message with a lifespan, or for a reader that asks for its sender."""
 
     message: T
     expires_at: float
@@ -62,7 +62,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
     Attributes:
         from_node: Full name of the only publishing node that it receives from; empty for all nodes, :data:`OTHERS` for
             all but its own.
-        names_sender: Whether it records who sent each message.
+        names_sender: Whether it records the sender of each message.
         sender: The publisher of the message that was taken last, until the next one is; None unless recorded. It is
             closed once the node, or the client outside, that published is gone.
         expired: The number of messages not delivered because their lifespan had passed.
@@ -285,7 +285,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
             self.mailbox.clear()
 
     def put(self, item: MessageT | Expiring[MessageT], sender: GraphEntity) -> None:
-        """Queue what *sender* published; called by it."""
+        """Queue a message of *sender*; called by it."""
         if self.names_sender:
             until = item.expires_at if isinstance(item, Expiring) else math.inf
             item = Expiring(item.message if isinstance(item, Expiring) else item, until, sender)

@@ -100,7 +100,7 @@ class MotionSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class PresenceSensor(MotionSensor):
-    """A radar: it senses all people in its room, also those who sit still or sleep."""
+    """A radar: it senses all people in its room, also sitting or sleeping ones."""
 
     kind: ClassVar[str] = "presence"
     hold: float = 15.0

@@ -84,7 +84,7 @@ class SubscriptionSet:
             self._made.clear()
 
     async def make_all(self) -> dict[str, RefusedError]:
-        """Subscribe on a new link, first to what brings little, and unsubscribe surplus filters; return the refused."""
+        """Subscribe on a new link, first to quiet filters, and unsubscribe surplus filters; return the refused."""
         due = [one for name, one in self._wanted.items() if name not in self._made or name in self._renewed]
         refused = await self.make(one.filter for one in sorted(due, key=self._expected))
         if self._unwanted:

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 @final
 class BoundedThreads:
-    """At most *most* threads at a time; one whose caller has left counts until it ends, or the program does."""
+    """At most *most* threads at a time; one that its caller has left counts until it ends, or the program does."""
 
     def __init__(self, most: int, name: str) -> None:
         self._places = anyio.CapacityLimiter(most)

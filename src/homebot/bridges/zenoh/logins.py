@@ -1,4 +1,4 @@
-"""Who may log in at the router for robots, and who may not although it has a token. Pure, without Zenoh."""
+"""Logins of robots at the router, and tokens that do not suffice for one. Pure, without Zenoh."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def logins_of(settings: RosSettings, rosbridge: RosbridgeSettings) -> tuple[str,
 
 
 def login_notes(settings: RosSettings, rosbridge: RosbridgeSettings) -> Iterator[str]:
-    """Yield for each robot that cannot log in at ``listen`` of *settings*, or would see nothing, what is missing."""
+    """Yield the lack of each robot that cannot log in at ``listen`` of *settings*, or would see nothing."""
     if not settings.listen:
         return
     logins = logins_of(settings, rosbridge)

@@ -18,7 +18,7 @@ OCCUPANCY: Final = "occupancy"
 """The capability of motion sensors."""
 
 PRESENCE: Final = "presence"
-"""The kind of sensors that also detect people who sit still: Home Assistant's device class, or the owner's tag."""
+"""The kind of sensors that also detect people sitting still: Home Assistant's device class, or the owner's tag."""
 
 DETECTION: Final = "detection"
 """The kind of the saved rows."""

@@ -147,7 +147,7 @@ class PartTimeline:
         return progress
 
     def forget(self, now: float) -> None:
-        """Forget what is over for 15 minutes, and sendings of an hour ago: no command or report may ever come again.
+        """Forget durations that ended 15 minutes ago, and sendings of an hour ago: nothing may ever come again.
 
         The newest report stays, and the commands that :meth:`certain` still needs.
         """

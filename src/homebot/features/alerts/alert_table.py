@@ -56,7 +56,7 @@ class AlertKind(NamedTuple):
         return And((_parse(self.text), *(Not(GatewayIs(name)) for name in known)))
 
 
-_DETECTS_FIRE = "type=smoke_co_alarm"  # other devices tell that they, or what they heat, are hot
+_DETECTS_FIRE = "type=smoke_co_alarm"  # other devices tell that they, or things that they heat, are hot
 _PROBLEMS = (
     f"problem=true or safety=true or freeze=true or (heat=true and not {_DETECTS_FIRE})"
     " or lock=jammed or vacuum=error or mower=error"

@@ -83,7 +83,7 @@ _BREAKS_RULES: Final = (
     TypeError,
     ValueError,
 )
-"""What a request raises in the library or here that breaks the rules of HAP: a step out of order, a wrong type."""
+"""Errors of a request that breaks the rules of HAP, in the library or here: a step out of order, a wrong type."""
 
 OnWrite: TypeAlias = Callable[[Mapping[str, Written]], Awaitable[Mapping[str, int]]]
 """Carries out what was written to services of an accessory, by their keys, and returns HAP's status of each."""

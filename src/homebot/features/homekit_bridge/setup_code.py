@@ -84,5 +84,5 @@ class SetupCodeCheck:
         return self._answer if self._is_proven else None
 
     def get_session_key(self) -> int:
-        """Return the key of the session; one that nobody knows before the proof."""
+        """Return the key of the session; a random one before the proof."""
         return int.from_bytes(self._key if self._is_proven else secrets.token_bytes(64))

@@ -80,7 +80,7 @@ class AnnouncedPart(PartTexts):
         names: The capabilities of its last short state; states with the same capabilities share the tuple.
         is_plain: Whether it has only ever reported numbers and flags, and no events.
         unreadable: The payloads that it could not read; None for none.
-        sent: The last command with its messages, whose refusal its reports may tell; None for none.
+        sent: The last command with its messages, which its reports may refuse; None for none.
     """
 
     stored: StoredAnnouncement

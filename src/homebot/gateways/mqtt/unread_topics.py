@@ -22,7 +22,7 @@ def unread_notes(
         is_read: Returns whether a topic is read.
         used: All topics and filters that are read or commanded.
         announced: The filters of announcements.
-        hints: Each returns what would read a topic; empty if it does not know.
+        hints: Each returns the setting that would read a topic; empty if it does not know.
     """
     programs = {_OWN, *(topic_filter.partition("/")[0] for topic_filter in announced)}
     levels = {level for topic in used for level in _levels(topic)}

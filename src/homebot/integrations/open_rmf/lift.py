@@ -86,7 +86,7 @@ class _LiftSession:
 
     Attributes:
         scope: The scope in which it is served; its end ends the session.
-        sender: Who published its last request.
+        sender: The publisher of its last request.
     """
 
     id: str
