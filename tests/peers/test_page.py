@@ -348,6 +348,18 @@ async def test_the_system_view_shows_what_the_doctor_finds_and_when_jobs_are_due
         assert own.problems() == []
 
 
+async def test_a_gateway_is_started_again_on_the_system_view(page: OpenPage) -> None:
+    async with page(token="hunter2") as own:
+        await own.open("#/system", shows="a valid token is needed")
+        await own.write("input[type=password]", "hunter2")
+        await own.click("form button")
+        await own.shows("Gateway mqtt is active")
+        await own.click("section > .buttons > button")
+        await own.shows("gateway mqtt starts again", "[role=alert]")
+        await own.shows("Gateway mqtt is active")
+        assert own.problems() == []
+
+
 async def test_what_happens_is_in_the_journal_at_once_with_the_reason(page: OpenPage) -> None:
     async with page() as own:
         await own.open("#/device/lights%2Fphilips165", shows="Commands")

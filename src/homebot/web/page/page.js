@@ -1,1 +1,1 @@
-import"./chunk-QFSHETYI.js";
+import"./chunk-HRZRTT2S.js";

@@ -1,5 +1,6 @@
 // Apps, gateways and what is wrong; devices that wait for approval.
 import { useEffect, useState } from "preact/hooks";
+import { tell } from "../acts.js";
 import { Added } from "../added.js";
 import { ask, call, connection, may, subscribeFrames } from "../door.js";
 import { deviceOf, nameOf } from "../house.js";
@@ -47,7 +48,7 @@ export function System() {
         <table class="facts"><tbody>
           ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString(locale.value)}</td></tr>`)}
         </tbody></table>
-        ${may("manage") && html`<p class="buttons"><button type="button" onClick=${() => ask("/homebot/restart_gateway", { gateway: part.name })}>${say("start {name} again", { name: part.name })}</button></p>`}
+        ${may("manage") && html`<p class="buttons"><button type="button" onClick=${() => restart(part.name)}>${say("start {name} again", { name: part.name })}</button></p>`}
       </section>`)}
       <${Screen} />
       <${Added} at="system" />
@@ -55,6 +56,11 @@ export function System() {
     <${Log} />
     <${Connection} />`;
 }
+
+const restart = async (gateway) => {
+  const { success, message } = await ask("/homebot/restart_gateway", { gateway });
+  tell(sayReason(message), success);
+};
 
 /** What the connection lacks, or what another device needs to trust it. */
 function Connection() {

@@ -743,6 +743,7 @@ the right # is none that you may give; use: homebot token new
 no backup has a byte *; begin with 0, which makes one
 the change # of the layout has no names
 the address # is not in the file any more; look at it again
+gateway # starts again
 gateway # is away: &
 service # did not answer within * s; whether it acted is unknown
 refused (<): &
@@ -1019,6 +1020,7 @@ het recht # mag je niet geven; gebruik: homebot token new
 geen back-up heeft een byte *; begin bij 0
 de wijziging # noemt niets
 het adres # staat niet meer in het bestand; kijk er opnieuw naar
+gateway # start opnieuw
 gateway # is weg: &
 # antwoordde niet binnen * s; onbekend of het gebeurde
 geweigerd (<): &

@@ -743,6 +743,7 @@ the right # is none that you may give; use: homebot token new
 no backup has a byte *; begin with 0, which makes one
 the change # of the layout has no names
 the address # is not in the file any more; look at it again
+gateway # starts again
 gateway # is away: &
 service # did not answer within * s; whether it acted is unknown
 refused (<): &
@@ -1019,6 +1020,7 @@ das Recht # darfst du nicht geben; nimm: homebot token new
 keine Sicherung hat ein Byte *; beginne bei 0
 die \xC4nderung # nennt nichts
 die Adresse # steht nicht mehr in der Datei; sieh noch einmal nach
+Gateway # startet neu
 Gateway # ist weg: &
 # hat in * s nicht geantwortet; ob es geschah, ist unbekannt
 abgelehnt (<): &

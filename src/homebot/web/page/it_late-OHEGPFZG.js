@@ -743,6 +743,7 @@ the right # is none that you may give; use: homebot token new
 no backup has a byte *; begin with 0, which makes one
 the change # of the layout has no names
 the address # is not in the file any more; look at it again
+gateway # starts again
 gateway # is away: &
 service # did not answer within * s; whether it acted is unknown
 refused (<): &
@@ -1019,6 +1020,7 @@ non puoi dare il diritto #; usa: homebot token new
 nessun backup ha un byte *; comincia da 0
 la modifica # non nomina nulla
 l'indirizzo # non \xE8 pi\xF9 nel file; guardalo di nuovo
+il gateway # si riavvia
 il gateway # \xE8 assente: &
 # non ha risposto entro * s; non si sa se l'ha fatto
 rifiutato (<): &

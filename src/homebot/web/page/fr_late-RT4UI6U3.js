@@ -743,6 +743,7 @@ the right # is none that you may give; use: homebot token new
 no backup has a byte *; begin with 0, which makes one
 the change # of the layout has no names
 the address # is not in the file any more; look at it again
+gateway # starts again
 gateway # is away: &
 service # did not answer within * s; whether it acted is unknown
 refused (<): &
@@ -1019,6 +1020,7 @@ vous ne pouvez pas donner le droit # ; utilisez : homebot token new
 aucune sauvegarde n'a d'octet * ; commencez \xE0 0
 le changement # ne nomme rien
 l'adresse # n'est plus dans le fichier ; regardez-le \xE0 nouveau
+la passerelle # red\xE9marre
 la passerelle # est absente : &
 # n'a pas r\xE9pondu en * s ; on ignore si c'est fait
 refus\xE9 (<) : &

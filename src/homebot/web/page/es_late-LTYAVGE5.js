@@ -743,6 +743,7 @@ the right # is none that you may give; use: homebot token new
 no backup has a byte *; begin with 0, which makes one
 the change # of the layout has no names
 the address # is not in the file any more; look at it again
+gateway # starts again
 gateway # is away: &
 service # did not answer within * s; whether it acted is unknown
 refused (<): &
@@ -1019,6 +1020,7 @@ no puedes dar el derecho #; usa: homebot token new
 ninguna copia tiene un byte *; empieza en 0
 el cambio # no nombra nada
 la direcci\xF3n # ya no est\xE1 en el archivo; m\xEDralo otra vez
+la pasarela # se reinicia
 el gateway # no est\xE1: &
 # no respondi\xF3 en * s; no se sabe si lo hizo
 rechazado (<): &
