@@ -1,10 +1,10 @@
 """Goals of commands: feedback is shown as it comes, and Ctrl-C cancels."""
 
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
 from homebot.cli.door_client import DoorClient, ReceivedMessage
+from homebot.cli.remarks import remark
 from homebot.errors import PeerError
 from homebot.support.printable import printable
 
@@ -30,7 +30,7 @@ def perform_goal(
     except KeyboardInterrupt:
         door.cancel_goal(action, identifier)
         values = _result(door.until(_CANCEL_WITHIN), lambda _: None)
-        print(printable(str(values.get("message", "not cancelled yet")), _WIDEST), file=sys.stderr)
+        remark(printable(str(values.get("message", "not cancelled yet")), _WIDEST), as_json=door.as_json)
         raise
 
 
