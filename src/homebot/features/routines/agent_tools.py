@@ -1,8 +1,10 @@
 """The tool of ``homebot mcp`` for routines; annotations are not postponed: the SDK reads those."""
 
+import atexit
 import json
 import os
 import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -112,6 +114,12 @@ class Trials:
                 return await self._end(self._running or await self._start(asked))
         return ["a trial goes on: ask the same again later"]
 
+    def close(self) -> None:
+        """End the trial that goes on, if any; idempotent."""
+        if self._running is not None:
+            with suppress(ProcessLookupError):  # it has just ended
+                self._running.process.kill()
+
     async def _start(self, asked: tuple[RosbridgeAddress, str, float]) -> _RunningTrial:
         place, routines, days = asked
         host = f"[{place.host}]" if ":" in place.host else place.host
@@ -150,3 +158,4 @@ def _read(folder: TemporaryDirectory[str]) -> tuple[str, str]:
 
 
 _TRIALS: Final = Trials(_ANSWERS_WITHIN)
+atexit.register(_TRIALS.close)
