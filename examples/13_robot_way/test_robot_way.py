@@ -36,3 +36,12 @@ async def test_no_lamp_goes_out_before_a_robot_that_drives_in_and_one_that_dies_
     assert [(await lamp.turn_off()).kind for lamp in lamps] == ["refused"] * len(lamps)
     await house.run_for("12m")  # both have had their time
     assert all([(await lamp.turn_off()).succeeded for lamp in lamps])
+
+
+LIGHTS_OUT = {"apps": {"lights_out": {"quiet_after": 1}}}
+
+
+@pytest.mark.house("robot_way:RobotWay", world=slow_world, config=LIGHTS_OUT)
+async def test_lights_out_leaves_the_lamps_on_for_a_robot_that_drives_in_and_not_after_it_died(house):
+    await house.run_for("9m")
+    assert house.world.device("kitchen_lamp").state() != "off"

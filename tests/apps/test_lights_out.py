@@ -3,10 +3,13 @@
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, hall, is_on, lamp, motion, warnings
+from tests.robots.test_tracker import path, stamped
 
 from homebot.devices.names import FORGET_DEVICE
 from homebot.devices.services import ForgetDevice, ForgetDeviceRequest
 from homebot.graph import Node
+from homebot.messages.geometry_msgs import PoseStamped
+from homebot.messages.nav_msgs import Path
 from homebot.testing import virtual_house_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
@@ -33,6 +36,29 @@ async def test_the_time_can_be_set() -> None:
         await house.run_for(119)
         assert is_on(world, "hall_lamp")
         await house.run_for(2)
+        assert not is_on(world, "hall_lamp")
+
+
+@pytest.mark.parametrize("guards", [False, True], ids=["alone", "guarded"])
+async def test_the_lamps_on_a_robot_s_way_stay_on_while_it_lives(*, guards: bool) -> None:
+    """It stands in the study, plans its way to the hall, drives, and dies before it is there."""
+    square = {"study": [[4, -1], [6, -1], [6, 1], [4, 1]], "hall": [[-1, -1], [4, -1], [4, 1], [-1, 1]]}
+    rooms = {room: {"polygon": polygon} for room, polygon in square.items()}
+    config = {"apps": {"lights_out": {"quiet_after": 120}}, "robots": {"rosie": {}}, "places": {"rooms": rooms}}
+    if guards:
+        config["control"] = {"presence_guard": {"absent_after": 60}}
+    world = hall(("08:00", "hall"), ("08:01", "outside"))
+    async with virtual_house_of(world=world, config=config) as house, Node(house.runtime.graph, "rosie") as rosie:
+        poses = rosie.create_publisher(PoseStamped, "/rosie/pose")
+        plans = rosie.create_publisher(Path, "/rosie/plan")
+        await house.run_until("08:02")
+        await house.press("hall_lamp", "on")
+        plans.publish(path((5, 0), (0, 0)))
+        for step in range(40):
+            poses.publish(stamped(5 - step / 10, 0))
+            await house.run_for(4)
+        assert is_on(world, "hall_lamp")
+        await house.run_for("10m")
         assert not is_on(world, "hall_lamp")
 
 

@@ -35,7 +35,7 @@ from homebot.messages.geometry_msgs import (
 )
 from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
-from homebot.messages.nav_msgs import Odometry
+from homebot.messages.nav_msgs import Odometry, Path
 from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places import HousePlan, HouseRoom
@@ -389,6 +389,31 @@ async def test_a_robot_that_only_a_token_names_is_none_before_its_first_sign_of_
             ("rosie", False),
         ]
         await drive(one.robot, SendRobot("", "robot", "dock"))
+
+
+def path(*points: tuple[float, float]) -> Path:
+    return Path(header=header(), poses=tuple(stamped(*point) for point in points))
+
+
+async def test_the_rooms_on_the_way_of_a_robot_need_light_until_it_is_there(one: House) -> None:
+    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/plan", path((1, 1), (7, 4)))
+    await one.say("/robot/pose", stamped(5, 1))
+    await one.say("/robot/pose", stamped(6.8, 4))
+    assert [known.way for known in one.news()] == [(), ("Hall", "Kitchen"), ("Kitchen",), ()]
+
+
+@pytest.mark.parametrize(("end", "seconds"), [("stands", 60), ("dies", 5), ("gives up", 1)])
+async def test_no_room_needs_light_for_a_robot_that_does_not_go_on(one: House, end: str, seconds: float) -> None:
+    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/plan", path((1, 1), (7, 4)))
+    if end == "gives up":
+        await one.say("/plan", path())
+    began = one.graph.clock.monotonic()
+    while (known := (await one.ask()).pose[0]).way:
+        await (anyio.sleep(1) if end == "dies" else one.say("/robot/pose", stamped(1, 1)))
+    assert one.graph.clock.monotonic() - began == pytest.approx(seconds, abs=1.1)
+    assert known.counts is (end != "dies")
 
 
 async def test_in_a_doorway_the_robot_stays_in_its_room(one: House) -> None:

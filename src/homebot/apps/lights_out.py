@@ -1,10 +1,12 @@
-"""Lights out: turns off the lamps of a room when its motion sensors have been quiet for a while."""
+"""Lights out: turns off the lamps of a room that is quiet, and in which no robot is on its way."""
 
 import anyio
 
 from homebot.apps.base import App, AppSettings
 from homebot.apps.rooms import in_room, per_room
 from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
+from homebot.devices.robot_ways import RobotWays
+from homebot.graph import Node
 from homebot.units import Seconds
 
 MIN_WAIT_S, MAX_WAIT_S = 60.0, 3600.0  # seconds until lamps that stayed on are checked again, longer each time
@@ -21,7 +23,14 @@ class LightsOutSettings(AppSettings):
 
 
 class LightsOut(App[LightsOutSettings]):
-    """Turns off the lamps of a room after all its motion sensors, at least one, have detected no motion for a while."""
+    """Turns off the lamps of a room after all its motion sensors, at least one, have detected no motion for a while.
+
+    A robot on its way in a room, or to it, keeps them on.
+    """
+
+    def __init__(self, node: Node, settings: LightsOutSettings) -> None:
+        super().__init__(node, settings)
+        self._ways = RobotWays(node)
 
     async def run(self) -> None:
         """Restart the countdown of a room with each change in it."""
@@ -45,6 +54,8 @@ class LightsOut(App[LightsOutSettings]):
             await anyio.sleep(wait)
 
     async def _is_quiet(self, room: str) -> bool:
+        if self._ways.robot_in(room):
+            return False
         sensors = in_room(await self.devices.find(OccupancySensor), room)
         quiet = in_room(await self.devices.find(OccupancySensor, occupied=False, fresh=True), room)
         return bool(sensors) and len(quiet) == len(sensors) and all(sensor.reachable is not False for sensor in quiet)

@@ -27,6 +27,7 @@ from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import IsUnapproved, Or
+from homebot.devices.robot_ways import RobotWays
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.words.rights import read_scope
@@ -69,7 +70,8 @@ class PolicyEngine(HouseWatcher):
         self._clock = node.graph.clock
         self._settings = settings
         self._grants = grants
-        self._watches = self._guards_presence = False
+        self._watches = False
+        self._ways: RobotWays | None = None
         self._journal = journal
         self._trusts_apps = trusts_apps
         self.rights = lru_cache(maxsize=256)(self._rights)
@@ -91,8 +93,8 @@ class PolicyEngine(HouseWatcher):
                 self._watches = True
                 self._node.create_task(self._await_house)
             HouseView.of(self._node).add(self)
-        if settings.presence_guard is not None and not self._guards_presence:
-            self._guards_presence = True
+        if settings.presence_guard is not None and self._ways is None:
+            self._ways = RobotWays(self._node)
             self._learnt.add(DETECTION, self._house.detections.restore)
             self._node.create_task(self._learnt.load)
 
@@ -106,7 +108,9 @@ class PolicyEngine(HouseWatcher):
         if abs(now - monotonic - self._ahead) > _MAX_CLOCK_DRIFT_S:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
-        facts = Facts(now, monotonic, self._zone, self._house, self._timelines.of, self._clock_set_at)
+        facts = Facts(now, monotonic, self._zone, self._house, self._timelines.of, clock_set_at=self._clock_set_at)
+        if self._ways is not None:
+            facts = facts._replace(robot_in=self._ways.robot_in)
         verdicts = self._policies.check(command, facts)
         for verdict in verdicts:
             if is_recorded and (verdict.reason or not verdict.allowed):
@@ -123,7 +127,7 @@ class PolicyEngine(HouseWatcher):
     @property
     def counts(self) -> dict[str, int]:
         """The counters for the health of the node, by name."""
-        return {"detections_forgotten": self._house.detections.forgotten} if self._guards_presence else {}
+        return {"detections_forgotten": self._house.detections.forgotten} if self._ways is not None else {}
 
     async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
         """Return the devices that wait for the owner's approval, and the reasons why devices always ask."""

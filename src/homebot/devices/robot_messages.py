@@ -1,7 +1,12 @@
 """Messages about robots: their positions and rooms."""
 
+from typing import Final
+
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
+
+WAY_LIMIT_S: Final = 60.0
+"""Seconds for which a robot counts as on its way since it was last sent, planned its way, or moved."""
 
 
 class RobotPose(Message):
@@ -20,6 +25,7 @@ class RobotPose(Message):
         limit: Seconds after that, or after the robot's last sign of life, for which it is valid.
         counts: Whether it is valid; an expired pose is published once more, with False.
         is_sure: Whether the robot knows where it is; False after it was carried away.
+        way: The rooms that need light for it: its room and the one that it drives to; none unless it is on its way.
     """
 
     key_field = "robot"
@@ -38,6 +44,7 @@ class RobotPose(Message):
     limit: float
     counts: bool = True
     is_sure: bool = True
+    way: tuple[str, ...] = ()
 
 
 class RobotRoom(Message):
@@ -67,6 +74,8 @@ class WhereIsRobotResponse(ServiceAnswer):
         age: Seconds since it was received.
         is_mistake: Whether there is no such robot.
         robot: Its full name; empty if there is no such robot.
+        is_gone: Whether its connection ended: its device is unreachable, or all publishers of its own topics have left,
+            and it has shown no sign of life for the ``limit`` of its table.
         is_sole: Whether names of topics and actions without a namespace are its.
     """
 
@@ -75,6 +84,7 @@ class WhereIsRobotResponse(ServiceAnswer):
     is_mistake: bool = False
     robot: str = ""
     is_sole: bool = False
+    is_gone: bool = False
 
 
 WhereIsRobot = ServiceType("homebot/srv/WhereIsRobot", WhereIsRobotRequest, WhereIsRobotResponse)

@@ -22,7 +22,7 @@ MAP: Final = "map"
 SHARED_TOPICS: Final = frozenset({"/tf", "/tf_static"})
 """Topics of all robots: each may state its own frames there."""
 
-_SOLE_TOPICS: Final = frozenset({"/amcl_pose", "/initialpose", "/odom"})
+_SOLE_TOPICS: Final = frozenset({"/amcl_pose", "/initialpose", "/odom", "/plan"})
 _SOLE_NAMESPACE: Final = "/robot/"
 
 

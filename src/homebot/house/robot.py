@@ -74,6 +74,10 @@ class Robot(SimulatedDevice):
             self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
         )
 
+    def way(self) -> tuple[Point, ...]:
+        """Return the points that it drives to, in their order; none while it stands."""
+        return tuple(leg[1:] for leg in self._ahead)
+
     def heads_for(self, point: Point) -> bool:
         """Return whether it drives to *point*, or stands there."""
         return (self._ahead[-1][1:] if self._ahead else self.pose()[:2]) == point

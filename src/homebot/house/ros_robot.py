@@ -15,6 +15,7 @@ from homebot.messages.definition import zero_message
 from homebot.messages.geometry_msgs import (
     Point,
     Pose,
+    PoseStamped,
     PoseWithCovariance,
     PoseWithCovarianceStamped,
     Quaternion,
@@ -23,7 +24,7 @@ from homebot.messages.geometry_msgs import (
     Vector3,
 )
 from homebot.messages.interfaces import find_message
-from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid
+from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid, Path
 from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.rigid import MapPose
@@ -57,7 +58,7 @@ _BATTERY: Final = {
 
 @final
 class RosRobot:
-    """Publishes ``/map``, ``/tf``, ``/tf_static``, ``/amcl_pose`` and ``/battery_state`` of one robot.
+    """Publishes ``/map``, ``/tf``, ``/tf_static``, ``/amcl_pose``, ``/plan`` and ``/battery_state`` of one robot.
 
     Attributes:
         dock: The position of its dock, where it starts.
@@ -78,6 +79,8 @@ class RosRobot:
         static = node.create_publisher(TFMessage, "/tf_static", qos_profile_latched)
         self._tf = node.create_publisher(TFMessage, "/tf", 100)
         self._amcl = node.create_publisher(PoseWithCovarianceStamped, "/amcl_pose", qos_profile_latched)
+        self._plan = node.create_publisher(Path, "/plan")
+        self._way: tuple[tuple[float, float], ...] = ()
         self._battery = node.create_publisher(self._battery_type, "/battery_state", 10)
         map_publisher.publish(occupancy_grid(read().rooms, self.header("map").stamp))
         static.publish(TFMessage(transforms=(self._transform("base_footprint", "base_link", 0.0, 0.0, _HEIGHT),)))
@@ -97,6 +100,10 @@ class RosRobot:
                 covariance[0] = covariance[7] = covariance[35] = _VARIANCE
                 stated = PoseWithCovariance(pose=ros_pose(pose), covariance=covariance)
                 self._amcl.publish(PoseWithCovarianceStamped(header=self.header("map"), pose=stated))
+            if (way := robot.way()) != self._way:
+                self._way, header = way, self.header("map")
+                poses = tuple(PoseStamped(header=header, pose=ros_pose(MapPose(*point, 0.0))) for point in way)
+                self._plan.publish(Path(header=header, poses=poses))
             self._battery.publish(self._battery_state(robot))
             self._woken = anyio.Event()
             with anyio.move_on_after(_DRIVING if robot.drives else _PARKED):

@@ -60,6 +60,11 @@ class DeviceDrive:
         self._goal: _Goal | None = None
         self._turn = anyio.Lock()
 
+    @property
+    def reachable(self) -> bool | None:
+        """True if the device is reachable by its own connection; None while that is unknown, or it is not there."""
+        return None if self._device is None else self._device.reachable
+
     async def run(self) -> None:
         """Serve until cancelled."""
         async for change in self._devices.follow(_RobotHandle, optional=True):
@@ -108,7 +113,7 @@ class DeviceDrive:
         if handle is None or not target:
             known = f"of {', '.join(options)} none is {room or 'there'}" if options else "it takes no destinations"
             return self._end(goal, f"{self._robot.name} cannot go there: {known}; see segments of its table")
-        return await self._drive(goal, handle, target, lambda one: one.place == target, handle)
+        return await self._drive(goal, handle, target, lambda one: one.place == target, handle, room)
 
     async def _charge(self, goal: _Goal) -> Message:
         if self._device is None:
@@ -122,15 +127,18 @@ class DeviceDrive:
         target: str,
         is_done: Callable[[_RobotHandle], bool],
         heading: _RobotHandle | None = None,
+        room: str | None = None,
     ) -> Message:
         """Command *handle* to *target*, and return when the robot is there, or does not go on."""
         if self._goal is not None and self._goal.is_active:
             self._goal.preempt()
         self._goal = goal
         async with self._turn:
+            self._robot.head_for(room)
             try:
                 problem = await self._reach(handle, target, is_done, heading)
             finally:
+                self._robot.head_for(None)
                 if goal.is_cancel_requested or goal.is_preempted:
                     await self._stop_device()
         return self._end(goal, problem)

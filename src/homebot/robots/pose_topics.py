@@ -19,7 +19,7 @@ from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscr
 from homebot.log import LogLimit
 from homebot.messages.geometry_msgs import Pose, PoseStamped, PoseWithCovarianceStamped
 from homebot.messages.message import Message
-from homebot.messages.nav_msgs import Odometry
+from homebot.messages.nav_msgs import Odometry, Path
 from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.rigid import MapPose
@@ -73,6 +73,7 @@ class PoseTopics:
         self._refused: dict[str, tuple[float, str]] = {}  # the last one by robot, and of topics of all robots
         self._log = LogLimit(node.graph.clock)
         self._readers: list[tuple[Subscription[Message], Callable[[Sequence[Any]], None]]] = []
+        self._own: dict[str, set[str]] = {}  # by robot, its own topics that were heard
         rows: dict[str, tuple[type[Message], _Handle]] = {
             "tf_static": (TFMessage, self._on_tf),
             "tf": (TFMessage, self._on_tf),
@@ -80,6 +81,7 @@ class PoseTopics:
             "amcl_pose": (PoseWithCovarianceStamped, self._on_amcl),
             "pose": (PoseStamped, self._on_pose),
             "room": (RobotRoom, self._on_room),
+            "plan": (Path, self._on_plan),
         }
         namespaces = dict.fromkeys(("", *(f"/{name}" for name in (DEFAULT_ROBOT, *owners.names))))
         for namespace, (name, (kind, handle)) in product(namespaces, rows.items()):
@@ -92,12 +94,19 @@ class PoseTopics:
         for subscription, handle in tuple(self._readers):
             if messages := [*iter(subscription.take, None)]:
                 handle(messages)
+                if owner := self._owners.of_topic(subscription.topic_name):
+                    self._own.setdefault(owner, set()).add(subscription.topic_name)
         for robot in self._robots.values():
             pose = self._frames.pose_of(robot)
             if pose is not None and pose != self._placed.get(robot.name):
                 self._placed[robot.name] = pose
                 error = _TF_ERROR if robot.sigma is None else min(_MAX_ERROR, max(_MIN_TF_ERROR, robot.sigma))
                 robot.place("/tf", TF_LIMIT, pose[0], age=self._now() - pose[1], error=error)
+
+    def are_silenced(self, robot: str) -> bool:
+        """Return whether *robot* published on its own topics, and no publisher of them is left."""
+        publishers = partial(self._node.graph.get_endpoints, kind=EntityKind.PUBLISHER)
+        return robot in self._own and not any(publishers(name=topic) for topic in self._own[robot])
 
     def refusal(self, robot: str, since: float = -math.inf) -> str:
         """Return the last refusal of a message of *robot*, or on a topic of all robots; empty for none *since*."""
@@ -179,6 +188,19 @@ class PoseTopics:
                 self._robots[robot].place(topic, TAG_LIMIT, room=room)
             else:
                 self._refuse(topic, "it names no room")
+
+    def _on_plan(self, robot: str, topic: str, messages: Sequence[Path]) -> None:
+        """Let the robot be on its way to the end of its last path; one without poses ends its way."""
+        path = messages[-1]
+        frame = self._frames.name_of(path.header.frame_id, robot if topic.startswith(f"/{robot}/") else "")
+        if self._is_ahead(topic, path.header):
+            return
+        try:
+            end = self._frames.in_map(path.poses[-1].pose, frame)[:2] if path.poses else None
+        except TransformException as exc:
+            self._refuse(topic, str(exc))
+        else:
+            self._robots[robot].head_for(end)
 
     def _place(self, robot: str, topic: str, limit: float, error: float, pose: Pose, header: Header) -> bool:
         """Place *robot* at a pose; return False if the pose is refused."""

@@ -4,8 +4,9 @@ import math
 from collections.abc import Callable
 from typing import Final, final
 
-from homebot.devices.robot_messages import RobotPose
+from homebot.devices.robot_messages import WAY_LIMIT_S, RobotPose
 from homebot.messages.builtin_interfaces import Time
+from homebot.places.plan import Point
 from homebot.places.rigid import MapPose
 from homebot.robots.settings import RobotSettings
 from homebot.support.bounded_map import BoundedMap
@@ -26,6 +27,12 @@ _STEP: Final = 0.7
 
 _PARKED: Final = 0.25
 """Metres, besides three times its error, by which another source may differ from the last AMCL pose at rest."""
+
+_MOVED: Final = 0.1
+"""Metres by which a robot that stands is stated to move at most."""
+
+_ARRIVED: Final = 0.5
+"""Metres from the end of its way at which a robot has arrived; Nav2 stops within 0.25."""
 
 _AMCL: Final = "/amcl_pose"
 _CONSISTENT: Final = 3
@@ -56,6 +63,9 @@ class TrackedRobot:
         self._poses: BoundedMap[str, RobotPose] = BoundedMap(_MAX_SOURCES)  # there may be many tags
         self._consistent = 0
         self._is_parked = True
+        self._goal: Point | str | None = None
+        self._under_way_at = -math.inf
+        self._stood = (math.inf, math.inf)
 
     def place(
         self,
@@ -80,6 +90,8 @@ class TrackedRobot:
         values |= place | {"received_at": Time.from_seconds(self.now() - age)}
         if at is not None:
             values.update(has_position=True, x=at.x, y=at.y, yaw=at.yaw)
+            if not math.dist(at[:2], self._stood) <= _MOVED:
+                self._stood, self._under_way_at = at[:2], self.now() - age
         before, pose = self._poses.get(source), RobotPose.model_validate(values)
         self._poses[source] = pose
         if source.endswith(_AMCL):
@@ -106,6 +118,20 @@ class TrackedRobot:
         """Record a sign of life of the robot *age* seconds ago."""
         self.alive_at = max(self.alive_at, self.now() - age)
         self._on_change()
+
+    def head_for(self, goal: Point | str | None) -> None:
+        """Record that the robot is on its way to a point in the frame ``map``, or to a room; None for no longer."""
+        self._goal, self._under_way_at = goal, self.now()
+        self._on_change()
+
+    def goal(self) -> Point | str | None:
+        """Return the point or room that it drives to; None if it has arrived, or neither plans nor moves any more."""
+        if self._goal is None or self.now() >= self._under_way_at + WAY_LIMIT_S:
+            return None
+        best = self.best()
+        if best is None or not best.has_position or isinstance(self._goal, str):
+            return self._goal
+        return self._goal if math.dist((best.x, best.y), self._goal) > _ARRIVED else None
 
     def state_sigma(self, sigma: float) -> None:
         """Record the standard deviation of its position, in metres."""
@@ -143,9 +169,10 @@ class TrackedRobot:
         return pose.limit + (max(at, self.alive_at) if is_parked else at)
 
     def next_change(self) -> float:
-        """Return the seconds until :meth:`best` changes by itself; infinite for never."""
-        now = self.now()
-        return min((end - now for end in map(self.expires_at, self._poses.values()) if end > now), default=math.inf)
+        """Return the seconds until :meth:`best` or :meth:`goal` changes by itself; infinite for never."""
+        now, way = self.now(), () if self._goal is None else (self._under_way_at + WAY_LIMIT_S,)
+        ends = (*map(self.expires_at, self._poses.values()), *way)
+        return min((end - now for end in ends if end > now), default=math.inf)
 
 
 def _is_apart(parked: RobotPose, pose: RobotPose) -> bool:

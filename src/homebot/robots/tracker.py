@@ -64,10 +64,12 @@ class RobotTracker:
         self._topics = PoseTopics(node, owners, self._robots, self._wake)
         node.create_service(WhereIsRobot, WHERE_IS_ROBOT, self._where)
         devices = Devices(node)
+        self._drives: dict[str, DeviceDrive] = {}
         for robot in self._robots.values():
             if robot.settings.topic:
                 node.create_task(partial(read_poses, node, devices, robot))
-                node.create_task(DeviceDrive(node, devices, robot, self._house).run)
+                self._drives[robot.name] = DeviceDrive(node, devices, robot, self._house)
+                node.create_task(self._drives[robot.name].run)
             if robot.settings.vacuum:
                 node.create_task(Vacuum(node, devices, robot, self._house).run)
             if robot.settings.tag_reader:
@@ -100,7 +102,9 @@ class RobotTracker:
             which = f"say which robot: {', '.join(present or self._owners.names)}"
             problem = no_such("robot", name[:100], self._owners.names) if name else which
             return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
-        found = WhereIsRobotResponse(success=False, robot=name, is_sole=name == self._owners.sole)
+        found = WhereIsRobotResponse(
+            success=False, robot=name, is_sole=name == self._owners.sole, is_gone=self._is_gone(robot)
+        )
         if (best := robot.best()) is None:
             problem = f"the position of {name} is not known yet"
             return found.model_copy(update={"message": self._with_refusal(problem, name)})
@@ -114,6 +118,12 @@ class RobotTracker:
         if not pose.limit:
             problem = f"{name} is no longer where it was {age:.0f} s ago, by {pose.source}"
         return found.model_copy(update={"success": pose.counts, "message": problem, "pose": (pose,), "age": age})
+
+    def _is_gone(self, robot: TrackedRobot) -> bool:
+        drive = self._drives.get(robot.name)
+        if drive is not None and drive.reachable is not None:
+            return not drive.reachable
+        return robot.now() - robot.alive_at > robot.settings.limit and self._topics.are_silenced(robot.name)
 
     def _with_refusal(self, problem: str, robot: str, since: float = -math.inf) -> str:
         return "; ".join(filter(None, (problem, self._topics.refusal(robot, since))))
@@ -149,12 +159,18 @@ class RobotTracker:
             known.update(room=room, error=pose.error if centre is None else centre.error)
         elif not pose.room and (at := plan.room_at(pose.x, pose.y, floor, "" if before is None else before.room)):
             known.update(room=at.room, is_nearest_room=at.is_nearest)
-        return pose.model_copy(update={**known, "counts": robot.expires_at(pose) > robot.now()})
+        known["counts"] = counts = robot.expires_at(pose) > robot.now()
+        stated = pose.model_copy(update=known)
+        if counts and (goal := robot.goal()) is not None:
+            at = None if isinstance(goal, str) else plan.room_at(*goal, floor)
+            rooms = (stated.room, goal if isinstance(goal, str) else "" if at is None else at.room)
+            stated = stated.model_copy(update={"way": tuple(dict.fromkeys(filter(None, rooms)))})
+        return stated
 
 
 def _differs(pose: RobotPose, before: RobotPose) -> bool:
     """Return whether *pose* differs enough from *before* to be published."""
-    words = ("room", "is_nearest_room", "floor", "has_position", "source", "limit", "counts", "is_sure")
+    words = ("room", "is_nearest_room", "floor", "has_position", "source", "limit", "counts", "is_sure", "way")
     if any(getattr(pose, word) != getattr(before, word) for word in words):
         return True
     if pose.received_at.to_seconds() - before.received_at.to_seconds() >= max(_RENEWED, pose.limit):

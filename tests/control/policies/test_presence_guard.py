@@ -12,11 +12,15 @@ from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
 from homebot.devices.health import HealthRequest
+from homebot.devices.names import ROBOT_POSES
 from homebot.devices.outcomes import Confirmed, NoAnswer, Refused
+from homebot.devices.robot_messages import RobotPose
 from homebot.devices.value import Value
 from homebot.errors import ConfigError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.graph import Node, qos_profile_latched
 from homebot.journal.store import LearntRow
+from homebot.messages import Time
 
 pytestmark = pytest.mark.virtual_time
 
@@ -65,6 +69,19 @@ async def test_a_lamp_is_not_turned_off_over_somebody(home: Home) -> None:
         "somebody is in Hall: occupancy of motion is on",
     )
     assert home.commands == []
+
+
+async def test_a_lamp_is_not_turned_off_before_a_robot_on_its_way_until_it_is_there(home: Home, lamp: Light) -> None:
+    await leave(home)
+    async with Node(home.graph, "robots") as robots:
+        poses = robots.create_publisher(RobotPose, ROBOT_POSES, qos_profile_latched)
+        for way, outcome in ((("Study", "hall"), Refused), ((), Confirmed), (("hall",), Refused)):
+            poses.publish(RobotPose(robot="rosie", way=way, received_at=Time.from_seconds(0), limit=5.0))
+            await anyio.sleep(0.1)
+            assert isinstance(await lamp.turn_off(), outcome)
+        assert await refusal(lamp.turn_off()) == "the robot rosie is on its way in Hall or to it"
+        await anyio.sleep(60)  # nothing is heard of it
+        assert (await lamp.turn_off()).succeeded
 
 
 async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(home: Home) -> None:

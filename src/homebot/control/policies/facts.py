@@ -23,6 +23,7 @@ class Facts(NamedTuple):
         now: Seconds since the Unix epoch.
         monotonic: Seconds of the monotonic clock.
         zone: The time zone of the home; None for the computer's.
+        robot_in: Returns a robot that is on its way in a room, or to it; empty for none.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -31,6 +32,7 @@ class Facts(NamedTuple):
     zone: tzinfo | None
     house: House
     timeline_of: Callable[[Device, DevicePart], PartTimeline]
+    robot_in: Callable[[str], str] = lambda _: ""
     clock_set_at: float = -math.inf
 
     def age(self, stamp: float) -> float:

@@ -17,6 +17,7 @@ Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
 NAME: Final = "presence_guard"
 
+_TURN_OFF: Final = "turn off"
 _IS_PRESENCE: Final = attrgetter("is_presence")
 
 CONTACT: Final = "contact"
@@ -25,7 +26,7 @@ CONTACT: Final = "contact"
 
 def _annoying() -> tuple[CommandPattern, ...]:
     return (
-        *(pattern_of_type("turn off", word) for word in ("light", "plug", "switch")),
+        *(pattern_of_type(_TURN_OFF, word) for word in ("light", "plug", "switch")),
         *(pattern_of_type("close", word) for word in ("window_covering", "closure", "water_valve")),
     )
 
@@ -84,12 +85,15 @@ class PresenceGuardSettings(PolicyTable):
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Refuse such a command of an app in a room that is, or may be, occupied."""
-        if command.is_by_person or not any(pattern.fits(command, facts) for pattern in self.commands):
+        pattern = next((one for one in self.commands if not command.is_by_person and one.fits(command, facts)), None)
+        if pattern is None:
             return Verdict(NAME, allowed=True)
         room = command.device.area
         if not room:
             reason = "the room of the device is unknown, so somebody may be there"
             return Verdict(NAME, allowed=False, reason=reason)
+        if pattern.verb == _TURN_OFF and (robot := facts.robot_in(room)):
+            return Verdict(NAME, allowed=False, reason=f"the robot {robot} is on its way in {room} or to it")
         presence, used = presence_in(room, facts, self.absent_after)
         if presence == "absent" and (remaining := remaining_person(room, self, facts)) is not None:
             detected = f"{_show(remaining)} was on {facts.age(remaining.since):.0f} s ago"

@@ -1,1 +1,1 @@
-import"./chunk-HRZRTT2S.js";
+import"./chunk-XKXX3NRD.js";

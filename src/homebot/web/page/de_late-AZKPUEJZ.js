@@ -811,6 +811,7 @@ held < by {holder} for * s more
 # said no
 nobody answered within * s: a person does on the page, or with \`homebot answer\`
 it is >, and quiet from {start} to {end}
+the robot # is on its way in ~ or to it
 somebody is in ~: $
 somebody was in ~ * s ago: $
 somebody may be in ~: $
@@ -1088,6 +1089,7 @@ noch * s gehalten von {holder}: <
 # hat nein gesagt
 niemand hat in * s geantwortet: das geht auf der Seite oder mit \`homebot answer\`
 es ist >, und Ruhe von {start} bis {end}
+der Roboter # ist in ~ oder dorthin unterwegs
 jemand ist in ~: $
 vor * s war jemand in ~: $
 vielleicht ist jemand in ~: $

@@ -811,6 +811,7 @@ held < by {holder} for * s more
 # said no
 nobody answered within * s: a person does on the page, or with \`homebot answer\`
 it is >, and quiet from {start} to {end}
+the robot # is on its way in ~ or to it
 somebody is in ~: $
 somebody was in ~ * s ago: $
 somebody may be in ~: $
@@ -1088,6 +1089,7 @@ tenuto da {holder} ancora per * s: <
 # ha detto no
 nessuno ha risposto entro * s: si fa sulla pagina o con \`homebot answer\`
 sono le >, e c'\xE8 silenzio dalle {start} alle {end}
+il robot # \xE8 in viaggio in ~ o verso di esso
 c'\xE8 qualcuno in ~: $
 c'era qualcuno in ~ * s fa: $
 forse c'\xE8 qualcuno in ~: $

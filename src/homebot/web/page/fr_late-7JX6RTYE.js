@@ -811,6 +811,7 @@ held < by {holder} for * s more
 # said no
 nobody answered within * s: a person does on the page, or with \`homebot answer\`
 it is >, and quiet from {start} to {end}
+the robot # is on its way in ~ or to it
 somebody is in ~: $
 somebody was in ~ * s ago: $
 somebody may be in ~: $
@@ -1088,6 +1089,7 @@ maintenu par {holder} encore * s : <
 # a dit non
 personne n'a r\xE9pondu en * s : cela se fait sur la page ou avec \`homebot answer\`
 il est >, et c'est le calme de {start} \xE0 {end}
+le robot # roule dans ~ ou y va
 il y a quelqu'un dans ~ : $
 il y avait quelqu'un dans ~ il y a * s : $
 il y a peut-\xEAtre quelqu'un dans ~ : $

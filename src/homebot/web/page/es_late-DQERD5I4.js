@@ -811,6 +811,7 @@ held < by {holder} for * s more
 # said no
 nobody answered within * s: a person does on the page, or with \`homebot answer\`
 it is >, and quiet from {start} to {end}
+the robot # is on its way in ~ or to it
 somebody is in ~: $
 somebody was in ~ * s ago: $
 somebody may be in ~: $
@@ -1088,6 +1089,7 @@ mantenido por {holder} * s m\xE1s: <
 # dijo que no
 nadie respondi\xF3 en * s: se hace en la p\xE1gina o con \`homebot answer\`
 son las >, y hay silencio de {start} a {end}
+el robot # circula por ~ o va all\xED
 hay alguien en ~: $
 hab\xEDa alguien en ~ hace * s: $
 puede haber alguien en ~: $

@@ -811,6 +811,7 @@ held < by {holder} for * s more
 # said no
 nobody answered within * s: a person does on the page, or with \`homebot answer\`
 it is >, and quiet from {start} to {end}
+the robot # is on its way in ~ or to it
 somebody is in ~: $
 somebody was in ~ * s ago: $
 somebody may be in ~: $
@@ -1088,6 +1089,7 @@ nog * s gehouden door {holder}: <
 # zei nee
 niemand antwoordde binnen * s: dat kan op de pagina of met \`homebot answer\`
 het is >, en stil van {start} tot {end}
+robot # rijdt in ~ of ernaartoe
 er is iemand in ~: $
 * s geleden was er iemand in ~: $
 er is misschien iemand in ~: $
