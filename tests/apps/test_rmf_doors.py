@@ -6,10 +6,12 @@ from typing import Any
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.robots.test_tracker import stamped
 
 from homebot.graph import Node
 from homebot.house.description import parse_world
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.geometry_msgs import PoseStamped
 from homebot.messages.interfaces import find_message
 from homebot.testing import VirtualHouse, virtual_house_of
 
@@ -68,6 +70,31 @@ async def test_a_door_closes_when_the_connection_of_its_last_requester_ends(sett
         with capture_logs() as lines:
             await house.run_for(10)
         assert "the hold of anna on Inner ends: its connection has ended" in [line.get("message") for line in lines]
+        assert modes[-1] == CLOSED
+
+
+async def test_a_door_closes_when_its_robot_is_gone_behind_a_fleet_adapter_that_lives_and_not_while_it_stands() -> None:
+    config = {"places": PLACES, "apps": {"rmf_doors": {}}, "robots": {"rosie": {}}}
+    async with (
+        virtual_house_of(world=parse_world(HOUSE, "test"), config=config) as house,
+        Node(house.runtime.graph, "fleet") as fleet,
+        Node(house.runtime.graph, "rosie") as rosie,
+    ):
+        modes: list[int] = []
+        fleet.create_subscription(STATE, "/door_states", lambda state: modes.append(state.current_mode.value))
+        poses = rosie.create_publisher(PoseStamped, "/rosie/pose")
+        await house.run_for(10)
+        poses.publish(stamped(1, 1))
+        requests = fleet.create_publisher(REQUEST, "/adapter_door_requests")
+        for robot in ("rosie", "anna"):  # the house knows one of them
+            await ask(requests, f"villa/{robot}", "Inner", OPEN, 5.0)
+        await house.run_for(600)
+        assert modes[-1] == OPEN
+        await ask(requests, "villa/anna", "Inner", CLOSED)
+        await house.run_for(10)
+        assert modes[-1] == OPEN
+        poses.close()
+        await house.run_for(10)
         assert modes[-1] == CLOSED
 
 

@@ -13,6 +13,7 @@ from homebot.devices.handles import Closure, DoorLock
 from homebot.devices.handles.sensors import ContactSensor
 from homebot.devices.names import GET_PLACES
 from homebot.devices.places_messages import GetPlaces, GetPlacesRequest
+from homebot.devices.requesters import Requesters
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import GraphEntity, Node
 from homebot.messages.builtin_interfaces import Time
@@ -70,14 +71,15 @@ class RmfDoors(App[RmfDoorsSettings]):
 
     A door in the plan is represented by its lock or motor, else by its contact. Locks, motors and contacts that are in
     no plan are doors under their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester;
-    ``MODE_CLOSED``, or the end of the requester's connection, releases its hold, and locks or closes the door after the
-    last one.
+    ``MODE_CLOSED``, or the end of the connection of the requester, or of the robot of that name, releases its hold, and
+    locks or closes the door after the last one.
     """
 
     def __init__(self, node: Node, settings: RmfDoorsSettings) -> None:
         super().__init__(node, settings)
         self._held_for = settings.held_for
         self._places = node.create_client(GetPlaces, GET_PLACES)
+        self._requesters = Requesters(node)
         self._doors: dict[str, _Part | None] = {}
         self._holds: dict[tuple[str, str], _DoorHold] = {}
         self._state_type: Any = find_message("rmf_door_msgs/msg/DoorState")
@@ -101,8 +103,8 @@ class RmfDoors(App[RmfDoorsSettings]):
                     self._doors = await self._find_doors()
                 except ServiceError as exc:
                     self._warn(str(exc))
-                for (door, requester), hold in self._holds.items():
-                    if hold.sender is not None and hold.sender.is_closed and not hold.scope.cancel_called:
+                for (door, requester), hold in tuple(self._holds.items()):
+                    if not hold.scope.cancel_called and await self._requesters.is_gone(requester, hold.sender):
                         self._warn(f"the hold of {requester} on {door} ends: its connection has ended")
                         hold.scope.cancel()
                 time = Time.from_seconds(self.node.graph.clock.now())

@@ -10,8 +10,10 @@ import pytest
 from anyio.abc import TaskStatus
 from tests.integrations.vda5050.robot import FleetRobot
 
+from homebot.devices.names import ROBOT_POSES, WHERE_IS_ROBOT
+from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest
 from homebot.errors import HomebotError
-from homebot.graph import EntityKind, Graph, Node
+from homebot.graph import EntityKind, Graph, Node, qos_profile_latched
 from homebot.graph.actions import ActionServer
 from homebot.messages.interfaces import find_action
 from homebot.robots.drive import drive
@@ -196,3 +198,16 @@ async def test_a_robot_that_has_such_an_action_itself_keeps_it() -> None:
     async with fleet(FleetRobot(), is_taken=True) as peer:
         servers = peer.node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER, name="/rosie/navigate_to_pose")
         assert [one.node for one in servers] == ["/nav2"]
+
+
+async def test_a_robot_of_a_fleet_on_its_way_needs_light_and_is_gone_by_its_last_will() -> None:
+    robot = FleetRobot()
+    async with fleet(robot) as peer, driving(peer, "Kitchen"):
+        where = peer.node.create_client(WhereIsRobot, WHERE_IS_ROBOT)
+        poses = peer.node.create_subscription(RobotPose, ROBOT_POSES, None, qos_profile_latched)
+        await peer.house.run_for(6)
+        assert [known.way for known in iter(poses.take, None)][-1] == ("Hall", "Kitchen")
+        assert not (await where.call(WhereIsRobotRequest(robot="rosie"))).is_gone
+        await peer.house.says(robot.last_will.topic, robot.last_will.payload.decode())
+        await peer.house.run_for(0.5)
+        assert (await where.call(WhereIsRobotRequest(robot="rosie"))).is_gone

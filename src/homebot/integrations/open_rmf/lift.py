@@ -14,6 +14,7 @@ from pydantic import Field, model_validator
 from homebot.apps.base import App, AppSettings
 from homebot.devices.handles.handle import Handle
 from homebot.devices.lift import DOOR, is_open, why_it_stays
+from homebot.devices.requesters import Requesters
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.graph import GraphEntity, Node
@@ -101,15 +102,16 @@ class _LiftSession:
 class RmfLift(App[LiftSettings]):
     """Publishes ``/lift_states`` of one lift, and serves requests for it.
 
-    The first session has the lift until its ``REQUEST_END_SESSION``, or the end of its connection; others wait in the
-    order of their first requests. Meanwhile the floor and the door are held for it: the lift is sent to its floor with
-    the door closed, and the door is open while it is there.
+    The first session has the lift until its ``REQUEST_END_SESSION``, or the end of its connection, or of that of the
+    robot of its name; others wait in the order of their first requests. Meanwhile the floor and the door are held for
+    it: the lift is sent to its floor with the door closed, and the door is open while it is there.
     """
 
     def __init__(self, node: Node, settings: LiftSettings) -> None:
         super().__init__(node, settings)
         self._settings = settings
         self._name = settings.name or node.name
+        self._requesters = Requesters(node)
         self._parts: dict[str, Handle] = {}
         self._sessions: dict[str, _LiftSession] = {}
         self._floor = ""
@@ -132,7 +134,7 @@ class RmfLift(App[LiftSettings]):
             tasks.start_soon(self._serve)
             while True:
                 for session in tuple(self._sessions.values()):
-                    is_gone = session.sender is not None and session.sender.is_closed
+                    is_gone = await self._requesters.is_gone(session.id, session.sender)
                     if is_gone or session.ends_at <= anyio.current_time():
                         why = "its connection has ended" if is_gone else "it was not heard for too long"
                         self._warn(f"the session of {session.id} ends: {why}")
