@@ -13,10 +13,14 @@ ROOM, MOST_S = "kitchen", 300.0  # a robot that has not arrived after these seco
 class RobotWay(App):
     async def run(self) -> None:
         self.doorway = asyncio.Lock()
+        drives: dict[str, asyncio.Task[None]] = {}
         async with asyncio.TaskGroup() as tasks:
             async for change in self.devices.follow("robots"):
+                robot = change.device
                 if change.kind == "appeared":
-                    tasks.create_task(self.drive(change.device))
+                    drives[robot.id] = tasks.create_task(self.drive(robot))
+                elif change.kind == "removed" or robot.freshness == "stale" or robot.reachable.state == "no":
+                    drives[robot.id].cancel()  # a dead robot lets go at once
 
     async def drive(self, robot: Device) -> None:
         arrived = asyncio.Event()
