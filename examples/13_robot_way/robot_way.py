@@ -23,22 +23,18 @@ class RobotWay(App):
                     drives[robot.id].cancel()  # a dead robot lets go at once
 
     async def drive(self, robot: Device) -> None:
-        arrived = asyncio.Event()
-        await self.devices.listen(robot, lambda message: arrived.set() if message.text() == ROOM else None)
         door = (await anext(self.devices.follow(WindowCovering, area=ROOM))).handle
         async with self.doorway, AsyncExitStack() as held:  # a second robot waits here
             hold = await held.enter_async_context(door.hold("open", by=robot.id))
             if not hold.succeeded:
-                self.say(f"{robot.id} stays: {hold.outcome.text}")
+                self.node.log.info("robot_way", message=f"{robot.id} stays: {hold.outcome.text}")
                 return
             for lamp in await self.devices.find(Light, area=ROOM):  # so that nobody turns one off meanwhile
                 lit = await held.enter_async_context(lamp.hold("on", by=robot.id))
-                self.say(f"before {robot.id} drives: {lit.outcome.text}")
-            arrived.clear()
+                self.node.log.info("robot_way", message=f"before {robot.id} drives: {lit.outcome.text}")
+            arrived = asyncio.Event()
+            await self.devices.listen(robot, lambda message: arrived.set() if message.text() == ROOM else None)
             await self.devices.tell(robot, f"go {ROOM}")
             with anyio.move_on_after(MOST_S):
                 await arrived.wait()
-            self.say(f"{robot.id} {'is' if arrived.is_set() else 'has not arrived'} in the {ROOM}")
-
-    def say(self, text: str) -> None:
-        self.node.log.info("robot_way", message=text)
+            self.node.log.info("robot_way", message=f"{robot.id} {'is' if arrived.is_set() else 'not'} in the {ROOM}")

@@ -113,10 +113,16 @@ def _package_name(folder: str, kind: str) -> str:
     name = name.removeprefix("homebot_")
     if not name.isidentifier() or not _kind(name).isidentifier() or keyword.iskeyword(_kind(name)):
         raise UsageError(f"{what} cannot be named after the folder {folder!r}; use letters, such as acme")
-    is_taken = any(has_plugin(group, name) for group in _GROUPS) if kind == "integration" else _is_offered(name)
+    is_taken = _is_integration(name) if kind == "integration" else _is_offered(name)
     if is_taken or importlib.util.find_spec(f"homebot_{name}") is not None:
         raise UsageError(f"there is {what} {name!r} already; give the folder another name, such as my_{name}")
     return name
+
+
+def _is_integration(name: str) -> bool:
+    """Return whether homebot or another package has an integration of the name."""
+    is_own = importlib.util.find_spec(f"homebot.integrations.{name}") is not None
+    return is_own or any(has_plugin(group, name) for group in _GROUPS)
 
 
 def _is_offered(name: str) -> bool:

@@ -181,7 +181,8 @@ class AnnouncedDevices:
             self.counters.oversize += 1
             return None
         begin_message()
-        steps = self._states.read_parts(topic, payload, route.announced_parts, work, retained=retained)
+        parts = route.announced_parts
+        steps = self._states.read_parts(topic, payload, parts, work if len(parts) > 1 else None, retained=retained)
         for first in steps:
             return self._go_on(chain((first,), steps), message, route, work)
         return self._deliver_raw(message, route) if self._listeners.by_address.get(topic) else None

@@ -305,7 +305,7 @@ class MqttGateway(Gateway):
         turn, work = TimeSlice(self.node.graph.clock), 0
         for message in batch:
             work += 1
-            if work >= _TURN or turn.is_over:
+            if work >= _TURN or (work > 1 and turn.is_over):
                 work = 0
                 await turn.pause()
             topic, payload, qos, retained, _, _ = message

@@ -1,1 +1,1 @@
-import"./chunk-XKXX3NRD.js";
+import"./chunk-CWGNARWK.js";
