@@ -6,7 +6,7 @@ from tests.source_trees import SOURCE
 from homebot.plugins import own_plugin_names, plugin_path
 
 MAX_LINES = 1450
-OWN_LIMITS = {"homebot.gateways.mqtt": 2650}
+OWN_LIMITS = {"homebot.gateways.mqtt": 2700}
 """Decision 28 has the reason."""
 
 

@@ -46,7 +46,7 @@ def embedded_ports(url: str) -> tuple[int, ...] | None:
 RECEIVE_MAXIMUM = 2048
 """Messages that may wait for our acknowledgement.
 
-GroupBatcher with the 1,000 that Mosquitto queues by default, this is how many retained messages the first subscription
+Together with the 1,000 that Mosquitto queues by default, this is how many retained messages the first subscription
 receives without loss.
 """
 
