@@ -162,7 +162,7 @@ def _record_topic(node: Node, log: EventLog, topics: set[str], message_type: typ
 
 
 LINES = 36
-"""GroupBatcher with the lines above and the title below 40."""
+"""Together with the lines above and the title below 40."""
 
 WIDTH = 120
 
