@@ -48,8 +48,8 @@ def world() -> World:
 
 def choose(page: Page, place: str, device: str, sentence: str) -> None:
     """Choose a device by its name, and a sentence about it; the house for none."""
-    page.until(lambda: _chosen(page, f"{place} label:first-child select", device))
-    page.until(lambda: _chosen(page, f"{place} label:nth-child(2) select", sentence))
+    devices, sentences = (f"{place} label:{which} select" for which in ("first-child", "nth-child(2)"))
+    page.until(lambda: _chosen(page, devices, device) and _chosen(page, sentences, sentence))
 
 
 def _chosen(page: Page, selector: str, text: str) -> bool:

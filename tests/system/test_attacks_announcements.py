@@ -305,7 +305,7 @@ def heavy_templates(number: int, count: int = 250) -> tuple[str, bytes]:
     return f"homeassistant/device/h{number}/config", json.dumps(told).encode()
 
 
-@pytest.mark.parametrize(("devices", "count"), [(range(20), 250), (range(480, 481), 100)])
+@pytest.mark.parametrize(("devices", "count"), [(range(size(8, 20)), 250), (range(480, 481), 100)])
 def test_a_message_that_many_heavy_templates_read_leaves_turns_to_others(
     tmp_path: Path, devices: range, count: int
 ) -> None:

@@ -203,8 +203,7 @@ def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
     )
     assert 0 < state.stats.subscriptions < 5000
     client.lose()
-    clock.advance(1)
-    state.deadlines.run(clock.monotonic())
+    finish(client, clock)
     assert (state.stats.subscriptions, state.stats.sessions, state.exchange.subscriptions.levels) == (0, 0, 0)
 
 

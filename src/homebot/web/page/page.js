@@ -1,1 +1,1 @@
-import"./chunk-CWGNARWK.js";
+import"./chunk-WDTZDZKE.js";
