@@ -294,7 +294,7 @@ async def _tag_house() -> AsyncIterator[House]:
 
     async with (
         field.served(),
-        _running({"nfc": {"backend": "nfcpy", "devices": [field.path]}}) as runtime,
+        _running({"nfc": {"devices": [field.path]}}) as runtime,
         anyio.create_task_group() as tasks,
     ):
         yield TagHouse(runtime.graph, tasks)

@@ -18,7 +18,6 @@ ALLOWED: Final = {
     "only root": "and others run the rest",
     "Mosquitto's file of rules cannot refuse a subscription": "the contract is that of other brokers",
     "needs Python": "the peer is for a Python that this computer lacks",
-    "pyscard is not installed": "Debian has it for its own Python alone",
 }
 """Part of the reason of a skip, and why that hides nothing."""
 

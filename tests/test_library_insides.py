@@ -81,6 +81,11 @@ INSIDES: Final[Mapping[str, Inside]] = {
         "it limits no requests",
         read="0.4",
     ),
+    "nfcpy": Inside(
+        {"gateways/nfc/nfcpy_reader.py": "exchange"},
+        "public method; its tags call it, and have no limit of their own",
+        read="1.0",
+    ),
     "aioesphomeapi": Inside(
         {"integrations/esphome/driver/connection.py": "subscribe_bluetooth_le_raw_advertisements"}, "documented method"
     ),

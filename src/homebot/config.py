@@ -428,6 +428,9 @@ def _table_reason(path: str, *, is_element: bool) -> str:
 def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
     """Return the problems of a table of *model*, as text."""
     if error["type"] == "extra_forbidden":
+        gone: Mapping[str, str] = getattr(model, "gone", {})  # of a gateway's settings
+        if (became := gone.get(str(error["loc"][-1]))) is not None:
+            return became
         fields = model.model_fields.items()
         known = _known_tables() if model is Config else [field.alias or name for name, field in fields]
         return unknown_key(str(error["loc"][-1]), known)

@@ -7,12 +7,11 @@ import pytest
 from tests.cli.conftest import NOW, Homebot, HomebotWith, Run
 from tests.cli.test_places import index_node, sighting
 from tests.gateways.nfc.test_gateway import HOUSE
-from tests.gateways.nfc.world import UID, card
+from tests.gateways.nfc.world import UID
 from tests.patience import PATIENCE
-from tests.simulated.nfc.type4_card import Type4Card
 
 from homebot.cli import main
-from homebot.conventions.nfc.card_tag import CardTag
+from homebot.conventions.nfc.ndef_message import TagContent, TagError
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, Found, QueryDevices
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.discovery import DeviceIndex
@@ -24,32 +23,43 @@ from homebot.graph import Graph, Node
 Text = pytest.CaptureFixture[str]
 
 
+class DeskTag:
+    """An empty tag, or one that is not written because of an *error*."""
+
+    uid, tag_type = UID, "NFC Forum Type 4"
+
+    def __init__(self, error: TagError | None = None) -> None:
+        self._message, self._error = b"", error
+
+    def read(self) -> TagContent:
+        return TagContent(self._message, 888, is_writable=True)
+
+    def write(self, message: bytes) -> None:
+        if self._error is not None:
+            raise self._error
+        self._message = message
+
+
 class DeskReader(TagReader):
     """A reader with a tag on it."""
 
-    def __init__(self, tag: Type4Card | None) -> None:
+    def __init__(self, tag: DeskTag | None) -> None:
         self.is_found = Event()
         self._tag = tag
 
     def run(self, desk: ReaderDesk) -> None:
         desk.found("desk reader")
         self.is_found.set()
-        tag = None if self._tag is None else CardTag(self._transmit)
-        if tag is not None:
-            desk.arrived("desk reader", tag)
+        if self._tag is not None:
+            desk.arrived("desk reader", self._tag)
         while not desk.wait(0.02):
-            if tag is not None:
-                desk.stayed("desk reader", tag)
-
-    def _transmit(self, apdu: bytes) -> tuple[bytes, int]:
-        assert self._tag is not None
-        answer = self._tag.answer(apdu)
-        return answer[:-2], int.from_bytes(answer[-2:], "big")
+            if self._tag is not None:
+                desk.stayed("desk reader", self._tag)
 
 
 @pytest.fixture
-def homebot_at(homebot_with: HomebotWith) -> Callable[[Type4Card | None], Homebot]:
-    def start(tag: Type4Card | None) -> Homebot:
+def homebot_at(homebot_with: HomebotWith) -> Callable[[DeskTag | None], Homebot]:
+    def start(tag: DeskTag | None) -> Homebot:
         reader = DeskReader(tag)
 
         def extra(graph: Graph) -> Node:
@@ -80,8 +90,8 @@ def query(request: QueryDevicesRequest) -> QueryDevicesResponse:
     return QueryDevicesResponse(success=True, results=found, total=len(found))
 
 
-def test_a_tag_is_written_and_read(homebot_at: Callable[[Type4Card | None], Homebot], capsys: Text) -> None:
-    homebot = homebot_at(card())
+def test_a_tag_is_written_and_read(homebot_at: Callable[[DeskTag | None], Homebot], capsys: Text) -> None:
+    homebot = homebot_at(DeskTag())
     assert main(["--door", homebot.door, "tag", "write", "kitchen lamp", "--area", "Kitchen", "--wait", "10"]) == 0
     assert capsys.readouterr().out == (
         f"hold a tag to the reader; it will point to Kitchen lamp\ntag {UID} points to Kitchen lamp (lights/kitchen)\n"
@@ -98,8 +108,8 @@ def test_a_tag_is_written_and_read(homebot_at: Callable[[Type4Card | None], Home
     [
         (None, ["read", "--reader", "attic"], 3, "there is no reader 'attic', only desk reader"),
         (None, ["read", "--wait", "0.1"], 4, "no tag was held to a reader within 0.1 s"),
-        (card(capacity=9), ["write", "Plug"], 5, f"the tag {UID} was not written: it holds 9 bytes, and"),
-        (card(is_writable=False), ["write", "Plug"], 5, "it is write-protected"),
+        (DeskTag(TagError("too_small", "why")), ["write", "Plug"], 5, f"the tag {UID} was not written: why"),
+        (DeskTag(TagError("protected", "it is write-protected")), ["write", "Plug"], 5, "it is write-protected"),
         (None, ["write", "Lamp"], 1, "2 devices are called Lamp; give the id of one: lights/cellar, lights/hall"),
         (
             None,
@@ -110,9 +120,9 @@ def test_a_tag_is_written_and_read(homebot_at: Callable[[Type4Card | None], Home
     ],
 )
 def test_what_did_not_work_has_a_reason_and_a_code(
-    homebot_at: Callable[[Type4Card | None], Homebot],
+    homebot_at: Callable[[DeskTag | None], Homebot],
     capsys: Text,
-    tag: Type4Card | None,
+    tag: DeskTag | None,
     arguments: list[str],
     code: int,
     said: str,
@@ -129,7 +139,7 @@ def test_a_wait_without_end_is_a_wrong_command_line(capsys: Text) -> None:
     assert "must be at most 600 seconds, got '11m'" in capsys.readouterr().err
 
 
-def test_a_code_is_asked_about(homebot_at: Callable[[Type4Card | None], Homebot], capsys: Text) -> None:
+def test_a_code_is_asked_about(homebot_at: Callable[[DeskTag | None], Homebot], capsys: Text) -> None:
     homebot = homebot_at(None)
     code = '{text: "homebot:device/lights/kitchen"}'
     assert main(["--door", homebot.door, "service", "call", "/gateway/nfc/scan", code]) == 0

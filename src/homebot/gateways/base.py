@@ -137,6 +137,7 @@ class GatewaySettings(BaseModel):
     """The keys that the tables of all gateways share; the model of a gateway derives from it.
 
     Attributes:
+        gone: The keys that a table had once, and what became of them, in words.
         act: Whether commands are sent; if false, the gateway only observes.
         delivery: ``inbox`` puts raw messages and texts into the one inbox of each node that asked for them; ``mirror``
             gives each device a topic ``/gateway/NAME/received_data/<device>``.
@@ -144,6 +145,8 @@ class GatewaySettings(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    gone: ClassVar[Mapping[str, str]] = {}
 
     act: bool = True
     delivery: Delivery = "inbox"

@@ -126,6 +126,7 @@ async def test_a_number_that_is_drawn_anew_each_time_is_not_listed() -> None:
         assert house.gateway.devices.keys == ()
 
 
+@pytest.mark.newest("nfc")
 async def test_a_tag_is_written_and_read_again() -> None:
     async with tag_house() as house:
         directory(house.watcher)
@@ -170,6 +171,25 @@ async def test_a_tag_that_leaves_while_it_is_written_is_lost_and_the_next_one_is
             pass
         assert (tap.tag, tap.device) == ("04ffeeddccbbaa", "lights/hall")
         assert tuple(house.gateway.at_reader) == ("04ffeeddccbbaa",)
+
+
+class SilentCard(Type4Card):
+    """A tag that announces a message, of which it gives nothing."""
+
+    asked = 0
+
+    def answer(self, apdu: bytes) -> bytes:
+        is_message = self._selected == 0xE104 and apdu[:4] == b"\x00\xb0\x00\x02"
+        self.asked += is_message
+        return b"\x90\x00" if is_message else super().answer(apdu)
+
+
+async def test_a_tag_that_gives_nothing_is_not_asked_for_ever() -> None:
+    async with tag_house() as house:
+        taps = house.listen(TagTap, "taps")
+        house.field.card = silent = SilentCard(bytes.fromhex(UID), uri("homebot:device/lights/kitchen"))
+        assert (await take(taps)).points_to == ""
+        assert 1 < silent.asked <= 4096
 
 
 @pytest.mark.parametrize(

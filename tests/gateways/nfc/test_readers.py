@@ -1,17 +1,16 @@
 """Readers that are not there, and readers that say too much."""
 
-import importlib.util
-
 import anyio
 import pytest
 from tests.gateways.nfc.world import KEPT, UID, take, uri
 from tests.patience import PATIENCE
 from tests.sizes import size
 
+from homebot.config import parse_settings
 from homebot.conventions.nfc.ndef_message import TagContent
 from homebot.devices import GatewayState
 from homebot.devices.tags import TagTap
-from homebot.errors import LinkError, UsageError
+from homebot.errors import ConfigError, LinkError
 from homebot.gateways import GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
@@ -101,7 +100,7 @@ async def test_a_reader_of_nfcpy_that_is_not_there_is_a_reason() -> None:
     graph = Graph()
     async with Node(graph, "watcher") as watcher, Node(graph, "nfc", namespace="/gateway") as node:
         states = watcher.create_subscription(GatewayState, "/gateway/nfc/state", qos_profile=KEPT)
-        settings = NfcGatewaySettings(backend="nfcpy", devices=("tty:HOMEBOT9:pn532",))
+        settings = NfcGatewaySettings(devices=("tty:HOMEBOT9:pn532",))
         async with anyio.create_task_group() as tasks:
             await tasks.start(NfcGateway(node, settings).serve)
             state = await take(states)
@@ -110,12 +109,13 @@ async def test_a_reader_of_nfcpy_that_is_not_there_is_a_reason() -> None:
             tasks.cancel_scope.cancel()
 
 
-def test_a_missing_library_is_named_with_what_installs_it() -> None:
-    if importlib.util.find_spec("smartcard") is not None:
-        NfcGateway.check(NfcGatewaySettings(backend="pcsc"))
-        return
-    with pytest.raises(UsageError, match=r"pip install .*apt install swig libpcsclite-dev pcscd"):
-        NfcGateway.check(NfcGatewaySettings(backend="pcsc"))
+@pytest.mark.parametrize(
+    ("key", "value", "became"),
+    [("backend", "pcsc", "nfcpy reads tags at all readers"), ("readers", ["ACR122"], "name the readers in devices")],
+)
+def test_a_key_that_is_gone_is_a_mistake_that_says_what_became_of_it(key: str, value: object, became: str) -> None:
+    with pytest.raises(ConfigError, match=rf"gateways\.nfc\.{key}: is gone.*{became}"):
+        parse_settings(NfcGatewaySettings, {key: value}, "homebot.toml", "gateways.nfc")
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,6 @@ def test_a_missing_library_is_named_with_what_installs_it() -> None:
         ({"devices": ["ftp:x"]}, "'ftp:x' is not a reader"),
         ({"tags": {"door": {}}}, "'door' is not the number of a tag"),
         ({"tags": {"04:a1:b2:c3": {}, "04A1B2C3": {}}}, "is there twice"),
-        ({"backend": "acr"}, "pcsc"),
     ],
 )
 def test_a_wrong_setting_is_named(table: dict[str, object], said: str) -> None:

@@ -49,7 +49,7 @@ class TagHouse:
 async def tag_house(**settings: object) -> AsyncIterator[TagHouse]:
     field, graph = TagField(), Graph()
     async with field.served(), Node(graph, "watcher") as watcher, Node(graph, "nfc", namespace="/gateway") as node:
-        table = {"backend": "nfcpy", "devices": [field.path], **settings}
+        table = {"devices": [field.path], **settings}
         house = TagHouse(graph, watcher, NfcGateway(node, NfcGatewaySettings.model_validate(table)), field)
         async with anyio.create_task_group() as tasks:
             await tasks.start(house.gateway.serve)

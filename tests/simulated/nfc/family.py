@@ -19,7 +19,7 @@ class NfcNetwork(FamilyNetwork):
 
     def gateways(self) -> Mapping[str, Mapping[str, object]]:
         """Return the table with the reader's address."""
-        return {"nfc": {"backend": "nfcpy", "devices": [f"udp:{LOOPBACK}:{self._port}"]}}
+        return {"nfc": {"devices": [f"udp:{LOOPBACK}:{self._port}"]}}
 
     @asynccontextmanager
     async def running(self, random: Random) -> AsyncIterator[tuple[object, ...]]:

@@ -1,7 +1,6 @@
 """The gateway of NFC tags and QR codes, which point to devices."""
 
 import importlib
-import importlib.util
 from functools import partial
 from typing import ClassVar, Final
 
@@ -18,12 +17,11 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
 from homebot.devices.tags import TagTap
-from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt, RoomTagger
-from homebot.gateways.nfc.pcsc_reader import PcscReader
 from homebot.gateways.nfc.reader import (
     ReaderDesk,
     ReaderNews,
@@ -52,7 +50,6 @@ _MAX_AT_READERS: Final = 64
 """Tags at readers at once; then the oldest is forgotten: a reader may not report that one leaves."""
 
 _TAG: Final = simple_part("x_tag", readable=("scan", "connectivity"))
-_LIBRARIES: Final = {"pcsc": "smartcard", "nfcpy": "nfc"}
 _RANDOM_UID: Final = 8
 """Hexadecimal digits of a random number, which begins with 08 and changes each time, as phones do
 (ISO/IEC 14443-3, 6.5.4)."""
@@ -67,7 +64,7 @@ class NfcGateway(Gateway):
     Attributes:
         devices: The tags, and the devices that only a tag describes.
         at_reader: The tags that are at a reader now, by their numbers.
-        readers: The names of the connected readers, by the number of the driver that found them.
+        readers: The names of the connected readers, by their places in the settings.
     """
 
     Settings: ClassVar[type[BaseModel]] = NfcGatewaySettings
@@ -81,7 +78,7 @@ class NfcGateway(Gateway):
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=2 * settings.max_tags)
         self.finder = DeviceFinder(node)
         self.at_reader: BoundedMap[str, TagSeen] = BoundedMap(_MAX_AT_READERS)
-        self.readers: dict[int, tuple[str, ...]] = {}
+        self.readers: dict[int, str] = {}
         self._problems: dict[int, str] = {}
         self._sides: list[TagReader] = []
         self._handling = anyio.Lock()
@@ -93,14 +90,8 @@ class NfcGateway(Gateway):
     @classmethod
     def check(cls, settings: BaseModel) -> None:
         """Look for the libraries."""
-        backend = settings.backend if isinstance(settings, NfcGatewaySettings) else "auto"
-        wanted = ["ndef", _LIBRARIES[_choose(backend)]]
-        try:
-            check_extra('the gateway "nfc"', "nfc", *wanted)
-        except UsageError as exc:
-            raise UsageError(
-                f"{exc}; pyscard is built from source on Linux, after: apt install swig libpcsclite-dev pcscd"
-            ) from exc
+        del settings
+        check_extra('the gateway "nfc"', "nfc", "ndef", "nfc")
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the readers until cancelled; ready after the first attempt with each."""
@@ -116,8 +107,6 @@ class NfcGateway(Gateway):
         given = self.context.service(TagReaders)
         if given is not None:
             return list(given.readers)
-        if _choose(self._settings.backend) == "pcsc":
-            return [PcscReader(self._settings.readers)]
         await anyio.to_thread.run_sync(importlib.import_module, "nfc")  # it looks for OpenSSL by running ldconfig
         from homebot.gateways.nfc.nfcpy_reader import NfcpyReader  # noqa: PLC0415 - an extra
 
@@ -149,16 +138,14 @@ class NfcGateway(Gateway):
             elif isinstance(news, TagLeft):
                 await self._lose_tag(news.uid)
             else:
-                self.readers[number] = news.readers
+                self.readers[number] = news.reader
                 self._problems.pop(number, None)
-                if not news.readers:
-                    self._problems[number] = "no NFC reader is connected"
                 await self._lose_tags()
 
     async def _lose_tags(self) -> None:
         """Report that the tags at readers that are not connected any more were taken away."""
         self._show_state()
-        connected = {name for some in self.readers.values() for name in some}
+        connected = set(self.readers.values())
         for uid in [uid for uid, seen in self.at_reader.items() if seen.reader not in connected]:
             await self._lose_tag(uid)
 
@@ -172,7 +159,7 @@ class NfcGateway(Gateway):
         tried = {*self.readers, *self._problems}
         if len(tried) < len(self._sides):
             return
-        if any(self.readers.values()):
+        if self.readers:
             self.publish_state("active")
         else:
             self.publish_state("unavailable", "; ".join(dict.fromkeys(self._problems.values())))
@@ -262,9 +249,3 @@ class NfcGateway(Gateway):
 
     async def _perform(self, command: Command) -> None:
         raise RefusedError(command.key, "tags take no commands")
-
-
-def _choose(backend: str) -> str:
-    if backend != "auto":
-        return backend
-    return "pcsc" if importlib.util.find_spec("smartcard") is not None else "nfcpy"

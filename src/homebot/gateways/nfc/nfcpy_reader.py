@@ -2,6 +2,7 @@
 
 import logging
 import time
+from typing import cast
 
 import nfc
 
@@ -14,6 +15,23 @@ _POLL = 0.1
 """Seconds between two polls for a tag, or for whether it is still there."""
 
 _DENIED = 13
+_MAX_EXCHANGES = 4096
+"""Exchanges that a tag may cost each time: nfcpy asks one that answers nothing for ever."""
+
+
+class _Frontend(nfc.ContactlessFrontend):  # type: ignore[misc]  # the library has no types
+    """nfcpy's reader, which lets a tag time out that costs too many exchanges, or at the end of the *desk*."""
+
+    def __init__(self, path: str, desk: ReaderDesk) -> None:
+        super().__init__(path)
+        self._desk = desk
+        self.exchanges = 0
+
+    def exchange(self, send_data: bytes, timeout: float) -> bytes:
+        self.exchanges += 1
+        if self.exchanges > _MAX_EXCHANGES or self._desk.is_stopped:
+            raise nfc.clf.TimeoutError
+        return cast("bytes", super().exchange(send_data, timeout))
 
 
 class NfcpyReader(TagReader):
@@ -28,7 +46,7 @@ class NfcpyReader(TagReader):
         if not log.handlers:  # it would report each tag that is taken away early as an error in the terminal
             log.addHandler(logging.NullHandler())
         try:
-            frontend = nfc.ContactlessFrontend(self._path)
+            frontend = _Frontend(self._path, desk)
         except Exception as exc:
             raise LinkError(self._why(exc)) from exc
         try:
@@ -38,7 +56,7 @@ class NfcpyReader(TagReader):
         finally:
             frontend.close()
 
-    def _look(self, frontend: nfc.ContactlessFrontend, desk: ReaderDesk) -> None:
+    def _look(self, frontend: _Frontend, desk: ReaderDesk) -> None:
         """Wait for a tag, read it, and watch it until it is taken away."""
         options = {
             "targets": list(_TECHNOLOGIES),
@@ -47,6 +65,7 @@ class NfcpyReader(TagReader):
             "on-connect": lambda _tag: False,
         }
         deadline = time.monotonic() + _POLL
+        frontend.exchanges = 0
         try:
             tag = frontend.connect(rdwr=options, terminate=lambda: desk.is_stopped or time.monotonic() > deadline)
         except Exception as exc:  # noqa: BLE001 - nfcpy does not check the length of answers
@@ -67,7 +86,7 @@ class NfcpyReader(TagReader):
         if isinstance(error, OSError) and error.errno == _DENIED:
             return f"this user has no permission to use the reader {self._path}; nfcpy's udev rule gives it"
         if isinstance(error, OSError):
-            return f"nfcpy finds no reader {self._path}"
+            return f"nfcpy finds no reader {self._path}, or another program holds it, such as pcscd"
         return f"the reader {self._path} cannot be used: {type(error).__name__} {error}"
 
 
@@ -78,6 +97,7 @@ class _NfcpyTag:
         self.tag_type: str = f"NFC Forum {tag.type.removesuffix('Tag').replace('Type', 'Type ')}"
 
     def is_there(self) -> bool:
+        self._tag.clf.exchanges = 0
         try:
             return bool(self._tag.is_present)
         except Exception:  # noqa: BLE001 - as in read()
@@ -102,6 +122,7 @@ class _NfcpyTag:
 
     def _ndef(self) -> nfc.tag.Tag.NDEF:
         """Read the tag again, and return its NDEF data."""
+        self._tag.clf.exchanges = 0
         try:
             ndef = self._tag.ndef
             changed = ndef is not None and ndef.has_changed

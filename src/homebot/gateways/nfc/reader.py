@@ -36,10 +36,10 @@ class PresentTag(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class ReadersFound:
-    """The readers that are connected now."""
+class ReaderFound:
+    """A reader that is connected now."""
 
-    readers: tuple[str, ...]
+    reader: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class TagLeft:
     uid: str
 
 
-ReaderNews: TypeAlias = ReadersFound | TagSeen | TagLeft
+ReaderNews: TypeAlias = ReaderFound | TagSeen | TagLeft
 
 
 @dataclass(slots=True, eq=False)
@@ -125,9 +125,9 @@ class ReaderDesk:
             if self._order is order:
                 self._order = None
 
-    def found(self, *readers: str) -> None:
-        """Report the connected readers, from a reader's thread."""
-        self._post(ReadersFound(readers))
+    def found(self, reader: str) -> None:
+        """Report that *reader* is connected, from its thread."""
+        self._post(ReaderFound(reader))
 
     def arrived(self, reader: str, tag: PresentTag) -> None:
         """Report a tag that was held to *reader*; write it if that was ordered."""
@@ -173,7 +173,7 @@ class ReaderDesk:
 
 
 class TagReader(ABC):
-    """One or more readers that a library drives by blocking calls."""
+    """A reader that a library drives by blocking calls."""
 
     @abstractmethod
     def run(self, desk: ReaderDesk) -> None:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
@@ -33,19 +33,18 @@ class NfcGatewaySettings(GatewaySettings):
     """The settings of a gateway of tags.
 
     Attributes:
-        backend: ``pcsc`` for readers of the computer's smart-card service, ``nfcpy`` for those that nfcpy drives;
-            ``auto`` is PC/SC where pyscard is installed.
-        readers: With PC/SC, the readers to use, each by a part of its name; by default all.
-        devices: With nfcpy, the readers as it calls them: ``usb``, ``usb:072f:2200``, ``tty:USB0:pn532`` or
-            ``udp:HOST:PORT``.
+        devices: The readers as nfcpy calls them: ``usb``, ``usb:072f:2200``, ``tty:USB0:pn532`` or ``udp:HOST:PORT``.
         tags: The settings of single tags, by their numbers in hexadecimal digits.
         max_tags: Tags that may be known at once.
         teaches_place: Whether a tag that points to a device assigns its room, if no other source does.
         stale_after: Seconds after which a tag counts as stale if it is not held to a reader.
     """
 
-    backend: Literal["auto", "pcsc", "nfcpy"] = "auto"
-    readers: tuple[str, ...] = ()
+    gone: ClassVar[Mapping[str, str]] = {
+        "backend": "is gone: nfcpy reads tags at all readers, without pcscd",
+        "readers": 'is gone with PC/SC: name the readers in devices, as in devices = ["usb:072f:2200"]',
+    }
+
     devices: Annotated[tuple[str, ...], Field(min_length=1, max_length=8)] = ("usb",)
     tags: Mapping[str, TagSettings] = Field(default_factory=dict)
     max_tags: Annotated[int, Field(ge=1, le=10_000)] = 1000

@@ -42,7 +42,7 @@ class TagGateway(Protocol):
 
     finder: DeviceFinder
     at_reader: BoundedMap[str, TagSeen]
-    readers: dict[int, tuple[str, ...]]
+    readers: dict[int, str]
     acts: bool
     observes_because: str
 
@@ -201,7 +201,7 @@ class TagServices:
         return None
 
     def _why_no_reader(self, wanted: str) -> str:
-        names = [name for some in self._gateway.readers.values() for name in some]
+        names = list(self._gateway.readers.values())
         if not names:
             return "no NFC reader is connected"
         if not any(wanted.casefold() in name.casefold() for name in names):
