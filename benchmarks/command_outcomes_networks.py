@@ -32,6 +32,7 @@ from homebot.runtime import Runtime
 from homebot.support.toml_file import parse_toml
 
 sys.path.append(str(Path(__file__).parents[1]))
+from tests.simulated.ble_family import LIGHT_PROFILE
 from tests.simulated.families import FAMILIES, families_with
 
 from mosquitto import mosquitto
@@ -125,7 +126,8 @@ async def _on_mosquitto(url: str, world: World) -> AsyncIterator[Graph]:
 
 @asynccontextmanager
 async def _on_own_networks(world: World) -> AsyncIterator[Graph]:
-    tables = {"gateways": {"mqtt": {"root": ROOT}, "ble": {"max_connections": 50}}, "discovery": {"persist": False}}
+    ble = {"max_connections": 50, "profiles": {"light": LIGHT_PROFILE}}
+    tables = {"gateways": {"mqtt": {"root": ROOT}, "ble": ble}, "discovery": {"persist": False}}
     config = parse_config(tables, "benchmark")
     async with Runtime(config, house=world, with_door=False) as runtime:
         yield runtime.graph

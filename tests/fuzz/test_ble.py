@@ -1,10 +1,11 @@
 """Damaged beacons and notified values of Bluetooth: refused in our words, or understood."""
 
 from tests.fuzz.conftest import Fuzz
+from tests.simulated.ble_family import LIGHT_PROFILE
 
 from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement
-from homebot.conventions.bluetooth.gatt_profile import BUILT_IN
+from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.announced.gateway_device import can_report
@@ -36,7 +37,7 @@ def test_damaged_beacons_are_refused_or_read(fuzz: Fuzz) -> None:
 
 def test_damaged_reports_and_values_of_a_profile_are_refused_or_read(fuzz: Fuzz) -> None:
     for damage, rng in fuzz("gatt"):
-        profile = BUILT_IN["gatt_light"]
+        profile = GattProfile.model_validate(LIGHT_PROFILE)
         state = profile.unknown_state()
         try:
             values: dict[str, PlainValue] = profile.read(damage.damaged_bytes(b"\x01\x7f"), state)

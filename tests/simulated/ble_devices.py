@@ -9,6 +9,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping
 
 import anyio
+from tests.simulated.ble_family import LIGHT_PROFILE
 from tests.simulated.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
 
 from homebot.house.connected_device import ServedDevice
@@ -17,9 +18,7 @@ from homebot.house.dialect import SimulatedDeviceInfo
 EVERY = 1.0
 """Seconds between advertisements."""
 
-LIGHT_SERVICE = "7b1d0001-6b8f-4f3e-9d2a-0123456789ab"
-LIGHT_COMMAND = "7b1d0002-6b8f-4f3e-9d2a-0123456789ab"
-LIGHT_STATE = "7b1d0003-6b8f-4f3e-9d2a-0123456789ab"
+LIGHT_SERVICE, LIGHT_COMMAND, LIGHT_STATE = (LIGHT_PROFILE[name] for name in ("service", "command", "state"))
 _INFORMATION = "180A"
 FLAGS = (0x01, b"\x06")
 _SERVICES_128 = 0x07

@@ -1,11 +1,12 @@
 """Declared profiles of devices that are connected to."""
 
 import pytest
+from tests.simulated.ble_family import LIGHT_PROFILE
 
-from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
+from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.errors import RefusedError, WireError
 
-LIGHT = BUILT_IN["gatt_light"]
+LIGHT = GattProfile.model_validate(LIGHT_PROFILE)
 STRIP = GattProfile.model_validate(
     {
         "service": "ffd5",

@@ -7,6 +7,7 @@ from random import Random
 import anyio
 import pytest
 from tests.patience import PATIENCE
+from tests.simulated.ble_family import LIGHT_PROFILE
 from tests.simulated.virtual_bleak import backend_of
 from tests.simulated.virtual_radio import VirtualRadio
 
@@ -41,7 +42,9 @@ class RadioHouse:
             Node(self.graph, "ble", namespace="/gateway") as node,
             anyio.create_task_group() as tasks,
         ):
-            gateway = BleGateway(node, BleGatewaySettings.model_validate(settings), context)
+            gateway = BleGateway(
+                node, BleGatewaySettings.model_validate({"profiles": {"light": LIGHT_PROFILE}, **settings}), context
+            )
             await tasks.start(gateway.serve)
             tasks.start_soon(self._watch_sightings, gateway)
             tasks.start_soon(self._watch_reports, gateway)

@@ -57,7 +57,7 @@ def test_a_variable_that_is_not_set_is_named() -> None:
     ("given", "named"),
     [
         ({"devices": {"attic": {}}}, "is not an address"),
-        ({"devices": {ADDRESS: {"profile": "disco"}}}, "'disco' is unknown; known are gatt_light"),
+        ({"devices": {ADDRESS: {"profile": "disco"}}}, "'disco' is unknown; known are none"),
         ({"devices": {ADDRESS: {"bind_key": KEY}}}, "Extra inputs"),
         ({"devices": {ADDRESS: {"bind_key_env": "A", "bind_key_file": "b"}}}, "not both"),
         ({"profiles": {"lamp": {"service": "xyz", "command": "ffd9", "on": "01", "off": "00"}}}, "is not a UUID"),

@@ -197,17 +197,3 @@ class GattProfile(BaseModel):
             channels = tuple(float(fields[channel]) for channel in _CHANNELS)
             readings["color"] = to_hue_saturation("rgb", channels, _WHITE)
         return readings
-
-
-BUILT_IN: Mapping[str, GattProfile] = {
-    "gatt_light": GattProfile(
-        service="7b1d0001-6b8f-4f3e-9d2a-0123456789ab",
-        command="7b1d0002-6b8f-4f3e-9d2a-0123456789ab",
-        state="7b1d0003-6b8f-4f3e-9d2a-0123456789ab",
-        on="{on}{level}",
-        off="{on}{level}",
-        level="{on}{level}",
-        report="{on}{level}",
-    )
-}
-"""The built-in profiles: the light of homebot's simulated house."""

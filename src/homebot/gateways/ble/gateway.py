@@ -77,7 +77,7 @@ class BleGateway(Gateway):
         clock = node.graph.clock
         self._settings = settings
         self._clock = clock
-        self._profiles = {profile.service: profile for profile in settings.all_profiles().values()}
+        self._profiles = {profile.service: profile for profile in settings.profiles.values()}
         self._parsers = _find_parsers(settings)
         self._known: dict[str, KnownDevice] = {}
         self._keys: dict[str, str] = {}
@@ -297,7 +297,7 @@ class BleGateway(Gateway):
 
     def _profile_of(self, advertisement: Advertisement, declared: BleDeviceSettings | None) -> GattProfile | None:
         if declared is not None and declared.profile:
-            return self._settings.all_profiles()[declared.profile]
+            return self._settings.profiles[declared.profile]
         return next((self._profiles[uuid] for uuid in advertisement.service_uuids if uuid in self._profiles), None)
 
     def _put(self, device: KnownDevice, why: str) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from homebot.config import SecretFile, SecretName
-from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
+from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.conventions.bluetooth.signal import RSSI_AT_1M
 from homebot.errors import UsageError
 from homebot.gateways.base import GatewaySettings
@@ -115,10 +115,9 @@ class BleGatewaySettings(GatewaySettings):
 
     @model_validator(mode="after")
     def _check_profiles(self) -> BleGatewaySettings:
-        known = self.all_profiles()
         for address, device in self.devices.items():
-            if device.profile and device.profile not in known:
-                names = ", ".join(known)
+            if device.profile and device.profile not in self.profiles:
+                names = ", ".join(self.profiles) or "none"
                 raise ValueError(f"devices.{address}.profile: {device.profile!r} is unknown; known are {names}")
         return self
 
@@ -126,10 +125,6 @@ class BleGatewaySettings(GatewaySettings):
     def listed_proxies(self) -> tuple[BleProxySettings, ...]:
         """The proxies that the owner lists by address."""
         return self.proxies if isinstance(self.proxies, tuple) else ()
-
-    def all_profiles(self) -> dict[str, GattProfile]:
-        """Return the profiles by name; a declared one replaces a built-in one."""
-        return {**BUILT_IN, **self.profiles}
 
     def bind_keys(self) -> dict[str, bytes]:
         """Return the keys by address.
