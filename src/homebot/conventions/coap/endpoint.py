@@ -26,8 +26,8 @@ class CoapEndpoint:
         key: The key of its first device: its name in a resource directory, else its address. A name has no slash.
         base: Its address: ``coap://192.168.1.20``.
         is_registered: Whether it is in a resource directory, which says when it is gone.
-        source: Its directory, or the path of its registration at homebot's own; :data:`CONFIGURED`, or empty for one
-            that answered by itself. Its key belongs to it until it is gone.
+        source: Its directory; :data:`CONFIGURED`, or empty for one that answered by itself. Its key belongs to it until
+            it is gone.
         is_foreign: Whether another host named its address.
         lifetime: Seconds after which its registration ends; 0 if that is not known.
         identifiers: Its identifiers beyond this gateway.

@@ -14,7 +14,7 @@ from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable, I
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, cast
+from typing import Final, cast
 
 import aiocoap
 import aiocoap.error
@@ -123,7 +123,7 @@ class CoapClient:
             context = await aiocoap.Context.create_client_context()
         except OSError as exc:
             raise LinkError(f"no CoAP endpoint can be opened: {exc}") from exc
-        limit_requests(context, lambda _: False)
+        _drop_requests(context)
         try:
             for credential in credentials:
                 _load(context, credential)
@@ -273,22 +273,19 @@ class CoapClient:
         return CoapAnswer(bytes(body), None if first.opt.content_format is None else int(first.opt.content_format))
 
 
-def limit_requests(context: aiocoap.Context, admits: Callable[[str], bool]) -> None:
-    """Drop the requests that come to *context* from hosts that *admits* does not let in.
+def _drop_requests(context: aiocoap.Context) -> None:
+    """Drop the requests that come to *context*.
 
     aiocoap remembers each request for four minutes, of a client as well, so that a flood would take all memory.
     """
     for interface in context.request_interfaces:
         port = getattr(getattr(interface, "token_interface", None), "message_interface", None)
         if port is not None and hasattr(port, "datagram_msg_received"):
-            port.datagram_msg_received = partial(_receive, port.datagram_msg_received, admits)
+            port.datagram_msg_received = partial(_receive, port.datagram_msg_received)
 
 
-def _receive(
-    receive: Callable[..., None], admits: Callable[[str], bool], data: bytes, control: object, flags: int, sender: Any
-) -> None:
-    is_request = len(data) > 1 and 0 < data[1] < _FIRST_RESPONSE
-    if not is_request or admits(sender[0]):
+def _receive(receive: Callable[..., None], data: bytes, control: object, flags: int, sender: object) -> None:
+    if not (len(data) > 1 and 0 < data[1] < _FIRST_RESPONSE):
         receive(data, control, flags, sender)
 
 
