@@ -116,7 +116,6 @@ class Feature:
         tables: Its tables of the configuration, by key.
         verbs: Its commands of the command line, by name.
         run_options: Its options of ``homebot run``, by name without dashes.
-        app_names: Names that apps import from :mod:`homebot.apps`, as ``module:name``.
         messages: Modules with its messages, for clients.
         routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
         tools: A function that adds its tools to the server for agents, with the client of the HTTP API.
@@ -140,7 +139,6 @@ class Feature:
     tables: Mapping[str, FeatureTable] = field(default_factory=dict)
     verbs: Mapping[str, Verb] = field(default_factory=dict)
     run_options: Mapping[str, RunOption] = field(default_factory=dict)
-    app_names: Mapping[str, str] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
     routes: str = ""
     tools: str = ""

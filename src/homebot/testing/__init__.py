@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from homebot.testing.event_log import EventLog, HouseEvent
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
     from homebot.testing.house import TestHouse, house_of
-    from homebot.testing.routine_steps import steps_of
     from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
 
 __all__ = [
@@ -28,7 +27,6 @@ __all__ = [
     "VirtualTimeLoop",
     "house_of",
     "live_day",
-    "steps_of",
     "virtual_house_of",
 ]
 
@@ -39,7 +37,6 @@ _NAMES = {
     "homebot.testing.event_log": "EventLog HouseEvent",
     "homebot.testing.gateway": "FakeGateway FakeGatewaySettings",
     "homebot.testing.house": "TestHouse house_of",
-    "homebot.testing.routine_steps": "steps_of",
     "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
     "homebot.support.virtual_time": "VirtualTimeLoop",
 }

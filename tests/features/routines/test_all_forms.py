@@ -16,8 +16,6 @@ from homebot.devices.app_messages import ListRoutines, RoutineInfo, RoutinesRequ
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
 from homebot.devices.names import LIST_ROUTINES, READ_JOURNAL
 from homebot.features.routines.command_trial import trial_lines
-from homebot.features.routines.export import app_text, pytest_text
-from homebot.features.routines.settings import RoutineSettings
 from homebot.graph import Node
 from homebot.recording.recording import load_recording
 from homebot.testing import VirtualTimeLoop, virtual_house_of
@@ -109,13 +107,6 @@ def test_a_form_runs_and_is_explained_with_its_text_and_why_names_it(name: str) 
     assert (info.problem, list(info.when)) == ("", ROUTINES[name]["when"])
     assert [note.text for note in info.notes if note.text == "ran" or "stopped" in note.text], info.notes
     assert f"/{info.app}" in hour().counted_by
-
-
-@pytest.mark.parametrize("name", ROUTINES)
-def test_a_form_is_exported_as_an_app_that_is_python(name: str) -> None:
-    routine = RoutineSettings.model_validate({"name": name, **ROUTINES[name]})
-    for text in (app_text(routine), pytest_text(routine, "routine")):
-        compile(text, name, "exec")
 
 
 def test_all_forms_are_tried_on_the_hour_that_was_recorded(tmp_path: Path) -> None:

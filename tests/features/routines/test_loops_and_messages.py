@@ -5,7 +5,6 @@ from tests.apps.houses import hall, is_on
 from tests.features.routines.test_routine import config
 
 from homebot.errors import ConfigError
-from homebot.features.routines.export import app_text, pytest_text
 from homebot.features.routines.settings import RoutineSettings
 from homebot.features.routines.text import read_routines, read_settings
 from homebot.testing import virtual_house_of
@@ -106,30 +105,6 @@ def test_a_mistake_in_a_step_is_named(steps: list[object], problem: str) -> None
     with pytest.raises((ConfigError, ValueError)) as caught:
         RoutineSettings.model_validate(table)
     assert problem in str(caught.value)
-
-
-def test_loops_and_ends_are_exported_as_an_app_whose_test_passes() -> None:
-    steps = [
-        MESSAGE,
-        MOVES,
-        EMPTY,
-        f"{WAIT}, then stop",
-        {"if": ["sun is down"], "do": [MESSAGE, "stop"]},
-        EACH,
-        "undo",
-    ]
-    routine = RoutineSettings.model_validate({"name": "Visit", "when": ["8:00"], "do": steps})
-    text = app_text(routine)
-    assert "for _ in range(2):" in text
-    assert "while await self.holds('hall motion occupied'):" in text
-    assert "async for _ in self.turns('motion sensor or lamp'):" in text
-    names: dict[str, object] = {}
-    exec(compile(text, "visit.py", "exec"), names)  # noqa: S102 - what homebot wrote
-    test = pytest_text(routine, "visit").replace("from visit import Visit\n", "")
-    exec(compile(test, "test_visit.py", "exec"), names)  # noqa: S102
-    check = names["test_it_takes_the_steps_of_the_routine"]
-    assert callable(check)
-    check()
 
 
 def test_a_loop_is_written_as_it_was_read() -> None:

@@ -2,22 +2,17 @@
 
 import asyncio
 import re
-import sys
 import tomllib
 from collections import Counter
 from collections.abc import Iterable
-from importlib import import_module
-from pathlib import Path
 
 import pytest
 from tests.features.routines.week import ROUTINES, Week, week
 
-from homebot.config import Config, Table, load_config
-from homebot.features.routines.export import app_text, class_name
-from homebot.features.routines.text import read_routines, read_settings
+from homebot.config import Config, load_config
 from homebot.features.routines.trial import trial_config
 from homebot.recording.recording import Recording, TimedCommand
-from homebot.replay.replay import Replayed, replay, replay_config
+from homebot.replay.replay import Replayed, replay
 from homebot.testing import VirtualTimeLoop
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800), pytest.mark.rooms("homeassistant", "recording")]
@@ -86,21 +81,6 @@ def test_so_does_a_trial_by_the_history(lived: Week) -> None:
     assert [(one.app, one.message) for one in tried.notifications] == [
         (one.app, one.message) for one in lived.notifications
     ]
-
-
-def test_the_same_as_exported_apps_do_the_same(lived: Week, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(tmp_path)
-    apps: dict[str, Table] = {}
-    for table in TABLES:
-        text = f"[[routines]]\n{table}"
-        settings, app = read_settings(text, "test"), read_routines(text, "test")[0].app
-        (tmp_path / f"{app}.py").write_text(app_text(settings))
-        monkeypatch.delitem(sys.modules, app, raising=False)  # another test's program
-        import_module(app)  # a file is not read on the event loop
-        apps[app] = {"class": f"{app}:{class_name(settings)}"}
-    found = replayed(lived.recording, replay_config(lived.recording, (), load_config(ROUTINES), apps))
-    assert found.crashes == {}
-    assert [*map(in_words, found.commands)] == [*map(in_words, lived.recording.commands)]
 
 
 def test_nothing_is_said_against_them(tried: Replayed) -> None:

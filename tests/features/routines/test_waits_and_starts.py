@@ -5,7 +5,6 @@ from tests.apps.houses import hall
 from tests.features.routines.test_routine import config
 
 from homebot.errors import ConfigError, UsageError
-from homebot.features.routines.export import app_text, pytest_text
 from homebot.features.routines.settings import RoutineSettings
 from homebot.testing import virtual_house_of
 from homebot.words.steps import read_step
@@ -77,13 +76,6 @@ def test_a_mistake_about_a_run_is_named(routine: dict[str, object], problem: str
     with pytest.raises((ConfigError, ValueError, UsageError)) as caught:
         RoutineSettings.model_validate({"name": "Wrong", **routine})
     assert problem in str(caught.value)
-
-
-def test_waits_and_conditions_of_a_run_are_exported() -> None:
-    steps = [f"{FOR_NEXT}, then stop", TOLD, BY_START, "wait 1m to 3m"]
-    routine = RoutineSettings.model_validate({"name": "Visit", "when": ["08:05"], "do": steps})
-    assert f"if not await self.step('{FOR_NEXT}, then stop'):" in app_text(routine)
-    compile(app_text(routine) + pytest_text(routine, "visit"), "visit.py", "exec")
 
 
 def test_to_wait_for_a_length_of_time_is_still_explained() -> None:

@@ -30,7 +30,6 @@ FEATURE: Final = Feature(
             check="homebot.features.routines.tables:check_routine",
         )
     },
-    app_names={"RoutineApp": "homebot.features.routines.routine_app:RoutineApp"},
     verbs={
         "bind": Verb(
             "let a button do something", "homebot.features.routines.command_binding:add_arguments", after="app"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import shlex
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command, set_command
@@ -22,7 +21,6 @@ from homebot.devices.wording.time_format import ago
 from homebot.errors import HomebotError, PeerError, UsageError
 from homebot.support.names import find_name, resolve_name
 from homebot.support.printable import printable
-from homebot.support.toml_text import toml_value
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import RoutineInfo, RoutinesResponse
@@ -37,7 +35,6 @@ _EXAMPLES = """\
   homebot routine edit 'Hall light'        change it in your editor
   homebot routine edit 'Hall light' --act 'lock in hall'    let it command that as well; `act` in its text says all
   homebot routine remove 'Hall light'
-  homebot routine export 'Hall light'      write it as an app in Python, hall_light.py, and its test
   homebot routine gallery                  ready-made routines: motion light, laundry, window and heating …
   homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
   homebot routine try new.toml --on last-week       what the routines of a file would have done, by the history
@@ -106,9 +103,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(command, _import, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="its automations, such as automations.yaml; - for standard input")
     command.add_argument("--blueprint", metavar="FILE", default="", help="the blueprint that they use")
-    command = add_verb(verbs, "export", "write a routine as an app in Python, and its test")
-    set_door_command(command, _export, _EXAMPLES)
-    command.add_argument("name", metavar="NAME", help="its name")
     for change, summary in _CHANGES.items():
         command = add_verb(verbs, change, summary)
         set_door_command(command, partial(_change, change), _EXAMPLES)
@@ -246,25 +240,6 @@ def _import(door: DoorClient, options: argparse.Namespace) -> int:
     from homebot.features.routines.command_import import import_routines  # noqa: PLC0415 - reads YAML
 
     return import_routines(door, options.file, options.blueprint)
-
-
-def _export(door: DoorClient, options: argparse.Namespace) -> int:
-    from homebot.apps.grants import ACT  # noqa: PLC0415 - as below
-    from homebot.features.routines.export import app_files  # noqa: PLC0415 - reads routines
-    from homebot.features.routines.text import read_routines  # noqa: PLC0415 - as above
-
-    found = _named(door, options.name)
-    files, app = app_files(found.text, found.name, found.app)
-    if there := [name for name in files if Path(name).exists()]:
-        raise UsageError(f"{' and '.join(there)} is here already; move it, or export in another folder")
-    for name, text in files.items():
-        Path(name).write_text(text, "utf-8")
-    print(f"wrote {' and '.join(files)}; run it in place of the routine:")
-    print(f"  pytest {list(files)[1]} && homebot routine disable {shlex.quote(found.name)}")
-    print(f'  and in homebot.toml:\n[apps.{found.app}_app]\nclass = "{app}"')
-    if (act := read_routines(found.text, found.name)[0].table.get(ACT)) is not None:
-        print(f"{ACT} = {toml_value(act)}")
-    return 0
 
 
 def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:

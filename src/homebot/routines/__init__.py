@@ -1,1 +1,0 @@
-"""For apps that earlier versions exported from routines."""
