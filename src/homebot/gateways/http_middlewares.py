@@ -3,7 +3,7 @@
 A device that was found may be an attacker's. It must not make this computer send requests elsewhere, least of all to
 services for this computer alone.
 
-Source: RFC 7616 and 7617 (Digest and Basic authentication), RFC 6750 (Bearer).
+Source: RFC 7617 (Basic authentication), RFC 6750 (Bearer).
 """
 
 from __future__ import annotations
@@ -30,15 +30,11 @@ def authentication(login: HttpLogin) -> ClientMiddlewareType:
     """Return the middleware that adds the credentials to requests to their server, and to no others."""
     secret = login.password.get_secret_value()
     origin = URL(login.origin).origin()
-    digest = aiohttp.DigestAuthMiddleware(login.user, secret) if login.scheme == "digest" else None
     name, value = _header_of(login, secret)
 
     async def authenticate(request: aiohttp.ClientRequest, handler: ClientHandlerType) -> aiohttp.ClientResponse:
-        if _as_http(request.url).origin() != origin:
-            return await handler(request)
-        if digest is not None:
-            return await digest(request, handler)
-        request.headers[name] = value
+        if _as_http(request.url).origin() == origin:
+            request.headers[name] = value
         return await handler(request)
 
     return authenticate

@@ -6,9 +6,9 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Final, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
 from homebot.config import PeerAddress, SecretFile, SecretName
 from homebot.errors import UsageError
@@ -71,26 +71,39 @@ def read_password(password_file: Path | None, password_env: str | None, name: st
     return None
 
 
+LoginScheme: TypeAlias = Literal["basic", "bearer"]
+"""The ways in which credentials are sent to things."""
+
+_GONE: Final = ("digest", "apikey")
+
+
 class HttpLoginSettings(PasswordSettings):
-    """The credentials for the things of one host; the password may be a token or a key.
+    """The credentials for the things of one host; the password may be a token.
 
     Attributes:
         host: The name or address of the host, with a port where it is for that alone: ``lamp.local``,
             ``192.168.1.20:8443``. They are sent to no other.
-        scheme: The only way in which they are sent: ``basic``, ``digest``, ``bearer`` or ``apikey``, and then also to
-            read descriptions; by default the way that the description of a thing asks for.
-        user: The user's name, for ``basic`` and ``digest``.
+        scheme: The only way in which they are sent, and then also to read descriptions; by default the way that the
+            description of a thing asks for.
+        user: The user's name, for ``basic``.
     """
 
     host: Annotated[PeerAddress, Field(min_length=1)]
-    scheme: Literal["basic", "digest", "bearer", "apikey"] | None = None
+    scheme: LoginScheme | None = None
     user: str = ""
+
+    @field_validator("scheme", mode="before")
+    @classmethod
+    def _check_scheme(cls, scheme: object) -> object:
+        if scheme in _GONE:
+            raise ValueError(f"{scheme} is gone; things get their password by basic or bearer")
+        return scheme
 
     @model_validator(mode="after")
     def _check_password(self) -> Self:
         if self.password_file is None and self.password_env is None:
             raise ValueError("give either password_file or password_env")
-        if ":" in self.user and self.scheme in {None, "basic"}:
+        if ":" in self.user and self.scheme != "bearer":
             raise ValueError("a user's name contains no colon")
         return self
 
@@ -101,13 +114,13 @@ class HttpLogin:
 
     Attributes:
         origin: The server, as :func:`homebot.gateways.http_address.http_origin` returns it.
-        scheme: ``digest`` and ``basic`` send user and password, ``bearer`` the password as a token, ``header`` the
-            password in the header field called *user* (an API key).
-        user: The user's name; for ``digest`` and ``basic`` without a colon.
+        scheme: ``basic`` sends user and password, ``bearer`` the password as a token, ``header`` the password in the
+            header field called *user* (an API key).
+        user: The user's name; for ``basic`` without a colon.
     """
 
     origin: str
-    scheme: Literal["digest", "basic", "bearer", "header"]
+    scheme: LoginScheme | Literal["header"]
     user: str
     password: SecretStr
 
@@ -118,11 +131,11 @@ class ThingLogin:
 
     Attributes:
         hosts: The names and addresses of the host, in lower case, each with or without a port.
-        scheme: The only way in which they are sent; empty for any.
+        scheme: The only way in which they are sent; None for any.
     """
 
     hosts: frozenset[str]
-    scheme: str
+    scheme: LoginScheme | None
     user: str
     password: SecretStr
 
@@ -144,5 +157,5 @@ def read_logins(credentials: Sequence[HttpLoginSettings]) -> tuple[ThingLogin, .
         password = settings.read_password(f"credentials[{number}].")
         if password is not None:
             hosts = frozenset({settings.host.lower().removesuffix(".")})
-            logins.append(ThingLogin(hosts, settings.scheme or "", settings.user, password))
+            logins.append(ThingLogin(hosts, settings.scheme, settings.user, password))
     return tuple(logins)

@@ -16,5 +16,6 @@ registry; RFC 8428 (SenML), RFC 9176.
 Tested against: descriptions of real things; the contract of gateways, for things over HTTP and for directories;
 libcoap, over CoAP (``tests/peers``).
 
-Not done: forms that lead to another host, tokens of OAuth 2, and over HTTP payloads other than JSON and text.
+Not done: forms that lead to another host, over HTTP other credentials than basic and bearer, and payloads other than
+JSON and text.
 """

@@ -7,6 +7,7 @@ from typing import Any
 import anyio
 import pytest
 from aiohttp import web
+from pydantic import ValidationError
 from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
 from tests.gateways.http_servers import serving
 from tests.gateways.served import served
@@ -86,40 +87,31 @@ async def test_without_its_password_the_thing_refuses_and_the_error_says_so() ->
     assert len(host.devices) == 1
 
 
-@pytest.mark.parametrize(
-    ("scheme", "sent"),
-    [
-        ({"scheme": "apikey", "in": "header", "name": "X-Key"}, "header"),
-        ({"scheme": "apikey", "in": "query", "name": "key"}, "query"),
-        ({"scheme": "apikey", "name": "key"}, "query"),
-        ({"scheme": "apikey", "in": "cookie", "name": "key"}, "cookie"),
-        ({"scheme": "oauth2", "flow": "code", "token": "http://hall.local/oauth/token"}, "bearer"),
-    ],
-)
-async def test_a_key_is_sent_where_the_description_says(
-    scheme: dict[str, str], sent: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("scheme", ["apikey", "auto", "digest", "oauth2", "psk"])
+async def test_a_thing_that_wants_another_way_is_listed_and_the_error_names_that(
+    scheme: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """WebThings Gateway asks for OAuth 2, and gives a token for it to its owner: w3c/wot-testing, WebThings."""
-    monkeypatch.setenv("KETTLE_KEY", "a b&c")
-    seen: list[str] = []
+    monkeypatch.setenv("KETTLE_KEY", "sesame")
+    asked: list[str] = []
 
     async def answer(request: web.Request) -> web.StreamResponse:
-        if request.path == "/.well-known/wot":
-            return web.json_response(description(securityDefinitions={"open": scheme}))
-        where = {
-            "header": request.headers.get("X-Key"),
-            "query": request.query.get("key"),
-            "cookie": request.headers.get("Cookie", "").removeprefix("key="),
-            "bearer": request.headers.get("Authorization", "").removeprefix("Bearer "),
-        }
-        seen.append(str(where[sent]))
-        return web.json_response(True)
+        asked.append(request.path)
+        return web.json_response(description(securityDefinitions={"open": {"scheme": scheme}}))
 
     host = KeepingHost()
     settings = {"credentials": [{"host": "127.0.0.1", "password_env": "KETTLE_KEY"}]}
-    async with serving(answer) as origin, running(driver(port_of(origin), host, settings)):
-        await host.until(lambda: ("", "on_off") in host.values)
-    assert seen[0] == "a b&c"
+    async with serving(answer) as origin:
+        with pytest.raises(RefusedError, match=f"it wants '{scheme}'; homebot has basic and bearer"):
+            await driver(port_of(origin), host, settings).run()
+    assert len(host.devices) == 1
+    assert set(asked) == {"/.well-known/wot"}
+
+
+@pytest.mark.parametrize("scheme", ["apikey", "digest"])
+def test_a_configured_way_that_homebot_had_once_is_a_mistake_that_says_so(scheme: str) -> None:
+    settings = {"credentials": [{"host": "a", "scheme": scheme, "password_env": "KEY"}]}
+    with pytest.raises(ValidationError, match=f"{scheme} is gone; things get their password by basic or bearer"):
+        ThingDriverSettings.model_validate(settings)
 
 
 async def test_a_way_other_than_the_configured_one_gets_no_password(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,14 +120,15 @@ async def test_a_way_other_than_the_configured_one_gets_no_password(monkeypatch:
     seen: list[str | None] = []
 
     async def answer(request: web.Request) -> web.StreamResponse:
-        seen.append(request.headers.get("Authorization"))
+        if request.path != "/.well-known/wot":
+            seen.append(request.headers.get("Authorization"))
         return web.json_response(description(securityDefinitions={"open": {"scheme": "basic"}}))
 
-    settings = {"credentials": [{"host": "127.0.0.1", "scheme": "digest", "user": "ann", "password_env": "KETTLE_KEY"}]}
+    settings = {"credentials": [{"host": "127.0.0.1", "scheme": "bearer", "user": "ann", "password_env": "KETTLE_KEY"}]}
     async with serving(answer) as origin:
-        with pytest.raises(RefusedError, match="digest is configured"):
+        with pytest.raises(RefusedError, match="bearer is configured"):
             await driver(port_of(origin), KeepingHost(), settings).run()
-    assert set(seen) == {None}
+    assert seen == []
 
 
 @pytest.mark.parametrize("claimed", ["192.0.2.7.", "lamp.example.org."])

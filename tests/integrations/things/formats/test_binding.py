@@ -8,7 +8,7 @@ from homebot.integrations.things.formats.binding import RequestBinding
 from homebot.integrations.things.formats.classify import parts_of
 from homebot.integrations.things.formats.parse import CONTEXT, read_thing
 from homebot.integrations.things.formats.payload import decode_document, encode_document
-from homebot.integrations.things.formats.thing import SecurityScheme, Thing
+from homebot.integrations.things.formats.thing import Thing
 
 WEB = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
 
@@ -75,7 +75,7 @@ def test_unusable_forms_are_neither_read_nor_written() -> None:
 def test_security_is_that_of_the_form_or_else_of_the_thing() -> None:
     found = thing([{"href": "/a"}, {"href": "/b", "security": ["key"]}])
     assert [one.security for one in found.affordances[0].forms] == [("nosec_sc",), ("key",)]
-    assert found.security["key"] == SecurityScheme("apikey", "query", "k")
+    assert found.security["key"] == "apikey"
 
 
 def test_forms_of_the_whole_thing_say_what_they_do() -> None:

@@ -32,7 +32,7 @@ THING: dict[str, Any] = {
     "@type": "Light",
     "base": "http://10.0.0.7/",
     "registration": {"ttl": 3600, "created": "2026-01-01T00:00:00Z"},
-    "securityDefinitions": {"key": {"scheme": "apikey", "in": "query", "name": "k"}},
+    "securityDefinitions": {"key": {"scheme": "bearer"}},
     "security": "key",
     "properties": {
         "on": {

@@ -28,7 +28,6 @@ from homebot.integrations.things.formats.thing import (
     DataSchema,
     DataType,
     Form,
-    SecurityScheme,
     Thing,
 )
 from homebot.support.addresses import resolve_uri
@@ -127,7 +126,7 @@ def read_thing(description: object, source: str = "") -> Thing:
     if not any(isinstance(context, str) and context in _CONTEXTS for context in named):
         raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
     definitions = fields.inner("securityDefinitions")
-    schemes = {name: _security_scheme(definitions.inner(name)) for name in definitions.names()}
+    schemes = {name: definitions.inner(name).text("scheme", required=True) for name in definitions.names()}
     required = fields.texts("security")
     if not required:
         raise fields.problem("security", "is missing; give the name of a security definition")
@@ -158,12 +157,6 @@ def read_thing(description: object, source: str = "") -> Thing:
         forms=tuple(_form(form, ops, base, required) for form in _listed_forms(fields) if (ops := form.texts("op"))),
         security=schemes,
     )
-
-
-def _security_scheme(fields: Fields) -> SecurityScheme:
-    scheme = fields.text("scheme", required=True)
-    where, name = (fields.text(key) if isinstance(fields.plain(key), str) else "" for key in ("in", "name"))
-    return SecurityScheme("bearer" if scheme == "oauth2" else scheme, where, name)  # its token is sent as one: RFC 6750
 
 
 def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...]) -> Iterator[Affordance]:

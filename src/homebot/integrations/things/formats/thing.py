@@ -70,21 +70,6 @@ class Form:
 
 
 @dataclass(frozen=True, slots=True)
-class SecurityScheme:
-    """A way of authentication.
-
-    Attributes:
-        scheme: For example ``nosec``, ``basic``, ``bearer`` or ``psk``.
-        location: The place of credentials, for example ``header``; empty for the scheme's default.
-        name: The name of the header, query parameter or cookie; empty for none.
-    """
-
-    scheme: str
-    location: str = ""
-    name: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class DataSchema:
     """The constraints on a value.
 
@@ -143,7 +128,7 @@ class Thing:
         area: Its room; empty if unknown.
         identifiers: Its identifiers; see :func:`homebot.devices.identity.identifiers`.
         forms: The ways to use several affordances at once, such as ``readallproperties``.
-        security: The security schemes that forms name.
+        security: The ways of authentication that forms name, for example ``nosec`` or ``basic``.
     """
 
     id: str
@@ -155,7 +140,7 @@ class Thing:
     area: str = ""
     identifiers: tuple[str, ...] = ()
     forms: tuple[Form, ...] = ()
-    security: Mapping[str, SecurityScheme] = field(default_factory=dict)
+    security: Mapping[str, str] = field(default_factory=dict)
 
 
 def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:

@@ -4,23 +4,21 @@ Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", sections
 W3C "Web of Things (WoT) HTTP Binding": default methods, ``longpoll`` and ``sse``.
 """
 
-import re
 from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, suppress
 from types import TracebackType
-from typing import Final, Literal, Self
+from typing import Final, Self
 
 import anyio
-from pydantic import SecretStr
 from yarl import URL
 
 from homebot.errors import PeerError, RefusedError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
-from homebot.gateways.password_settings import HttpLogin, ThingLogin
+from homebot.gateways.password_settings import HttpLogin, LoginScheme, ThingLogin
 from homebot.integrations.things.formats.binding import RequestBinding
-from homebot.integrations.things.formats.thing import Form, SecurityScheme, Thing
+from homebot.integrations.things.formats.thing import Form, Thing
 from homebot.integrations.things.http.thing_device import ThingPayload
 from homebot.support.isolation import run_as, ungrouped
 
@@ -35,9 +33,7 @@ MIN_POLL_S: Final = 0.5
 WATCH_EVERY: Final = 60.0
 """Seconds between checks of a thing that pushes its values, as a lost connection may go unnoticed."""
 
-_HEADER = re.compile(r"[!#$%&'*+.^_`|~0-9A-Za-z-]{1,100}")
 _MARGIN = 10.0
-_NOT_SENT: Final = frozenset({"host", "content-length", "transfer-encoding", "connection", "upgrade"})
 
 
 class HttpThingPort:
@@ -88,8 +84,8 @@ class HttpThingPort:
     ) -> AsyncGenerator[ThingPayload, None]:
         """Yield pushed values; the current value is read after each start, as a server only pushes later changes."""
         if form.subprotocol == "sse":
-            client, url = await self._client(form)
-            async with client.events(url) as events:
+            client = await self._client(form)
+            async with client.events(form.href) as events:
                 await read_current()
                 async for event in events:
                     yield ThingPayload(event.data.encode(errors="replace"), form.response_type or form.content_type)
@@ -129,75 +125,54 @@ class HttpThingPort:
     async def _request(
         self, method: str, form: Form, payload: bytes = b"", *, time_limit: float | None = None
     ) -> HttpAnswer:
-        client, url = await self._client(form)
+        client = await self._client(form)
         return await client.request(
             method,
-            url,
+            form.href,
             body=payload or None,
             content_type=form.content_type if payload else "",
             accept=form.response_type or form.content_type,
             time_limit=time_limit,
         )
 
-    async def _client(self, form: Form) -> tuple[HttpClient, str]:
-        """Return the client for the address of *form*, and the address to request."""
-        login, url = self._login(form)
+    async def _client(self, form: Form) -> HttpClient:
+        """Return the client for the address of *form*."""
+        login = self._login(form)
         client = self._clients.get(login)
         if client is None:
             made = HttpClient(guard=self._guard, login=login)
             client = self._clients[login] = await self._stack.enter_async_context(made)
-        return client, url
+        return client
 
-    def _login(self, form: Form) -> tuple[HttpLogin | None, str]:
+    def _login(self, form: Form) -> HttpLogin | None:
         where = parse_url(form.href)
-        known_schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
-        schemes = [scheme for scheme in known_schemes if scheme.scheme != "nosec"]
-        known = _known_at(where, self._logins)
-        if known is None or not schemes:
-            return None, form.href
-        if len(schemes) > 1:
+        wanted = [self._thing.security[name] for name in form.security if name in self._thing.security]
+        wanted = [scheme for scheme in wanted if scheme != "nosec"]
+        if len(wanted) > 1:
             raise RefusedError("credentials for the thing", "it wants several at once, which is not supported")
-        scheme = schemes[0]
-        if known.scheme and scheme.scheme not in {known.scheme, "auto"}:
-            raise RefusedError(
-                "credentials for the thing", f"it wants {scheme.scheme[:40]!a}, and {known.scheme} is configured"
-            )
-        if scheme.scheme == "apikey" and scheme.location in {"", "query"}:  # the default place in TD 1.1
-            if not scheme.name:
-                raise RefusedError("credentials for the thing", "its description does not name the parameter")
-            return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))
-        return _http_login(known, where, scheme), form.href
+        scheme = next(iter(wanted), "")
+        if scheme not in {"", "basic", "bearer"}:
+            raise RefusedError("credentials for the thing", f"it wants {scheme[:40]!a}; homebot has basic and bearer")
+        known = _known_at(where, self._logins)
+        if known is None or not scheme:
+            return None
+        if known.scheme not in {None, scheme}:
+            raise RefusedError("credentials for the thing", f"it wants {scheme!a}, and {known.scheme} is configured")
+        return _http_login(known, where, "basic" if scheme == "basic" else "bearer")
 
 
 def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
     """Return the credentials for reading descriptions at an address, if the configuration says how they are sent."""
     known = _known_at(where, logins)
-    if known is None or known.scheme in {"", "apikey"}:
-        return None
-    return _http_login(known, where, SecurityScheme(known.scheme))
+    return None if known is None or known.scheme is None else _http_login(known, where, known.scheme)
 
 
 def _known_at(where: URL, logins: Sequence[ThingLogin]) -> ThingLogin | None:
     return next((login for login in logins if login.is_for(where.host or "", where.port)), None)
 
 
-def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
-    """Return how requests to the server of *where* carry credentials."""
-    origin, secret = str(where.origin()), login.password
-    preferred: Literal["basic", "digest", "bearer"] | None = None
-    match scheme.scheme, scheme.location:
-        case ("basic" | "digest" | "bearer") as preferred, "" | "header":
-            pass
-        case "auto", _:
-            preferred = "digest"
-        case "apikey", "header" if _HEADER.fullmatch(scheme.name) and scheme.name.lower() not in _NOT_SENT:
-            return HttpLogin(origin, "header", scheme.name, secret)
-        case "apikey", "cookie" if _HEADER.fullmatch(scheme.name):
-            return HttpLogin(origin, "header", "Cookie", SecretStr(f"{scheme.name}={secret.get_secret_value()}"))
-        case _:
-            what = f"{scheme.scheme[:40]} in {scheme.location[:40] or 'its own place'}"
-            raise RefusedError("credentials for the thing", f"it wants {what!a}, which is not supported")
-    return HttpLogin(origin, preferred, login.user, secret)
+def _http_login(login: ThingLogin, where: URL, scheme: LoginScheme) -> HttpLogin:
+    return HttpLogin(str(where.origin()), scheme, login.user, login.password)
 
 
 def _payload(answer: HttpAnswer, form: Form) -> ThingPayload:
