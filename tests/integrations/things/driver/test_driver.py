@@ -14,9 +14,8 @@ from tests.gateways.served import served
 from tests.things.thing import ServedThing
 
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.drivers.base import FoundService
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.integrations.things.driver import HttpThingDriver, ThingDriver
+from homebot.integrations.things.driver import ThingDriver
 from homebot.integrations.things.driver.driver import ThingDriverSettings
 from homebot.integrations.things.formats.parse import CONTEXT
 
@@ -151,58 +150,6 @@ async def test_a_claimed_address_or_name_of_the_internet_gets_no_password(
     assert set(seen) == {None}
 
 
-async def test_a_web_thing_is_read_and_commanded_as_its_api_wants_it() -> None:
-    on = {"type": "boolean", "@type": "OnOffProperty", "links": [{"rel": "property", "href": "/properties/on"}]}
-    lamp = {
-        "@context": "https://iot.mozilla.org/schemas",
-        "title": "Lamp",
-        "@type": ["Light"],
-        "properties": {"on": on},
-    }
-    state: dict[str, object] = {"on": True}
-
-    async def answer(request: web.Request) -> web.StreamResponse:
-        if request.method == "PUT":
-            state.update(await request.json())
-        return web.json_response(lamp if request.path == "/lamp" else state)
-
-    host = KeepingHost()
-    async with serving(answer) as origin:
-        service = found("_webthing._tcp.local.", port_of(origin), path="/lamp")
-        thing = ThingDriver(service, ThingDriverSettings(), host)
-        async with running(thing):
-            await host.until(lambda: host.values.get(("", "on_off")) is True)
-            await thing.perform(command("", "on_off", False, key=thing.service.key))
-            await host.until(lambda: host.values.get(("", "on_off")) is False)
-    assert state == {"on": False}
-
-
-async def test_each_web_thing_of_a_server_is_a_device_behind_it() -> None:
-    """As the servers of the libraries for Python and Arduino have it."""
-
-    def web_thing(number: int) -> dict[str, object]:
-        on = {"type": "boolean", "@type": "OnOffProperty", "links": [{"href": f"/{number}/properties/on"}]}
-        return {"@context": "https://webthings.io/schemas", "title": f"Lamp {number}", "properties": {"on": on}}
-
-    state = {"/0/properties/on": {"on": True}, "/1/properties/on": {"on": True}}
-
-    async def answer(request: web.Request) -> web.StreamResponse:
-        if request.method == "PUT":
-            state[request.path] = await request.json()
-        return web.json_response(state.get(request.path, [web_thing(0), web_thing(1)]))
-
-    host = KeepingHost()
-    async with serving(answer) as origin:
-        service = found("_webthing._tcp.local.", port_of(origin), path="/")
-        things = ThingDriver(service, ThingDriverSettings(), host)
-        async with running(things):
-            await host.until(lambda: host.values.get(("", "on_off")) is True)
-            assert [one.name for one in (host.device, *host.behind.values())] == ["Hall", "Lamp 0", "Lamp 1"]
-            await things.perform(command("", "on_off", False, key=f"{service.key}/1"))
-            await host.until(lambda: host.values.get(("", "on_off")) is False)
-    assert state == {"/0/properties/on": {"on": True}, "/1/properties/on": {"on": False}}
-
-
 async def test_forms_that_lead_to_other_hosts_are_not_used() -> None:
     """A stranger's description must not make homebot ask, or switch, what the stranger cannot reach."""
     asked: list[str] = []
@@ -319,16 +266,3 @@ async def test_an_invalid_description_is_an_error(body: bytes, kind: str) -> Non
     async with serving(answer) as origin:
         with pytest.raises(WireError):
             await driver(port_of(origin), KeepingHost()).run()
-
-
-@pytest.mark.parametrize("status", [404, 200])
-async def test_a_web_server_need_not_be_a_thing(status: int) -> None:
-    async def answer(_: web.Request) -> web.StreamResponse:
-        return web.Response(status=status, text="<html>", content_type="text/html")
-
-    host = KeepingHost()
-    async with serving(answer) as origin:
-        service = FoundService("P._http", "Printer", "_http._tcp.local.", "p.local.", port_of(origin), ("127.0.0.1",))
-        async with running(HttpThingDriver(service, ThingDriverSettings(), host)):
-            await host.until(lambda: bool(host.devices))
-    assert (host.device.name, host.device.parts) == ("Printer", ())

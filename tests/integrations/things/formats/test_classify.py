@@ -122,6 +122,22 @@ def test_the_switch_of_a_thing_is_its_best_known_switch(
     assert [one.affordance.name for one in main.affordances if one.capability.name == "on_off"] == [switch]
 
 
+@pytest.mark.parametrize(
+    ("types", "service_type", "capability"),
+    [
+        (("MultiLevelSensor",), "x_sensor", "measurement"),
+        (("MultiLevelSensor", "TemperatureSensor"), "x_sensor", "measurement"),
+        (("WindowCovering",), "window_covering", "position"),
+    ],
+)
+def test_a_level_that_is_only_read_is_no_blind_without_its_type(
+    types: tuple[str, ...], service_type: str, capability: str
+) -> None:
+    level = {"@type": "LevelProperty", "type": "number", "unit": "percent", "readOnly": True}
+    (found,) = parts({"level": level}, types)
+    assert (found.part.service_type, [one.name for one in found.part.capabilities]) == (service_type, [capability])
+
+
 def test_members_that_may_be_missing_are_no_parts() -> None:
     (found,) = parts({"air": {**AIR, "required": ["co2"]}})
     assert found.part.id == "air/co2"

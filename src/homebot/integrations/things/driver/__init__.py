@@ -1,5 +1,5 @@
 """The driver for things that serve a W3C Thing Description over HTTP."""
 
-from homebot.integrations.things.driver.driver import HttpThingDriver, ThingDriver
+from homebot.integrations.things.driver.driver import ThingDriver
 
-__all__ = ["HttpThingDriver", "ThingDriver"]
+__all__ = ["ThingDriver"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Final
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
@@ -14,8 +14,6 @@ from homebot.units import Seconds
 
 if TYPE_CHECKING:
     from homebot.integrations.things.driver.session import ThingSession
-
-WEB_THING: Final = "_webthing._tcp.local."
 
 
 class ThingDriverSettings(DriverSettings):
@@ -38,16 +36,12 @@ class ThingDriver(Driver):
     """One thing that serves its description; of a directory of things, only the address is listed.
 
     Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 6.3 (DNS-Based Service
-    Discovery); of ``_webthing._tcp``, Web Thing API, section 2.
-
-    Attributes:
-        must_describe: Whether a host without a description is an error.
+    Discovery).
     """
 
-    service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local.", WEB_THING})
+    service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = ThingDriverSettings
     libraries: ClassVar[tuple[str, ...]] = ("aiohttp",)
-    must_describe: ClassVar[bool] = True
     settings: ThingDriverSettings
 
     _session: ThingSession | None = None
@@ -57,14 +51,7 @@ class ThingDriver(Driver):
         from homebot.integrations.things.driver.session import ThingSession  # noqa: PLC0415 - an extra
 
         logins = read_logins(self.settings.credentials)
-        self._session = ThingSession(
-            self.service,
-            self.host,
-            logins,
-            self.settings.poll_every,
-            must_describe=self.must_describe,
-            is_web_thing=self.service.service_type == WEB_THING,
-        )
+        self._session = ThingSession(self.service, self.host, logins, self.settings.poll_every)
         await self._session.run()
 
     async def perform(self, command: Command) -> None:
@@ -72,15 +59,3 @@ class ThingDriver(Driver):
         if self._session is None:
             raise LinkError(f"{self.service.name} is not connected")
         await self._session.perform(command)
-
-
-class HttpThingDriver(ThingDriver):
-    """A web server that may be a thing: its description is looked for at ``/.well-known/wot``.
-
-    It is used only if the configuration names it, because it sends a request to every web server on the network.
-
-    Source: as above, section 6.2 (Well-Known URIs).
-    """
-
-    service_types: ClassVar[frozenset[str]] = frozenset({"_http._tcp.local."})
-    must_describe: ClassVar[bool] = False

@@ -3,11 +3,10 @@
 The description is read again periodically: it may have changed, and this is how a vanished thing that pushes its values
 is noticed. Any host on the network may serve a description, so only forms that lead to its own host are used.
 
-Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2, 6.3 and 7.1.
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.3 and 7.1.
 """
 
 from collections.abc import Sequence
-from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -16,10 +15,9 @@ from yarl import URL
 
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_json
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, RefusedError, WireError
+from homebot.errors import LinkError, WireError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.device_runner import DriverHost
-from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import FoundService, first_answer
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
@@ -35,11 +33,7 @@ READ_AGAIN: Final = 18.0
 """Seconds between two readings of the description. With the time limit of a request, a vanished thing is noticed within
 half a minute."""
 
-MAX_THINGS: Final = 16
-"""The things of one server that are used: the first ones."""
-
 _ACCEPTED = "application/td+json, application/json;q=0.9"
-_NOT_THERE = frozenset({404, 405, 410})
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,73 +46,50 @@ class ThingSession:
     """One connection to one thing."""
 
     def __init__(
-        self,
-        service: FoundService,
-        host: DriverHost,
-        logins: Sequence[ThingLogin],
-        poll_every: float,
-        *,
-        must_describe: bool,
-        is_web_thing: bool,
+        self, service: FoundService, host: DriverHost, logins: Sequence[ThingLogin], poll_every: float
     ) -> None:
         self._service = service
         self._poll_every = poll_every
         self._host = host
-        self._must_describe = must_describe
-        self._is_web_thing = is_web_thing
         # a neighbour may claim localhost, an address, or a name of the internet, and its own addresses for them
         name = service.host.lower().removesuffix(".")
         self._host_name = name if name.endswith(".local") else ""
         self._guard = AddressGuard(service.addresses)
         self._own_hosts = frozenset(host.lower() for host in (self._host_name, *service.addresses) if host)
         self._logins = tuple(self._known_as(login) for login in logins)
-        self._devices: dict[str, ThingDevice] = {}
+        self._device: ThingDevice | None = None
 
     async def run(self) -> None:
         """Read the description and use the thing until cancelled."""
         description = await self._find()
-        while description is not None:
+        while True:
             description = await self._follow(description)
-        self._host.describe(GatewayDevice(self._service.key, self._service.name))
-        await anyio.sleep_forever()
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the thing has accepted it."""
-        device = self._devices.get(command.key)
-        if device is None:
+        if self._device is None:
             raise LinkError(f"{self._service.name} is not connected")
-        await device.perform(command)
+        await self._device.perform(command)
 
     async def _follow(self, description: _ReadDescription) -> _ReadDescription:
         """Use the thing until its description changes, and return the new one."""
-        described, key = parse_json(description.data), self._service.key
-        listed = {key: described}
-        if isinstance(described, list) and len(described) != 1:  # Web Things, each a device behind that of the service
-            listed = {f"{key}/{number}": document for number, document in enumerate(described[:MAX_THINGS])}
-        usable = {key: self._usable(read_thing(document, description.url)) for key, document in listed.items()}
-        things = [(thing, describe_thing(thing, key, HTTP_BINDING)) for key, thing in usable.items()]
-        own = next((thing for thing in things if thing[1].key == self._service.key), None)
-        if own is None:
-            self._host.describe(GatewayDevice(self._service.key, self._service.name))
-        elif self._service.properties.get("type") == "Directory" or "ThingDirectory" in own[0].types:
+        thing = self._usable(read_thing(parse_json(description.data), description.url))
+        device = describe_thing(thing, self._service.key, HTTP_BINDING)
+        if self._service.properties.get("type") == "Directory" or "ThingDirectory" in thing.types:
             place = str(URL(description.url).origin())
-            metadata = {**own[1].metadata, "thing_directory": clean_text(place)}
-            self._host.describe(replace(own[1], parts=(), metadata=metadata))
+            metadata = {**device.metadata, "thing_directory": clean_text(place)}
+            self._host.describe(replace(device, parts=(), metadata=metadata))
             return await self._until_changed(description)
-        self._host.describe_behind([] if own else [device for _, device in things])
         changed = description
         try:
             with ungrouped():
-                async with AsyncExitStack() as ports, anyio.create_task_group() as tasks:
-                    for thing, device in things:
-                        port = await ports.enter_async_context(HttpThingPort(thing, self._logins, self._guard))
-                        used = ThingDevice(thing, device, port, self._host, self._poll_every, is_behind=not own)
-                        self._devices[device.key] = used
-                        tasks.start_soon(run_as, "a thing", used.run)
+                async with HttpThingPort(thing, self._logins, self._guard) as port, anyio.create_task_group() as tasks:
+                    self._device = ThingDevice(thing, device, port, self._host, self._poll_every)
+                    tasks.start_soon(run_as, "a thing", self._device.run)
                     changed = await self._until_changed(description)
                     tasks.cancel_scope.cancel()
         finally:
-            self._devices.clear()
+            self._device = None
         return changed
 
     async def _until_changed(self, description: _ReadDescription) -> _ReadDescription:
@@ -128,29 +99,18 @@ class ThingSession:
             if now != description:
                 return now
 
-    async def _find(self) -> _ReadDescription | None:
-        """Return the description from the first address that answers; None if there is none and none is required."""
-        announced, is_encrypted, path = self._service.properties, False, WELL_KNOWN
-        if self._must_describe and self._is_web_thing:
-            is_encrypted, path = announced.get("tls") == "1", announced.get("path", "") or "/"
-        elif self._must_describe:
-            is_encrypted, path = announced.get("scheme") == "https", announced.get("td", "") or WELL_KNOWN
-        scheme: Literal["http", "https"] = "https" if is_encrypted else "http"
+    async def _find(self) -> _ReadDescription:
+        """Return the description from the first address that answers."""
+        announced = self._service.properties
+        scheme: Literal["http", "https"] = "https" if announced.get("scheme") == "https" else "http"
+        path = announced.get("td", "") or WELL_KNOWN
         path = path if path.startswith("/") else f"/{path}"
-        name = (self._host_name,) if is_encrypted and self._host_name else ()
+        name = (self._host_name,) if scheme == "https" and self._host_name else ()
 
         async def read_at(address: str) -> _ReadDescription:
             return await self._read(http_origin(address, self._service.port, scheme) + path)
 
-        try:
-            return await first_answer(self._service.name, (*name, *self._service.addresses), read_at)
-        except RefusedError as exc:
-            if self._must_describe or exc.code not in _NOT_THERE:
-                raise
-        except WireError:
-            if self._must_describe:
-                raise
-        return None
+        return await first_answer(self._service.name, (*name, *self._service.addresses), read_at)
 
     async def _read(self, url: str) -> _ReadDescription:
         login = login_at(parse_url(url), self._logins)

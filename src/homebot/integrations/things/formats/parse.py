@@ -1,14 +1,7 @@
 """The parser of Thing Descriptions, which checks the rules of TD 1.1. Pure.
 
-Missing terms have the defaults of the specification, and unknown ones are ignored. Descriptions of version 1.0 and of
-Web Things are read too.
-
-Many self-made devices run a library of the Web Thing API. That for Arduino lists its things, also a single one, by ids
-that are no URIs: each house has a ``led``. Their properties are read and written as an object with one member,
-``{"on": true}``, at the address of a link. Actions and events are left out: they have protocols of their own.
-
-Source: Web Thing API, https://webthings.io/api, sections 3 and 4, as the libraries ``webthing`` for Python and Arduino
-serve it.
+Missing terms have the defaults of the specification, and unknown ones are ignored. Descriptions of version 1.0 are read
+too.
 """
 
 import re
@@ -17,10 +10,8 @@ from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
 
-from homebot.conventions.payload import as_fields
 from homebot.integrations.things.formats.fields import Fields
 from homebot.integrations.things.formats.thing import (
-    NO_SECURITY,
     OBSERVE_OPS,
     WRITE_OPS,
     Affordance,
@@ -31,55 +22,6 @@ from homebot.integrations.things.formats.thing import (
     Thing,
 )
 from homebot.support.addresses import resolve_uri
-
-_WEBTHINGS_CONTEXTS: Final = frozenset({"https://iot.mozilla.org/schemas", "https://webthings.io/schemas"})
-_SCHEMA: Final = ("type", "unit", "minimum", "maximum", "enum")
-_KEPT: Final = ("@type", "title", "description", "readOnly")
-
-
-def with_forms(description: object, context: str) -> object:
-    """Return the description of a Web Thing as a Thing Description of this *context*; another description as it is."""
-    only = description[0] if isinstance(description, list) and len(description) == 1 else description
-    fields = as_fields(only)
-    named = fields.get("@context")
-    if not (isinstance(named, str) and named.rstrip("/") in _WEBTHINGS_CONTEXTS):
-        return description
-    properties = as_fields(fields.get("properties"))
-    affordances = {name: made for name, fields in properties.items() if (made := _property(name, as_fields(fields)))}
-    everything = _link(fields, "properties")
-    return {
-        **NO_SECURITY,
-        **fields,
-        **({} if isinstance(fields.get("securityDefinitions"), dict) else NO_SECURITY),  # one version has it as text
-        "id": fields.get("id") if ":" in str(fields.get("id")) else None,
-        "@context": context,
-        "title": fields.get("title", fields.get("name")),
-        "properties": affordances,
-        "actions": {},
-        "events": {},
-        "forms": [{"href": everything, "op": "readallproperties"}] if everything else [],
-    }
-
-
-def _property(name: str, described: Mapping[str, object]) -> dict[str, object]:
-    href = _link(described, "property")
-    if not href:
-        return {}
-    schema = {key: described[key] for key in _SCHEMA if described.get(key) is not None}
-    kept = {key: described[key] for key in _KEPT if key in described}
-    return {**kept, "type": "object", "properties": {name: schema}, "forms": [{"href": href}]}
-
-
-def _link(described: Mapping[str, object], relation: str) -> str:
-    """Return the address of the first link of a *relation*; the first libraries named none."""
-    links = described.get("links")
-    for entry in links if isinstance(links, list) else ():
-        link = as_fields(entry)
-        href = link.get("href")
-        if isinstance(href, str) and link.get("rel", "property") == relation:
-            return href
-    return ""
-
 
 CONTEXT: Final = "https://www.w3.org/2022/wot/td/v1.1"
 _CONTEXTS = frozenset({CONTEXT, "https://www.w3.org/2019/wot/td/v1", "http://www.w3.org/ns/td"})
@@ -120,7 +62,7 @@ def read_thing(description: object, source: str = "") -> Thing:
     Raises:
         WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; the message names field and value.
     """
-    fields = Fields(with_forms(description, CONTEXT), "")
+    fields = Fields(description, "")
     value = fields.plain("@context")
     named = value if isinstance(value, list) else [value]
     if not any(isinstance(context, str) and context in _CONTEXTS for context in named):

@@ -127,11 +127,7 @@ class _ThingSource:
 
 
 class ThingDevice:
-    """The values and commands of one thing; values that are not pushed are polled every *poll_every* seconds.
-
-    Args:
-        is_behind: Whether it is behind the device of *host*, which has described it.
-    """
+    """The values and commands of one thing; values that are not pushed are polled every *poll_every* seconds."""
 
     def __init__(
         self,
@@ -140,15 +136,12 @@ class ThingDevice:
         port: ThingPort,
         host: DriverHost,
         poll_every: float = POLL_EVERY,
-        *,
-        is_behind: bool = False,
     ) -> None:
         self._thing = thing
         self._device = device
         self._port = port
         self._host = host
         self._poll_every = poll_every
-        self._key = device.key if is_behind else ""
         self._parts: tuple[ClassifiedPart, ...] = parts_of(thing, port.binding)
         self._asked: list[_ThingSource] = []
         self._asks_now = anyio.Event()
@@ -164,8 +157,7 @@ class ThingDevice:
             PeerError: It refuses to be read.
         """
         self._is_reached, self._refusal = False, None
-        if not self._key:
-            self._host.describe(self._device)
+        self._host.describe(self._device)
         observed = self._sources()
         with ungrouped():
             async with anyio.create_task_group() as tasks:
@@ -305,7 +297,7 @@ class ThingDevice:
         if value is None:
             self._host.reject(payload.data, f"{source.affordance.name[:60]!a} cannot be {shown(document)}")
         else:
-            await self._host.report({source.capability.name: value[0]}, part, self._key)
+            await self._host.report({source.capability.name: value[0]}, part)
 
 
 def _group(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
