@@ -70,7 +70,6 @@ class ServedThing(ServedWebDevice):
             "securityDefinitions": {"access": {"scheme": scheme}},
             "security": "access",
             "properties": {name: self._described(name, one) for name, one in self._properties.items()},
-            "forms": [{"href": "properties", "op": "readallproperties"}],
         }
 
     def show(self) -> None:
@@ -89,8 +88,6 @@ class ServedThing(ServedWebDevice):
             return WebReply(as_json(self.description()), content_type=TD_TYPE)
         if not self._lets_in(request.headers):
             return WebReply(b"", 401, headers={"WWW-Authenticate": self._login.partition(" ")[0]})
-        if path == "/properties":
-            return WebReply(as_json({name: one.read(self.state) for name, one in self._properties.items()}))
         name = path.removeprefix("/properties/")
         if name == path or name not in self._properties:
             return WebReply(b"", 404)

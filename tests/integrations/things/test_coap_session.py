@@ -13,8 +13,6 @@ def test_a_description_that_was_found_speaks_for_its_own_endpoint_alone() -> Non
         "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
         "security": "nosec_sc",
         "properties": {"on": {"type": "boolean", "forms": forms}},
-        "forms": [{"href": "coap://other/all", "op": "readallproperties"}],
     }
     thing = with_own_forms(read_thing(description, "coap://h/td"), "coap://h")
     assert [one.href for one in thing.affordances[0].forms] == ["coap://h/on", "coap://H:5683/x"]
-    assert thing.forms == ()

@@ -186,35 +186,6 @@ async def test_addresses_by_the_name_of_the_host_are_reached_without_a_name_serv
         await host.until(lambda: host.values.get(("", "on_off")) is True)
 
 
-async def test_a_change_between_two_long_polls_is_read_after_the_next_one_has_begun() -> None:
-    """The server answers a poll with changes after it only, as node-wot does."""
-    is_on, polls = False, 0
-    change, over = anyio.Event(), anyio.Event()
-
-    async def answer(request: web.Request) -> web.StreamResponse:
-        nonlocal is_on, polls
-        if request.path == "/.well-known/wot":
-            forms = [{"href": "/on"}, {"href": "/on/observe", "op": "observeproperty", "subprotocol": "longpoll"}]
-            on = {"type": "boolean", "@type": "OnOffProperty", "forms": forms}
-            return web.json_response(description(properties={"on": on}))
-        if request.path == "/on/observe":
-            polls += 1
-            await (change if polls == 1 else over).wait()
-            seen, is_on = is_on, False  # it changes again before the next poll
-            return web.json_response(seen)
-        return web.json_response(is_on)
-
-    host = KeepingHost()
-    async with serving(answer) as origin:
-        async with running(driver(port_of(origin), host)):
-            await host.until(lambda: host.values.get(("", "on_off")) is False)
-            is_on = True
-            change.set()
-            await host.until(lambda: [one[2] for one in host.events][-2:] == [True, False])
-            assert polls == 2  # not by another one, when its time was over
-        over.set()
-
-
 async def test_an_action_is_posted_and_an_event_is_reported() -> None:
     posted: list[str] = []
     over = anyio.Event()

@@ -10,7 +10,7 @@ from homebot.integrations.things.formats.parse import CONTEXT, read_thing
 from homebot.integrations.things.formats.payload import decode_document, encode_document
 from homebot.integrations.things.formats.thing import Thing
 
-WEB = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
+WEB = RequestBinding(frozenset({"http", "https"}), ("sse",))
 
 
 def thing(on_forms: list[dict[str, Any]], source: str = "", **more: Any) -> Thing:
@@ -60,7 +60,7 @@ def test_only_forms_that_the_protocol_can_use_count_and_the_best_comes_first() -
             {"href": "http://lamp/on/set", "op": "writeproperty", "htv:methodName": "post"},
         ]
     ).affordances
-    assert [one.subprotocol for one in WEB.push_forms(on)] == ["sse", "longpoll"]
+    assert [one.subprotocol for one in WEB.push_forms(on)] == ["sse"]
     assert [(one.href, one.response_type) for one in WEB.read_forms(on)] == [("http://lamp/on", "text/plain")]
     assert [(one.href, one.method) for one in WEB.write_forms(on)] == [("http://lamp/on/set", "POST")]
     assert WEB.observe_forms(on) == (*WEB.push_forms(on), *WEB.read_forms(on))
@@ -78,20 +78,11 @@ def test_security_is_that_of_the_form_or_else_of_the_thing() -> None:
     assert found.security["key"] == "apikey"
 
 
-def test_forms_of_the_whole_thing_say_what_they_do() -> None:
-    """One without an operation is passed over; TD 1.1 demands it."""
-    forms = [{"href": "/all", "op": "readallproperties"}, {"href": "/x"}]
-    found = thing([{"href": "/a"}], "http://lamp/td", forms=forms)
-    assert [(one.href, one.ops) for one in WEB.read_all_forms(found.forms)] == [
-        ("http://lamp/all", ("readallproperties",))
-    ]
-
-
 def test_many_forms_are_read_up_to_a_limit() -> None:
     """A server lists one per address, protocol and content type."""
     forms = [{"href": f"http://[fd00::{number:x}]/a", "op": "readproperty"} for number in range(300)]
-    found = thing(forms, forms=[{**one, "op": "readallproperties"} for one in forms])
-    assert len(found.affordances[0].forms) == len(found.forms) == 100
+    found = thing(forms)
+    assert len(found.affordances[0].forms) == 100
     assert found.affordances[0].forms[40].href == "http://[fd00::28]/a"
 
 

@@ -28,7 +28,6 @@ THING = {
     "securityDefinitions": {"psk_sc": {"scheme": "psk"}},
     "security": "psk_sc",
     "base": "coap://h:5683/things/",
-    "forms": [{"href": "all", "op": "readallproperties"}],
     "properties": {
         "on": {
             "type": "object",

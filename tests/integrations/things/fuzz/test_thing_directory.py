@@ -42,7 +42,7 @@ THING: dict[str, Any] = {
         }
     },
     "actions": {"blink": {"forms": [{"href": "blink", "htv:methodName": "POST"}]}},
-    "events": {"hot": {"data": {"type": "number"}, "forms": [{"href": "hot", "subprotocol": "longpoll"}]}},
+    "events": {"hot": {"data": {"type": "number"}, "forms": [{"href": "hot", "subprotocol": "sse"}]}},
 }
 PAGES = [json.dumps([THING]), json.dumps({"members": [THING, THING], "next": "/things?offset=2"})]
 LINKS = ['</things?offset=50&limit=50>; rel="next"; title="a, b"', "</a>;rel=prev,</b>;rel=next"]

@@ -59,7 +59,6 @@ def sensor(**hrefs: str) -> dict[str, Any]:
     return lamp(properties=properties, actions={}, events={})
 
 
-ALL_AT_ONCE = {"forms": [{"href": "/all", "op": "readallproperties"}]}
 ON, BRIGHTNESS, HOT, BLINK = (
     "web://lamp/things/1/on",
     "web://lamp/brightness",
@@ -300,26 +299,6 @@ async def test_affordances_of_one_address_share_one_request() -> None:
     await rig.run_for(1)
     assert rig.port.reads == [BRIGHTNESS]
     assert rig.host.values == {("temperature", "temperature"): 21.5, ("humidity", "humidity"): 40.0}
-
-
-async def test_all_properties_are_asked_for_at_once_where_the_thing_offers_that() -> None:
-    """One request for all that is polled; the thing may leave out what it does not know."""
-    three = sensor(temperature="/temperature", humidity="/humidity", pressure="/pressure") | ALL_AT_ONCE
-    rig = Rig(three, values={"web://lamp/all": b'{"temperature": 21.5, "humidity": 40}'})
-    await rig.run_for(1)
-    assert rig.port.reads == ["web://lamp/all"]
-    assert rig.host.values == {("temperature", "temperature"): 21.5, ("humidity", "humidity"): 40.0}
-    assert rig.host.rejected == []
-
-
-async def test_where_all_at_once_is_refused_each_is_asked_for() -> None:
-    two = sensor(temperature="/temperature", humidity="/humidity") | ALL_AT_ONCE
-    values = {"web://lamp/temperature": b"1", "web://lamp/humidity": b"2"}
-    for refusal in (RefusedError("reading", "404"), b"[]"):
-        rig = Rig(two, values={"web://lamp/all": refusal, **values})
-        await rig.run_for(1)
-        assert rig.port.reads[0] == "web://lamp/all"
-        assert rig.host.values == {("temperature", "temperature"): 1.0, ("humidity", "humidity"): 2.0}
 
 
 async def test_one_bad_push_does_not_end_the_observation() -> None:

@@ -56,10 +56,6 @@ class RequestBinding:
         """Return the forms by which values are asked for."""
         return tuple(form for form in self._usable(affordance) if "readproperty" in form.ops)
 
-    def read_all_forms(self, forms: tuple[Form, ...]) -> tuple[Form, ...]:
-        """Return those among the *forms* of a thing by which all its properties are asked for at once."""
-        return tuple(form for form in forms if "readallproperties" in form.ops and self._can_use(form))
-
     def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which its values become known: pushed or asked for."""
         return (*self.push_forms(affordance), *self.read_forms(affordance))
@@ -75,10 +71,11 @@ class RequestBinding:
         )
 
     def _usable(self, affordance: Affordance) -> tuple[Form, ...]:
-        return tuple(form for form in affordance.forms if self._can_use(form))
-
-    def _can_use(self, form: Form) -> bool:
-        return self._can_reach(form) and self.formats(form.response_type or form.content_type) is not None
+        return tuple(
+            form
+            for form in affordance.forms
+            if self._can_reach(form) and self.formats(form.response_type or form.content_type) is not None
+        )
 
     def _can_reach(self, form: Form) -> bool:
         return form.scheme in self.schemes and "{" not in form.href

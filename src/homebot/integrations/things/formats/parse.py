@@ -95,8 +95,6 @@ def read_thing(description: object, source: str = "") -> Thing:
         facts={name: facts.text(name) for name in facts.names() if isinstance(facts.plain(name), str)},
         area=fields.text("homebot:area"),
         identifiers=fields.texts("homebot:identifiers"),
-        # Those of the thing as a whole must have an operation (TD 1.1, section 5.3.4.2.1).
-        forms=tuple(_form(form, ops, base, required) for form in _listed_forms(fields) if (ops := form.texts("op"))),
         security=schemes,
     )
 
@@ -133,17 +131,13 @@ def _forms(
     """Parse the forms of an affordance, without *unfit* operations unless there are no others."""
     if not fields.listed("forms"):
         raise fields.problem("forms", "is empty; give at least one form")
-    for form in _listed_forms(fields):
+    for number, described in enumerate(fields.listed("forms")[:_MAX_FORMS]):
+        form = Fields(described, fields.where(f"forms[{number}]"))
         ops = form.texts("op") or _DEFAULT_OPS[kind]
         for op in ops:
             if op not in _OPS[kind]:
                 raise form.problem("op", f"{op[:60]!a} is none of {', '.join(_OPS[kind])}")
         yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base, security)
-
-
-def _listed_forms(fields: Fields) -> list[Fields]:
-    forms = fields.listed("forms")[:_MAX_FORMS]
-    return [Fields(form, fields.where(f"forms[{number}]")) for number, form in enumerate(forms)]
 
 
 def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:

@@ -6,7 +6,7 @@ editor's draft "Web of Things (WoT) MQTT Binding".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal, TypeAlias, get_args
 
@@ -40,7 +40,7 @@ class Form:
         ops: Its operations, for example ``writeproperty``; at least one.
         scheme: Of its address, for example ``mqtt``; empty if only a relative address was given.
         href: Its address, absolute if the description has a base; contains ``{`` if variables need a value.
-        subprotocol: How values are pushed, for example ``longpoll``; empty for the protocol's own way.
+        subprotocol: How values are pushed, for example ``sse``; empty for the protocol's own way.
         method: Of the request, for example ``PUT``; empty for the protocol's own choice.
         security: The names of the security schemes that it requires, all of them.
         topic: Topic for publishing; empty for none.
@@ -127,7 +127,6 @@ class Thing:
         affordances: Properties, then actions, then events, each in their order.
         area: Its room; empty if unknown.
         identifiers: Its identifiers; see :func:`homebot.devices.identity.identifiers`.
-        forms: The ways to use several affordances at once, such as ``readallproperties``.
         security: The ways of authentication that forms name, for example ``nosec`` or ``basic``.
     """
 
@@ -139,7 +138,6 @@ class Thing:
     facts: Mapping[str, str] = field(default_factory=dict)
     area: str = ""
     identifiers: tuple[str, ...] = ()
-    forms: tuple[Form, ...] = ()
     security: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -162,9 +160,8 @@ def facts_of(thing: Thing) -> dict[str, str]:
 
 def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
     """Return *thing* with forms replaced by *change*, which returns the replacement, or None to remove a form."""
-
-    def changed(forms: Iterable[Form]) -> tuple[Form, ...]:
-        return tuple(new for form in forms if (new := change(form)) is not None)
-
-    affordances = tuple(replace(affordance, forms=changed(affordance.forms)) for affordance in thing.affordances)
-    return replace(thing, affordances=affordances, forms=changed(thing.forms))
+    changed = (
+        (affordance, tuple(new for form in affordance.forms if (new := change(form)) is not None))
+        for affordance in thing.affordances
+    )
+    return replace(thing, affordances=tuple(replace(affordance, forms=forms) for affordance, forms in changed))

@@ -1,7 +1,7 @@
 """HTTP as the protocol of things.
 
 Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", sections 5.3.3 (security) and 8.3.1 (HTTP), and
-W3C "Web of Things (WoT) HTTP Binding": default methods, ``longpoll`` and ``sse``.
+W3C "Web of Things (WoT) HTTP Binding": default methods and ``sse``.
 """
 
 from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
@@ -20,20 +20,11 @@ from homebot.gateways.password_settings import HttpLogin, LoginScheme, ThingLogi
 from homebot.integrations.things.formats.binding import RequestBinding
 from homebot.integrations.things.formats.thing import Form, Thing
 from homebot.integrations.things.http.thing_device import ThingPayload
-from homebot.support.isolation import run_as, ungrouped
 
-HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
-
-LONG_POLL: Final = 50.0
-"""Seconds to wait for the answer to a long poll before it is restarted."""
-
-MIN_POLL_S: Final = 0.5
-"""Seconds between long polls if one was answered at once; also those after which one counts as started."""
+HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse",))
 
 WATCH_EVERY: Final = 60.0
 """Seconds between checks of a thing that pushes its values, as a lost connection may go unnoticed."""
-
-_MARGIN = 10.0
 
 
 class HttpThingPort:
@@ -82,19 +73,12 @@ class HttpThingPort:
     async def observe(
         self, form: Form, read_current: Callable[[], Awaitable[None]]
     ) -> AsyncGenerator[ThingPayload, None]:
-        """Yield pushed values; the current value is read after each start, as a server only pushes later changes."""
-        if form.subprotocol == "sse":
-            client = await self._client(form)
-            async with client.events(form.href) as events:
-                await read_current()
-                async for event in events:
-                    yield ThingPayload(event.data.encode(errors="replace"), form.response_type or form.content_type)
-        while form.subprotocol != "sse":
-            began = anyio.current_time()
-            answer = await self._poll(form, read_current)
-            if answer is not None and answer.status != 204:
-                yield _payload(answer, form)
-            await anyio.sleep(max(0.0, began + MIN_POLL_S - anyio.current_time()))
+        """Yield pushed values; the current value is read after the start, as a server only pushes later changes."""
+        client = await self._client(form)
+        async with client.events(form.href) as events:
+            await read_current()
+            async for event in events:
+                yield ThingPayload(event.data.encode(errors="replace"), form.response_type or form.content_type)
 
     async def watch(self, confirm: Callable[[], None]) -> None:
         """Read a value of a thing that pushes values at intervals, until cancelled."""
@@ -106,25 +90,7 @@ class HttpThingPort:
                     await self.read(form)
                 confirm()
 
-    async def _poll(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> HttpAnswer | None:
-        """Return the answer to a long poll; None if it has to be restarted."""
-
-        async def read_when_begun() -> None:
-            await anyio.sleep(MIN_POLL_S)  # nothing says when the server has the request
-            await read_current()
-
-        answer: HttpAnswer | None = None
-        with ungrouped():
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(run_as, "the reading after a long poll began", read_when_begun)
-                with anyio.move_on_after(LONG_POLL):
-                    answer = await self._request("GET", form, time_limit=LONG_POLL + _MARGIN)
-                tasks.cancel_scope.cancel()
-        return answer
-
-    async def _request(
-        self, method: str, form: Form, payload: bytes = b"", *, time_limit: float | None = None
-    ) -> HttpAnswer:
+    async def _request(self, method: str, form: Form, payload: bytes = b"") -> HttpAnswer:
         client = await self._client(form)
         return await client.request(
             method,
@@ -132,7 +98,6 @@ class HttpThingPort:
             body=payload or None,
             content_type=form.content_type if payload else "",
             accept=form.response_type or form.content_type,
-            time_limit=time_limit,
         )
 
     async def _client(self, form: Form) -> HttpClient:

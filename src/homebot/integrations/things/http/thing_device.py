@@ -1,6 +1,6 @@
 """A device described by a Thing Description: its values are observed or polled, its commands sent.
 
-Affordances with one address share its observation or poll; all properties are polled at once if the thing offers that.
+Affordances with one address share its observation or poll.
 An affordance whose observation fails is polled. Requests for values are sequential, for the sake of small devices.
 """
 
@@ -116,13 +116,11 @@ class _ThingSource:
 
     Attributes:
         affordances: The affordances, each with the id of its part.
-        has_all: Whether a reading is an object with all properties by name.
         instead: The sources to poll if this one is refused.
     """
 
     form: Form
     affordances: list[tuple[str, ClassifiedAffordance]] = field(default_factory=list)
-    has_all: bool = False
     instead: tuple[_ThingSource, ...] = ()
 
 
@@ -137,7 +135,6 @@ class ThingDevice:
         host: DriverHost,
         poll_every: float = POLL_EVERY,
     ) -> None:
-        self._thing = thing
         self._device = device
         self._port = port
         self._host = host
@@ -196,7 +193,7 @@ class ThingDevice:
                     observed.append((pushed[0], part.part.id, affordance))
                 elif read:
                     asked.append((read[0], part.part.id, affordance))
-        self._asked = self._combine(_group(asked))
+        self._asked = list(_group(asked))
         sources = _group(observed)
         for source in sources:
             forms = [
@@ -204,14 +201,6 @@ class ThingDevice:
             ]
             source.instead = _group([(read[0], part, affordance) for read, part, affordance in forms if read])
         return sources
-
-    def _combine(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
-        """Return the source of all properties in place of several, if the thing has one."""
-        forms = self._port.binding.read_all_forms(self._thing.forms)
-        if len(sources) < 2 or not forms:
-            return list(sources)
-        affordances = [affordance for source in sources for affordance in source.affordances]
-        return [_ThingSource(forms[0], affordances, has_all=True, instead=sources)]
 
     async def _observe(self, source: _ThingSource) -> None:
         try:
@@ -254,21 +243,12 @@ class ThingDevice:
             except RefusedError as exc:
                 self._refusal = exc
                 self._log("things.not_read", "cannot be read", source, exc)
-                self._ask_instead(source)
             except WireError as exc:
                 self._host.reject(exc.frame, str(exc))
-                self._ask_instead(source)
 
     def _log(self, event: str, problem: str, source: _ThingSource, error: Exception) -> None:
         href = source.form.href[:200]
         self._host.log.info(event, message=f"{href} {problem}: {str(error)[:200]}", href=href)
-
-    def _ask_instead(self, source: _ThingSource) -> None:
-        """Poll each value separately from now on, after the request for all at once failed."""
-        if source.has_all and source in self._asked:
-            self._asked.remove(source)
-            self._asked += source.instead
-            self._asks_now.set()
 
     async def _report_payload(self, source: _ThingSource, payload: ThingPayload) -> None:
         if not self._is_reached:
@@ -280,15 +260,8 @@ class ThingDevice:
         if format_ is None:
             raise WireError(f"the content type {payload.content_type[:60]!a} is not understood")
         document = format_.parse(payload.data)
-        if not source.has_all:
-            for part, affordance in source.affordances:
-                await self._report_value(part, affordance, document, payload)
-        elif isinstance(document, dict):
-            for part, affordance in source.affordances:
-                if affordance.affordance.name in document:
-                    await self._report_value(part, affordance, document[affordance.affordance.name], payload)
-        else:
-            raise WireError(f"all properties are an object, not {shown(document)}")
+        for part, affordance in source.affordances:
+            await self._report_value(part, affordance, document, payload)
 
     async def _report_value(
         self, part: str, source: ClassifiedAffordance, document: object, payload: ThingPayload
