@@ -122,17 +122,9 @@ class HttpClient:
             with anyio.CancelScope(shield=True):
                 await session.close()
 
-    async def get(
-        self,
-        url: str,
-        *,
-        accept: str = "",
-        etag: str = "",
-        time_limit: float | None = None,
-        max_bytes: int | None = None,
-    ) -> HttpAnswer:
+    async def get(self, url: str, *, accept: str = "", max_bytes: int | None = None) -> HttpAnswer:
         """Return the answer to GET; at most three redirects within the host are followed. See also :meth:`request`."""
-        return await self.request("GET", url, accept=accept, etag=etag, time_limit=time_limit, max_bytes=max_bytes)
+        return await self.request("GET", url, accept=accept, max_bytes=max_bytes)
 
     async def get_json(self, url: str) -> object:
         """Return the answer to GET, parsed as JSON; see :meth:`request`."""
@@ -156,8 +148,6 @@ class HttpClient:
         body: bytes | None = None,
         content_type: str = "",
         accept: str = "",
-        etag: str = "",
-        time_limit: float | None = None,
         max_bytes: int | None = None,
     ) -> HttpAnswer:
         """Send a request, and return the answer.
@@ -165,10 +155,7 @@ class HttpClient:
         Args:
             url: Where; ``http`` or ``https``, without a user or a password.
             accept: The media types that are understood; empty for any.
-            etag: The entity tag of the known content, which is answered by status 304 without a body if it is still
-                current. Empty for none.
-            time_limit: Seconds in total; by default that of the client.
-            max_bytes: Longest body of the answer; likewise.
+            max_bytes: Longest body of the answer; by default that of the client.
 
         Raises:
             LinkError: The server cannot be reached, is too slow, breaks off, or says that it may work later (408, 425,
@@ -180,15 +167,13 @@ class HttpClient:
         if not _METHOD.fullmatch(method):
             raise WireError(f"{shown(method)} is no method of HTTP")
         where = parse_url(url)
-        headers = _headers(accept, content_type, etag)
-        async with self._within(method, where, self._time_limit if time_limit is None else time_limit):
+        headers = _headers(accept, content_type)
+        async with self._within(method, where, self._time_limit):
             response = await self._open().request(
                 method, where, data=body, headers=headers, allow_redirects=method == "GET", max_redirects=_REDIRECTS
             )
             SENT_REQUESTS.get().is_unanswered = False
             async with response:
-                if etag and response.status == 304:
-                    return HttpAnswer(304, "", b"", _fields(response))
                 check_status(f"{method} {shown_url(where)}", response.status, has_login=self._login is not None)
                 data = await _body(where, response, self._max_bytes if max_bytes is None else max_bytes)
                 return HttpAnswer(response.status, _media_type(response), data, _fields(response))
@@ -281,9 +266,9 @@ def _marking_sent() -> aiohttp.TraceConfig:
     return tracing
 
 
-def _headers(accept: str, content_type: str, etag: str = "") -> dict[str, str]:
+def _headers(accept: str, content_type: str) -> dict[str, str]:
     """Return header fields with values that may be from outside."""
-    given = {"Accept": accept or "*/*", "Content-Type": content_type, "If-None-Match": etag}
+    given = {"Accept": accept or "*/*", "Content-Type": content_type}
     for name, value in given.items():
         if not (value.isascii() and value.isprintable()):
             raise WireError(f"{shown(value)} is no {name}")

@@ -82,7 +82,7 @@ async def test_a_directory_without_events_is_read_again() -> None:
 
 
 async def test_a_malformed_description_is_counted_once_and_the_others_are_listed() -> None:
-    directory = ThingDirectoryServer(has_events=False, has_etags=False)
+    directory = ThingDirectoryServer(has_events=False)
     directory.register(description(1, properties={"on": {"forms": []}}))
     directory.register(description(2))
     directory.things["x"] = {"title": "has no id"}
@@ -90,43 +90,6 @@ async def test_a_malformed_description_is_counted_once_and_the_others_are_listed
         await until(lambda: found.devices.keys == ("urn:dev:lamp:2",))
         await until(lambda: found.devices.counters.rejected >= 3)
     assert found.devices.counters.rejected <= 6
-
-
-async def test_pages_that_have_not_changed_are_not_sent_again(pass_time: Callable[[float], None]) -> None:
-    directory = ThingDirectoryServer(has_events=False, page=2)
-    for number in range(4):
-        directory.register(description(number))
-    async with served(directory), gateway(directory.url, list_every=1.0) as (found, _):
-        pass_time(1.0)
-        await until(lambda: directory.pages_unchanged >= 4)
-        assert directory.pages_sent == 2
-        directory.register(description(4))
-        pass_time(1.0)
-        await until(lambda: len(found.devices.keys) == 5)
-        assert directory.pages_sent == 3
-        directory.register(description(0, title="Other"))
-        await until(lambda: directory.pages_sent == 4)
-        directory.delete("urn:dev:lamp:4")
-        await until(lambda: len(found.devices.keys) == 4)
-        assert found.devices.counters.rejected == 0
-
-
-async def test_a_malformed_description_on_a_page_that_has_not_changed_is_not_counted_again() -> None:
-    directory = ThingDirectoryServer(has_events=False)
-    directory.things["x"] = {"title": "has no id"}
-    async with served(directory), gateway(directory.url, list_every=1.0) as (found, _):
-        await until(lambda: directory.pages_unchanged >= 2)
-        assert found.devices.counters.rejected == 1
-
-
-async def test_a_page_with_a_thing_that_there_was_no_room_for_is_sent_again() -> None:
-    directory = ThingDirectoryServer(has_events=False, page=1)
-    for number in range(2):
-        directory.register(description(number))
-    async with served(directory), gateway(directory.url, list_every=1.0, max_devices=1) as (found, _):
-        await until(lambda: directory.pages_sent >= 4)
-        assert found.devices.keys == ("urn:dev:lamp:0",)
-        assert directory.pages_unchanged >= 1
 
 
 async def test_a_thing_that_speaks_only_coap_says_what_to_do() -> None:

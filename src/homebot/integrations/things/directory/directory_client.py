@@ -3,7 +3,7 @@
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 7.3.2.
 """
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Final
 from urllib.parse import quote
@@ -16,7 +16,7 @@ from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
-from homebot.integrations.things.directory.documents import DirectoryPage, ReadPage, etag_of, members_of, next_page
+from homebot.integrations.things.directory.documents import members_of, next_page
 
 PAGE: Final = 50
 """Things per page, if the directory can paginate."""
@@ -36,21 +36,16 @@ class DirectoryReader:
 
     Args:
         url: The address below which it has ``/things`` and ``/events``.
-        read: The pages read so far, by address; kept across connections.
     """
 
-    def __init__(self, url: str, client: HttpClient, read: dict[str, ReadPage]) -> None:
+    def __init__(self, url: str, client: HttpClient) -> None:
         self._url = url
         self._origin = parse_url(url).origin()
         self._client = client
-        self._read = read
         self._can_count = True
 
-    async def pages(self, has_all: Callable[[frozenset[str]], bool]) -> AsyncIterator[DirectoryPage]:
-        """Yield all pages; an unchanged page has no members.
-
-        Args:
-            has_all: Returns whether the things with these keys are known; if not, their page is requested again.
+    async def pages(self) -> AsyncIterator[list[object]]:
+        """Yield the descriptions on each page.
 
         Raises:
             LinkError: The directory does not answer.
@@ -63,35 +58,18 @@ class DirectoryReader:
             if where in seen or len(seen) >= MAX_PAGES:
                 raise WireError(f"the list of the directory does not end after {len(seen)} pages")
             seen.add(where)
-            before = self._read.get(where)
-            if before is not None and not has_all(before.keys):
-                before = None
-            answer = await self._get_page(where, before, is_first=len(seen) == 1)
+            answer = await self._get_page(where, is_first=len(seen) == 1)
             if answer is None:
                 where = f"{self._url}/things"
                 continue
-            if before is not None and answer.status == 304:
-                yield DirectoryPage(keys=set(before.keys))
-                following = before.following
-                if "link" in answer.headers:  # the list may have grown or shrunk
-                    following = self._resolve(where, next_page(None, answer.headers))
-                where = following
-                continue
             document = await parse_long_json(answer.body, MAX_PAGE_BYTES)
-            page = DirectoryPage(members_of(document))
-            yield page
-            following = self._resolve(where, next_page(document, answer.headers))
-            if etag := etag_of(answer.headers):
-                self._read[where] = ReadPage(etag, frozenset(page.keys), following)
-            where = following
-        for gone in self._read.keys() - seen:
-            del self._read[gone]
+            yield members_of(document)
+            where = self._resolve(where, next_page(document, answer.headers))
 
-    async def _get_page(self, where: str, before: ReadPage | None, *, is_first: bool) -> HttpAnswer | None:
+    async def _get_page(self, where: str, *, is_first: bool) -> HttpAnswer | None:
         """Return the answer with a page; None if the directory turns out not to paginate."""
-        etag = "" if before is None else before.etag
         try:
-            return await self._client.get(where, accept=_ACCEPTED, etag=etag, max_bytes=MAX_PAGE_BYTES)
+            return await self._client.get(where, accept=_ACCEPTED, max_bytes=MAX_PAGE_BYTES)
         except RefusedError as exc:
             if not is_first or not self._can_count or exc.code not in _CANNOT_COUNT:
                 raise
@@ -110,20 +88,13 @@ class DirectoryReader:
 
     @asynccontextmanager
     async def events(self) -> AsyncIterator[EventStream]:
-        """Open the stream of changes, with whole descriptions if the directory supports that.
+        """Open the stream of changes.
 
         Raises:
             LinkError: The directory does not answer.
             RefusedError: It does not report changes, or refuses homebot.
             WireError: Its answer is not an event stream.
         """
-        try:
-            async with self._client.events(f"{self._url}/events?diff=true", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:
-                yield stream
-                return
-        except RefusedError as exc:
-            if exc.code not in _CANNOT_COUNT:
-                raise
         async with self._client.events(f"{self._url}/events", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:
             yield stream
 

@@ -1,15 +1,14 @@
 """The documents of a directory of things: pages of its list, and events. Pure.
 
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 7.3.2.1 (Things API), 7.3.2.2
-(Events API); RFC 8288, section 3 (the header field Link); RFC 9110, sections 8.8.3 (ETag) and 13.1.2 (If-None-Match):
-a page that has not changed is not sent again.
+(Events API); RFC 8288, section 3 (the header field Link).
 """
 
 import json
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from homebot.conventions.payload import as_fields, parse_object, shown
@@ -19,7 +18,6 @@ from homebot.support.numbers import to_number
 
 _MAX_ID_CHARACTERS = 500
 _MAX_HEADER_CHARACTERS = 4000
-_ETAG = re.compile(r'(?:W/)?"[\x21\x23-\x7e]{0,200}"')
 _LINK = re.compile(r'<([^<>]{0,2000})>((?:[^<>,"]|"[^"]*")*)')
 _NEXT = re.compile(r';\s*rel\s*=\s*(?:"(?:[^"]*\s)?next(?:\s[^"]*)?"|next)\s*(?:;|$)', re.IGNORECASE)
 _MIN_LIFETIME_S, _MAX_LIFETIME_S = 60.0, 30 * 86_400.0
@@ -27,33 +25,10 @@ _MIN_LIFETIME_S, _MAX_LIFETIME_S = 60.0, 30 * 86_400.0
 
 @dataclass(frozen=True, slots=True)
 class DirectoryEvent:
-    """A change in the directory, with the whole description if the event has it."""
+    """A change in the directory."""
 
     change: ThingChange
     id: str
-    description: Mapping[str, object]
-
-
-@dataclass(frozen=True, slots=True)
-class ReadPage:
-    """A page as last read, with the address of the next one; empty for none."""
-
-    etag: str
-    keys: frozenset[str]
-    following: str
-
-
-@dataclass(slots=True)
-class DirectoryPage:
-    """A page of the list.
-
-    Attributes:
-        members: The descriptions on it; empty if it has not changed.
-        keys: The keys of the things on it, added by the reader of a page with members.
-    """
-
-    members: list[object] = field(default_factory=list)
-    keys: set[str] = field(default_factory=set)
 
 
 def members_of(page: object) -> list[object]:
@@ -78,9 +53,7 @@ def read_event(kind: str, data: str) -> DirectoryEvent | None:
     change = next((known for known in THING_CHANGES if known == kind), None)
     if change is None:
         return None
-    fields = parse_object(data)
-    is_whole = change == "thing_created" and "@context" in fields and "title" in fields
-    return DirectoryEvent(change, id_of(fields), fields if is_whole else {})
+    return DirectoryEvent(change, id_of(parse_object(data)))
 
 
 def id_of(document: object) -> str:
@@ -117,12 +90,6 @@ def lifetime_of(document: object, now: float) -> float:
     elif not given > 0:
         return 0.0
     return 0.0 if given == math.inf else min(max(given, _MIN_LIFETIME_S), _MAX_LIFETIME_S)
-
-
-def etag_of(headers: Mapping[str, str]) -> str:
-    """Return the entity tag in header fields, names in lower case; empty if there is none to send back."""
-    etag = headers.get("etag", "")
-    return etag if _ETAG.fullmatch(etag) else ""
 
 
 def _end_of(expires: object) -> float:

@@ -27,13 +27,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.http_client import TIME_LIMIT, HttpClient
 from homebot.gateways.password_settings import read_logins
 from homebot.integrations.things.directory.directory_client import DirectoryReader
-from homebot.integrations.things.directory.documents import (
-    ReadPage,
-    id_of,
-    lifetime_of,
-    read_event,
-    text_of,
-)
+from homebot.integrations.things.directory.documents import id_of, lifetime_of, read_event, text_of
 from homebot.integrations.things.directory.settings import ThingDirectorySettings
 from homebot.integrations.things.formats.parse import read_thing
 from homebot.integrations.things.formats.thing import Thing
@@ -147,7 +141,6 @@ class DirectorySession:
         self._known: dict[str, bytes] = {}
         self._invalid: dict[str, bytes] = {}
         self._followed: dict[str, ListedThing] = {}
-        self._read: dict[str, ReadPage] = {}
         self._connecting = anyio.CapacityLimiter(CONNECTED_AT_ONCE)
         self._lists_soon = anyio.Event()
 
@@ -162,7 +155,7 @@ class DirectorySession:
         guard = await guard_for(URL(self._settings.url).host)
         self._guard = guard.of_described
         async with HttpClient(guard=guard, login=login_at(URL(self._settings.url), self._logins)) as client:
-            reader = DirectoryReader(self._settings.url, client, self._read)
+            reader = DirectoryReader(self._settings.url, client)
             await self._listen(reader)
             while True:
                 await self._list(reader)
@@ -208,13 +201,12 @@ class DirectorySession:
     async def _list(self, reader: DirectoryReader) -> None:
         listed: set[str] = set()
         is_whole, number = True, 0
-        async for page in reader.pages(self._has_all):
-            for document in page.members:
+        async for page in reader.pages():
+            for document in page:
                 number += 1
                 if number % _TURN == 0:
                     await anyio.lowlevel.checkpoint()
-                page.keys.add(self._list_thing(document))
-            listed |= page.keys
+                listed.add(self._list_thing(document))
             if len(listed) > 2 * self._settings.max_devices:
                 is_whole = False  # the rest would be refused too
                 break
@@ -222,10 +214,6 @@ class DirectorySession:
             for key in self._known.keys() - listed:
                 self._remove(key, "the directory lists it no longer")
         self._has_listed()
-
-    def _has_all(self, keys: frozenset[str]) -> bool:
-        """Return whether listing the things of *keys* again unchanged would make no difference."""
-        return all(key in self._known or key in self._invalid or not key for key in keys)
 
     async def _on_event(self, reader: DirectoryReader, kind: str, data: str) -> None:
         try:
@@ -239,9 +227,6 @@ class DirectorySession:
                 return
             if not self._devices.admits(event.id):
                 self._lists_soon.set()
-                return
-            if event.description:
-                self._list_thing(event.description)
                 return
             body = await reader.retrieve(event.id)
             if body is None:
