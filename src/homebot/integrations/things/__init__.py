@@ -11,7 +11,7 @@ directories of things, as a gateway (``homebot.gateways``).
 
 Source: W3C Recommendations "Web of Things (WoT) Thing Description 1.1" and "Web of Things (WoT) Discovery", 5 December
 2023; drafts of the bindings for HTTP, CoAP and MQTT; https://webthings.io/schemas; OMA LwM2M
-registry; RFC 8428 (SenML), RFC 9176.
+registry; RFC 9176.
 
 Tested against: descriptions of real things; the contract of gateways, for things over HTTP and for directories;
 libcoap, over CoAP (``tests/peers``).

@@ -212,48 +212,6 @@ def test_a_thermostat_that_never_heats_cools_to_its_setpoint(
     assert [one.name for one in found.part.capabilities] == [setpoint, "thermostat_mode"]
 
 
-WARM = {"type": "number", "unit": "Celsius", "readOnly": True}
-SETPOINT = {"type": "number", "unit": "Celsius", "minimum": 5, "maximum": 30}
-MODE = {"type": "string", "enum": ["off", "heat", "auto"]}
-
-
-@pytest.mark.parametrize(
-    ("warm", "setpoint", "mode"),
-    [
-        ("temperature", "setpoint", "mode"),
-        ("roomTemperature", "desiredTemperature", "operating_mode"),
-        ("currentTemperature", "targetTemperature", "thermostatMode"),
-    ],
-)
-def test_a_temperature_a_setpoint_in_degrees_and_a_mode_are_a_thermostat(warm: str, setpoint: str, mode: str) -> None:
-    """ECHONET's air conditioners have an outdoor temperature as well."""
-    found, outside, relay = parts(
-        {warm: WARM, setpoint: SETPOINT, mode: MODE, "outdoorTemperature": WARM, "light": FLAG}
-    )
-    assert (found.part.service_type, found.part.guessed, relay.part.service_type) == ("thermostat", True, "switch")
-    assert outside.part.service_type == "temperature_sensor"
-    assert {one.name: (one.settable, one.options) for one in found.part.capabilities} == {
-        "local_temperature": (False, ()),
-        "heating_setpoint": (True, ()),
-        "thermostat_mode": (True, ("off", "heat", "auto")),
-    }
-    assert next(one.bounds for one in found.part.capabilities if one.name == "heating_setpoint") == (5.0, 30.0)
-
-
-@pytest.mark.parametrize(
-    ("setpoint", "mode"),
-    [
-        ({**SETPOINT, "unit": "bar"}, MODE),
-        ({**SETPOINT, "readOnly": True}, MODE),
-        (SETPOINT, {"type": "string", "enum": ["schedule", "manual"]}),
-        (SETPOINT, {**MODE, "readOnly": True}),
-    ],
-)
-def test_another_setpoint_or_mode_makes_none(setpoint: dict[str, Any], mode: dict[str, Any]) -> None:
-    found = parts({"temperature": WARM, "setpoint": setpoint, "mode": mode})
-    assert "thermostat" not in {one.part.service_type for one in found}
-
-
 @pytest.mark.parametrize(
     ("title", "level", "service_type"),
     [

@@ -1,21 +1,19 @@
-"""Content formats and SenML packs."""
+"""Content formats of CoAP."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.errors import WireError
 from homebot.integrations.things.formats.content_formats import (
     coap_formats,
     content_format_of,
     content_type_of,
-    read_senml,
 )
 
 
 @pytest.mark.parametrize(
     ("number", "content_type"),
-    [(0, "text/plain"), (40, "application/link-format"), (112, "application/senml+cbor"), (432, "application/td+json")],
+    [(0, "text/plain"), (40, "application/link-format"), (60, "application/cbor"), (432, "application/td+json")],
 )
 def test_numbers_and_types_stand_for_each_other(number: int, content_type: str) -> None:
     assert content_type_of(number) == content_type
@@ -36,10 +34,6 @@ def test_an_unknown_number_is_a_type_that_nothing_understands_and_comes_back() -
         ("text/plain", b"21.5", 21.5),
         ("application/json", b'{"a": 1}', {"a": 1}),
         ("application/cbor", b"\xa1\x65value\xf5", {"value": True}),
-        ("application/senml+json", b'[{"n":"urn:dev:ow:10e2073a01080063","u":"Cel","v":23.1}]', 23.1),
-        ("application/senml+json", b'[{"bn":"u:","n":"a","vb":true},{"n":"b","vs":"x"}]', {"u:a": True, "u:b": "x"}),
-        ("application/senml+json", b'[{"bn":"t","bv":20,"v":1},{"v":2}]', 22.0),
-        ("application/senml+cbor", bytes.fromhex("81a3006374656d0163436c6302f94d60"), 21.5),
     ],
 )
 def test_payloads_are_read_by_their_type(content_type: str, payload: bytes, document: object) -> None:
@@ -48,19 +42,12 @@ def test_payloads_are_read_by_their_type(content_type: str, payload: bytes, docu
     assert found.parse(payload) == document
 
 
-@pytest.mark.parametrize("pack", [{}, [], [1], [{}], [{"n": 1, "v": 1}], [{"v": "x"}], [{"v": float("inf")}]])
-def test_invalid_senml_is_refused(pack: object) -> None:
-    with pytest.raises(WireError):
-        read_senml(pack)
-
-
 WORDS = {"true", "false", "null"}
 """Texts that plain text cannot tell from values."""
 
 
 @given(
-    st.sampled_from(["text/plain", "application/json", "application/cbor", "application/senml+json"])
-    | st.just("application/senml+cbor"),
+    st.sampled_from(["text/plain", "application/json", "application/cbor"]),
     st.booleans()
     | st.integers(-(2**40), 2**40)
     | st.text(st.characters(categories=["L"]), min_size=1, max_size=9).filter(lambda text: text not in WORDS),

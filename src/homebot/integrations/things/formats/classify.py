@@ -87,7 +87,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     candidates = _with_lock_actions(candidates)
     unknown, main_is_guess = [candidate for candidate in candidates if not candidate.service_type], not main
     if main_is_guess:
-        main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
+        main = _guess(unknown, thing.title)
     kind = _climate_type(unknown) if main == "thermostat" else main
     owned: dict[str, _Candidate] = {}
     for candidate in sorted(candidates, key=lambda entry: (not entry.service_type, entry.doubt, not entry.is_settable)):
@@ -254,26 +254,6 @@ _NO_LAMPS = frozenset(
 """Words in a title that exclude a level of light."""
 
 
-def _assign_thermostat(candidates: Collection[_Candidate]) -> bool:
-    """Assign the meanings of a thermostat to a temperature, setpoint and mode; return False without these."""
-    roles = {
-        "local_temperature": [candidate for candidate in candidates if _is_indoors(candidate)],
-        "heating_setpoint": [
-            candidate
-            for candidate in candidates
-            if candidate.capability == "heating_setpoint" or _is_setpoint(candidate)
-        ],
-        "thermostat_mode": [
-            candidate for candidate in candidates if candidate.capability == "thermostat_mode" or _is_mode(candidate)
-        ],
-    }
-    if any(len(ones) != 1 for ones in roles.values()):
-        return False
-    for capability, (candidate,) in roles.items():
-        candidate.capability = capability
-    return True
-
-
 def _climate_type(candidates: Collection[_Candidate]) -> str:
     """Return the type of a thermostat by its modes; if none of them heats, its setpoint becomes one for cooling."""
     options = [
@@ -289,31 +269,8 @@ def _climate_type(candidates: Collection[_Candidate]) -> str:
     return climate_type(modes)
 
 
-def _is_indoors(candidate: _Candidate) -> bool:
-    return (
-        candidate.capability == "temperature"
-        and not candidate.is_settable
-        and _OUTDOORS.isdisjoint(_words_of(candidate))
-    )
-
-
-def _is_setpoint(candidate: _Candidate) -> bool:
-    in_degrees = unit_of(candidate.affordance.schema) in {"°C", "°F"}
-    return candidate.capability == "number" and in_degrees and not _SETPOINTS.isdisjoint(_words_of(candidate))
-
-
-def _is_mode(candidate: _Candidate) -> bool:
-    is_choice = candidate.capability == "option" and "mode" in _words_of(candidate)
-    return is_choice and not _MODES.isdisjoint(fold(str(text)) for text in candidate.affordance.schema.enum)
-
-
 def _words_of(candidate: _Candidate) -> tuple[str, ...]:
     return words_of(_TOKEN_BREAK.sub("_", candidate.name))
-
-
-_OUTDOORS = frozenset({"outdoor", "outside"})
-_SETPOINTS = frozenset({"desired", "set", "setpoint", "target"})
-_MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
 
 def _group(candidate: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:
