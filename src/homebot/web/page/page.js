@@ -1,1 +1,1 @@
-import"./chunk-WDTZDZKE.js";
+import"./chunk-6UZFJIYX.js";

@@ -100,7 +100,7 @@ async def test_a_thing_that_wants_another_way_is_listed_and_the_error_names_that
     host = KeepingHost()
     settings = {"credentials": [{"host": "127.0.0.1", "password_env": "KETTLE_KEY"}]}
     async with serving(answer) as origin:
-        with pytest.raises(RefusedError, match=f"it wants '{scheme}'; homebot has basic and bearer"):
+        with pytest.raises(RefusedError, match=f"it wants '{scheme}', which is not supported"):
             await driver(port_of(origin), host, settings).run()
     assert len(host.devices) == 1
     assert set(asked) == {"/.well-known/wot"}

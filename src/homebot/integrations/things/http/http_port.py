@@ -117,7 +117,7 @@ class HttpThingPort:
             raise RefusedError("credentials for the thing", "it wants several at once, which is not supported")
         scheme = next(iter(wanted), "")
         if scheme not in {"", "basic", "bearer"}:
-            raise RefusedError("credentials for the thing", f"it wants {scheme[:40]!a}; homebot has basic and bearer")
+            raise RefusedError("credentials for the thing", f"it wants {scheme[:40]!a}, which is not supported")
         known = _known_at(where, self._logins)
         if known is None or not scheme:
             return None
