@@ -23,7 +23,6 @@ FRAMES = (
     {"op": "set_level", "level": "error"},
     {"op": "auth", "mac": "x", "client": "c", "dest": "d", "rand": "r", "t": 1, "level": "l", "end": 2},
     {"op": "send_action_goal", "action": "/a", "args": {"order": 3}},
-    {"op": "fragment", "id": "f", "data": "x", "num": 0, "total": 2},
 )
 WORDS = tuple(sorted({word for one in FRAMES for word in (*one, str(one["op"]))}))
 MESSAGES: tuple[type[Message], ...] = (RawMessage, Command)

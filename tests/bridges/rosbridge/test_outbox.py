@@ -8,7 +8,6 @@ import anyio
 import pytest
 
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.time_slices import ServerTurns
 
 pytestmark = pytest.mark.virtual_time
@@ -37,10 +36,6 @@ class Topic:
     def __init__(self, name: str, count: int, outbox: Outbox) -> None:
         self.name, self.left, self._outbox = name, count, outbox
         outbox.ready(self)
-
-    @property
-    def packing(self) -> Packing:
-        return PLAIN
 
     def next_frame(self) -> str | None:
         if not self.left:

@@ -35,15 +35,6 @@ async def test_the_client_with_the_most_bytes_is_cut_off(open_house: OpenHouse) 
             await until(lambda: house.server.client_count == 2)
 
 
-async def test_fragments_count_as_well(open_house: OpenHouse) -> None:
-    async with open_house(SETTINGS) as house, house.peer() as peer, house.peer() as one, house.peer() as other:
-        await peer.tell("fragment", id="f", data="x" * 45_000, num=0, total=2)
-        begin(one, 30_000)
-        begin(other, 30_000)
-        with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed, match="too many bytes"):
-            await peer.connection.recv()
-
-
 async def test_what_was_handled_no_longer_counts(open_house: OpenHouse) -> None:
     async with open_house(SETTINGS) as house, house.peer() as peer:
         for _ in range(4):

@@ -110,7 +110,7 @@ BAD_FRAMES = [
     ('{"op": "service_response", "service": "/s", "id": "1", "result": true}', "no call of /s with the id '1'"),
     ('{"op": "advertise_action", "action": "/a", "type": "x/action/Y"}', "unknown action type 'x/action/Y'"),
     ('{"op": "subscribe", "topic": "/new", "type": "std_msgs/Strng"}', "unknown message type 'std_msgs/Strng'; simi"),
-    ('{"op": "fragment", "id": "1", "data": "{}", "num": 2, "total": 2}', "number 2 of 2 does not fit"),
+    ('{"op": "fragment", "id": "1", "data": "{}", "num": 0, "total": 1}', "the unknown operation 'fragment'; known"),
 ]
 
 

@@ -35,6 +35,15 @@ async def test_a_node_reads_the_messages_of_a_client(house: House, peer: Peer) -
     assert await subscription.receive() == String(data="hi")
 
 
+async def test_a_client_that_asks_for_png_is_told_what_there_is_and_gets_json(house: House, peer: Peer) -> None:
+    house.node("lamp").create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
+    await peer.send("subscribe", id="s", topic="/state", compression="png")
+    remark = await peer.receive()
+    assert (remark["op"], remark["level"], remark["id"]) == ("status", "error", "s")
+    assert "there are none, cbor, cbor-raw" in remark["msg"]
+    assert (await peer.receive())["msg"] == {"data": "on"}
+
+
 async def test_missing_fields_are_zero_or_empty_with_a_warning(house: House, peer: Peer) -> None:
     """As ROSBRIDGE_PROTOCOL.md has it, section 3.2.3."""
     subscription = house.node("listener").create_subscription(RawMessage, "/raw")

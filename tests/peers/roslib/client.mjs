@@ -24,10 +24,6 @@ const told = { latched: {} };
 for (const compression of ["none", "png", "cbor"]) {
   told.latched[compression] = await first("/state", compression);
 }
-if (version === "2") {
-  ros.callOnConnection({ op: "subscribe", topic: "/state", compression: "png", fragment_size: 50 });
-  told.latched.fragments = await new Promise((resolve) => ros.on("/state", (frame) => resolve(frame.msg.data)));
-}
 const echoed = first("/echoed");
 new Topic({ ros, name: "/hello", messageType: "std_msgs/String" }).publish({ data: "hi" });
 told.echoed = await echoed;

@@ -400,7 +400,7 @@ def http_response(status: HTTPStatus, content_type: str, body: bytes, allow: str
 
 
 def is_roslibpy(connection: ServerConnection) -> bool:
-    """Return whether the client is roslibpy, which (to 2.1 at least) reads neither PNG nor ``status`` frames."""
+    """Return whether the client is roslibpy, which (to 2.1 at least) reads no ``status`` frames."""
     agent = connection.request.headers.get("User-Agent", "") if connection.request is not None else ""
     return agent.startswith("AutobahnPython/")
 

@@ -9,7 +9,6 @@ from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import (
     ActionFeedback,
     ActionOperation,
@@ -123,7 +122,7 @@ class SentGoals:
             if not any(goal.client is client for goal in self._goals.values()):
                 self._clients.pop(client.action_name, None)
                 client.close()
-        self._outbox.answer(frame, Packing.of(op))
+        self._outbox.answer(frame)
 
     def _forward(self, sent: _SentGoal, feedback: Message) -> None:
         op = sent.op
@@ -131,7 +130,7 @@ class SentGoals:
             return
         if self._outbox.has_room:
             frame = frame_text("action_feedback", op.id, {"action": op.action}, values=message_to_text(feedback))
-            self._outbox.answer(frame, Packing.of(op))
+            self._outbox.answer(frame)
         else:
             self._counters.feedback_lost += 1
 

@@ -11,7 +11,6 @@ from typing import Protocol, final
 
 import anyio
 
-from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.time_slices import ServerTurns
 
 _ANSWER_FACTOR = 4
@@ -19,11 +18,6 @@ _ANSWER_FACTOR = 4
 
 class MessageSource(Protocol):
     """A topic with messages for the client."""
-
-    @property
-    def packing(self) -> Packing:
-        """The form in which the client wants text."""
-        ...
 
     def next_frame(self) -> str | bytes | None:
         """Return the next frame, bytes for CBOR; None if there is none."""
@@ -46,9 +40,8 @@ class Outbox:
         self._cut = cut
         self._turns = turns
         self._limit = limit
-        self._answers: deque[tuple[str, Packing]] = deque()
+        self._answers: deque[str] = deque()
         self._waiting = 0
-        self._frames = 0
         self._sources: dict[MessageSource, None] = {}
         self._arrival = anyio.Event()
         self._room = anyio.Event()
@@ -58,12 +51,12 @@ class Outbox:
         """True if another request of the client may be answered."""
         return self._waiting < self._limit
 
-    def answer(self, frame: str, packing: Packing = PLAIN) -> None:
-        """Send *frame* as soon as possible, in the form *packing*."""
+    def answer(self, frame: str) -> None:
+        """Send *frame* as soon as possible."""
         if self._answers and self._waiting + len(frame) > _ANSWER_FACTOR * self._limit:
             self._cut()
             return
-        self._answers.append((frame, packing))
+        self._answers.append(frame)
         self._waiting += len(frame)
         self._arrival.set()
 
@@ -90,11 +83,11 @@ class Outbox:
                 await self._arrival.wait()
             await self._turns.turn()
             if self._answers:
-                text, packing = self._answers.popleft()
+                answer = self._answers.popleft()
                 try:
-                    await self._send_text(text, packing)
+                    await self._send(answer)
                 finally:
-                    self._waiting -= len(text)
+                    self._waiting -= len(answer)
                 if self.has_room:
                     self._room.set()
                     self._room = anyio.Event()
@@ -102,14 +95,5 @@ class Outbox:
             if source is not None:
                 del self._sources[source]
                 frame = source.next_frame()
-                if isinstance(frame, bytes):
+                if frame is not None:
                     await self._send(frame)
-                elif frame is not None:
-                    await self._send_text(frame, source.packing)
-
-    async def _send_text(self, text: str, packing: Packing) -> None:
-        self._frames += 1
-        for number, part in enumerate(packing.pack(text, f"fragment:{self._frames}")):
-            if number:
-                await self._turns.turn()
-            await self._send(part)

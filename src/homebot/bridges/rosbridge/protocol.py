@@ -23,7 +23,7 @@ from homebot.support.strict_json import DuplicateKeyError
 
 Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
-Compression: TypeAlias = Literal["none", "png", "cbor", "cbor-raw"]
+COMPRESSIONS = ("none", "cbor", "cbor-raw")
 _NAMES = ("service", "action", "topic")
 
 _MAX_ID = 1000
@@ -151,16 +151,14 @@ class SubscribeOperation(TopicOperation, ops=("subscribe",)):
         throttle_rate: Least milliseconds between two messages.
         queue_length: Messages that may wait while throttled, the oldest dropped first; 0 drops all. The depth of
             ``qos`` takes its place.
-        compression: The form of messages: JSON, JSON as a PNG image, CBOR, or ROS 2's own encoding (``cbor-raw``).
-        fragment_size: Characters of JSON above which a message is sent in fragments.
+        compression: The form of messages: JSON, CBOR, or ROS 2's own encoding (``cbor-raw``); others get JSON.
     """
 
     type: str = ""
     throttle_rate: Milliseconds = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
     qos: Qos = Field(default_factory=Qos)
-    compression: Compression = "none"
-    fragment_size: int | None = None
+    compression: str = "none"
 
 
 class Request(Operation):
@@ -168,13 +166,11 @@ class Request(Operation):
 
     Attributes:
         args: The fields of the request, by name or as a list in order.
-        compression: The form of answers: ``png``, or anything else for JSON.
-        fragment_size: As for a subscription.
+        compression: The form of answers that the client wants; all get JSON.
     """
 
     args: Arguments = Field(default_factory=dict)
     compression: str = "none"
-    fragment_size: int | None = None
 
 
 class ServiceOperation(Operation, ops=("unadvertise_service",)):
@@ -255,22 +251,6 @@ class AdvertiseAction(ActionOperation, ops=("advertise_action",)):
     type: Name
 
 
-class Fragment(Operation, ops=("fragment",)):
-    """A part of a frame.
-
-    Attributes:
-        id: Common to all fragments of the frame.
-        data: The text of the fragment.
-        num: Its index, from 0.
-        total: The number of fragments, which are kept until the last one arrives.
-    """
-
-    id: Id
-    data: str
-    num: Annotated[int, Field(ge=0)]
-    total: Annotated[int, Field(ge=1, le=1000)]
-
-
 def parse_frame(text: str) -> Generator[None, None, Operation]:
     """Return the operation in the frame *text*; null fields count as missing, and 1.0 is 1.
 
@@ -287,8 +267,6 @@ def parse_frame(text: str) -> Generator[None, None, Operation]:
     field: Any = fields.get("id")
     op, known_id = _op_in(fields), field if _is_identifier(field) else None
     cls = _CLASSES.get(op)
-    if op == "png":
-        raise FrameError("uses png, which is not supported for what clients send; send JSON", "", known_id)
     if cls is None:
         problem = f"uses the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
         raise FrameError(problem, "", known_id)

@@ -324,7 +324,7 @@ class RosbridgeServer:
         self._shared.counters.clients += 1
         connection.has_arrived()
         send = partial(connection.send_in_time, self._settings.stall_timeout, cut)
-        link = SessionLink(send, cut, connection.round_trip, connection.is_excused, connection.hold)
+        link = SessionLink(send, cut, connection.round_trip, connection.is_excused)
         access = handshake.access_of(connection)
         asking = OutsideClient(self._shared, access, address_of(connection))
         session = ClientSession(asking, link, is_roslibpy=is_roslibpy(connection))

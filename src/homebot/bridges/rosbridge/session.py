@@ -5,7 +5,6 @@ Frames are handled in order, each in a separate turn; service calls run concurre
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anyio
@@ -17,7 +16,6 @@ from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.client import OutsideClient, operation_text
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.packing import FrameAssembler, Packing
 from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.services import CallDelays, ProvidedServices, call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import Provisions
@@ -45,32 +43,29 @@ class SessionLink(NamedTuple):
         send: Sends a frame, waiting for room; raises LinkError if the client is gone.
         ping: Returns when the client has answered a ping.
         is_excused: Returns whether the client has been heard since the last call, or is not being read from.
-        hold: Counts bytes from the client that are kept, or no longer if negative.
     """
 
     send: Callable[[str | bytes], Awaitable[None]]
     cut: Callable[[], None]
     ping: Callable[[], Awaitable[None]]
     is_excused: Callable[[], bool]
-    hold: Callable[[int], None]
 
 
 class ClientSession:
     """The session of one client of the rosbridge server: its topics, services, actions, goals and leases.
 
     Args:
-        is_roslibpy: Whether the client is roslibpy, which gets JSON in place of PNG, and no ``status`` frames unless it
-            asks for them with ``set_level``, as it raises an exception for each.
+        is_roslibpy: Whether the client is roslibpy, which gets no ``status`` frames unless it asks for them with
+            ``set_level``, as it raises an exception for each.
     """
 
     def __init__(self, client: OutsideClient, link: SessionLink, *, is_roslibpy: bool) -> None:
-        self.client, self._link, self._reads_png = client, link, not is_roslibpy
+        self.client, self._link = client, link
         self._shared = shared = client.shared
         self._node, self._turns = shared.node, shared.turns
         self._settings = settings = shared.settings
         self._outbox = Outbox(link.send, link.cut, shared.turns, _ANSWERS)
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
-        self._assembler = FrameAssembler(settings.max_frame_bytes, link.hold)
         self._level: protocol.Level = "none" if is_roslibpy else "error"
         self._calls, self._delays = 0, CallDelays()
         self._slowness = LogLimit(shared.node.graph.clock)
@@ -151,15 +146,11 @@ class ClientSession:
         if self._publications.store_unread(frame) or self._is_refused_again(frame):
             return
         try:
-            op = await self._turns.run(self._assembler.read(frame))
+            op = await self._turns.run(protocol.parse_frame(frame))
         except protocol.FrameError as exc:
             text = f": {_refusal(exc.op, exc.name, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
             self.client.log_refusal(text, exc.op or "frame", exc.problem)
             self._answer(exc, str(exc))
-            return
-        if op is None:
-            self._shared.counters.fragments_dropped += self._assembler.dropped
-            self._assembler.dropped = 0
             return
         try:
             self._check(op)
@@ -203,8 +194,9 @@ class ClientSession:
     def _do(self, op: protocol.Operation, size: int) -> None:
         if op.op in _OPENING:
             self._check_room()
-        if not self._reads_png and getattr(op, "compression", "") == "png":
-            op = op.model_copy(update={"compression": "none"})
+        if (asked := getattr(op, "compression", "none")) not in protocol.COMPRESSIONS:
+            known = ", ".join(protocol.COMPRESSIONS)
+            self._remark("error", f"there is no compression {asked[:60]!r}, so JSON comes; there are {known}", op.id)
         if isinstance(op, protocol.ActionOperation) and self._goals is None:
             from homebot.bridges.rosbridge.goals import ProvidedActions, SentGoals  # noqa: PLC0415 - with the first one
 
@@ -248,8 +240,7 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            answer = partial(self._outbox.answer, packing=Packing.of(op))
-            await call_service(self._node, op, self._turns, self.client.access, answer, self._on_request)
+            await call_service(self._node, op, self._turns, self.client.access, self._outbox.answer, self._on_request)
         finally:
             self._calls -= 1
 

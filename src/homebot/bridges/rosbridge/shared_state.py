@@ -42,7 +42,6 @@ class RosbridgeCounters:
         slowed_down: Frames delayed because their client sends too many.
         clients_cut: Clients cut off because they did not read.
         clients_vanished: Clients cut off because they did not answer a ping while they had a goal or lease.
-        fragments_dropped: Incomplete fragmented frames displaced by newer ones.
         feedback_lost: Feedback dropped because a client did not read.
     """
 
@@ -54,7 +53,6 @@ class RosbridgeCounters:
     slowed_down: int = 0
     clients_cut: int = fault()
     clients_vanished: int = 0
-    fragments_dropped: int = loss()
     feedback_lost: int = loss()
 
 

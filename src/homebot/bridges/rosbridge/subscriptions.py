@@ -14,9 +14,7 @@ from homebot.bridges.rosbridge.access import right_to_publish
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import (
-    Compression,
     Identifier,
     SubscribeOperation,
     TopicOperation,
@@ -30,7 +28,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.rights import Right
 
-_BINARY: frozenset[Compression] = frozenset({"cbor", "cbor-raw"})
+_BINARY = frozenset({"cbor", "cbor-raw"})
 
 
 class Subscriptions:
@@ -147,13 +145,6 @@ class Feed:
     def lost(self) -> int:
         """Messages dropped because the client was too slow."""
         return self._queue.lost
-
-    @property
-    def packing(self) -> Packing:
-        """The form of text messages, with the shortest fragments that a request of the client asks for."""
-        requests = self.requests.values()
-        sizes = [op.fragment_size for op in requests if op.fragment_size is not None and op.fragment_size > 0]
-        return Packing(any(op.compression == "png" for op in requests), min(sizes, default=0))
 
     def add(self, op: SubscribeOperation) -> None:
         """Add a request of the client, which gets the messages for late joiners, unless a publisher has none."""

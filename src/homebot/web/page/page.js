@@ -1,1 +1,1 @@
-import"./chunk-6UZFJIYX.js";
+import"./chunk-7LUV2XNT.js";
