@@ -1,4 +1,7 @@
-"""Changes of a file of TOML as its owner would write them: comments, order and blanks stay. Pure."""
+"""Changes of a file of TOML as its owner would write them: comments, order and blanks stay. Pure.
+
+tomlkit (0.15) takes the comment above a table for the end of the one before: it goes or parts with its table.
+"""
 
 import re
 import tomllib
