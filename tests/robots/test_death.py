@@ -40,7 +40,7 @@ class Client:
         self._frames, self._received = anyio.create_memory_object_stream[str](100)
         self._is_there = True
         self._is_cut = anyio.Event()
-        link = SessionLink(self._send, self._is_cut.set, self._ping, bool, lambda _: None)
+        link = SessionLink(self._send, self._is_cut.set, self._ping, bool)
         client = OutsideClient(self.shared, ClientAccess("rosie", read_scope(SCOPE), OWNERS), "rosie")
         self._session = ClientSession(client, link, is_roslibpy=False)
 
